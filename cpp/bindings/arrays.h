@@ -1,0 +1,52 @@
+#pragma once
+// numpy ↔ C++: arrays checked with errors that name the argument.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <string>
+#include <vector>
+
+#include "viscache/math/vec.h"
+
+namespace viscache::bindings {
+
+namespace py = pybind11;
+using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using UintArray = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
+
+inline std::string shape_text(const py::array& a) {
+    std::string s = "(";
+    for (py::ssize_t i = 0; i < a.ndim(); ++i) s += (i ? ", " : "") + std::to_string(a.shape(i));
+    return s + (a.ndim() == 1 ? ",)" : ")");
+}
+
+/// Refuses anything but (N, columns); the error names the argument and the shape given.
+inline void require_rows(const py::array& a, py::ssize_t columns, const char* name) {
+    if (a.ndim() != 2 || a.shape(1) != columns)
+        throw py::value_error(std::string(name) + " must have shape (N, " + std::to_string(columns) + "), got " +
+                              shape_text(a));
+}
+
+/// Rows of an (N, 3) array, without a copy; valid while the array lives.
+inline const Vec3* rows3(const FloatArray& a, const char* name) {
+    require_rows(a, 3, name);
+    return reinterpret_cast<const Vec3*>(a.data());
+}
+
+inline std::vector<Vec3> vec3s(const FloatArray& a, const char* name) {
+    const Vec3* rows = rows3(a, name);
+    return {rows, rows + a.shape(0)};
+}
+
+inline Vec3 vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+inline std::array<float, 3> array3(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// A new (N, 3) array with the given rows.
+inline py::array_t<float> from_vec3s(const std::vector<Vec3>& v) {
+    py::array_t<float> a({py::ssize_t(v.size()), py::ssize_t(3)});
+    if (!v.empty()) std::memcpy(a.mutable_data(), v.data(), v.size() * sizeof(Vec3));
+    return a;
+}
+
+}  // namespace viscache::bindings

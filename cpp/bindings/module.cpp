@@ -1,0 +1,16 @@
+// The Python module viscache._core: one bind_<folder>.cpp per folder of the core.
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+namespace viscache::bindings {
+void bind_math(py::module_& m);
+void bind_description(py::module_& m);
+}  // namespace viscache::bindings
+
+PYBIND11_MODULE(_core, m) {
+    using namespace viscache::bindings;
+    m.doc() = "C++ core of viscache; use the package viscache, not this module.";
+    bind_math(m);
+    bind_description(m);
+}

@@ -1,0 +1,55 @@
+#pragma once
+// Affine transforms: three rows of four, applied to column vectors.
+#include <array>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+struct Affine {
+    /// m[row][column]; column 3 is the translation. The identity by default.
+    std::array<std::array<double, 4>, 3> m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+    Vec3 point(Vec3 p) const { return apply(p, 1.0); }
+    Vec3 vector(Vec3 v) const { return apply(v, 0.0); }
+    /// Normals transform by the inverse transpose = cofactors / determinant; not normalised.
+    Vec3 normal(Vec3 n) const;
+    double determinant() const {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+               m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+
+private:
+    Vec3 apply(Vec3 v, double w) const {
+        double r[3];
+        for (int i = 0; i < 3; ++i) r[i] = m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z + m[i][3] * w;
+        return {float(r[0]), float(r[1]), float(r[2])};
+    }
+};
+
+inline Vec3 Affine::normal(Vec3 n) const {
+    const double sign = determinant() < 0 ? -1 : 1;
+    double r[3];
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double c[3] = {m[j][1] * m[k][2] - m[j][2] * m[k][1],
+                             m[j][2] * m[k][0] - m[j][0] * m[k][2],
+                             m[j][0] * m[k][1] - m[j][1] * m[k][0]};
+        r[i] = sign * (c[0] * n.x + c[1] * n.y + c[2] * n.z);
+    }
+    return {float(r[0]), float(r[1]), float(r[2])};
+}
+
+/// The transform that applies `b` first, then `a`.
+inline Affine operator*(const Affine& a, const Affine& b) {
+    Affine c;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 4; ++j) {
+            c.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j];
+            if (j == 3) c.m[i][j] += a.m[i][3];
+        }
+    return c;
+}
+
+}  // namespace viscache

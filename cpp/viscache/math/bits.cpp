@@ -1,0 +1,62 @@
+#include "viscache/math/bits.h"
+
+#include <algorithm>
+
+namespace viscache {
+
+uint16_t column16(const BitMatrix& m, size_t first_row, size_t k) {
+    const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));
+    uint16_t column = 0;
+    for (size_t i = 0; i < n; ++i) column |= uint16_t(uint16_t(m.get(first_row + i, k)) << i);
+    return column;
+}
+
+namespace {
+
+/// Transposes an 8×8 bit block held in a word, byte i = row i (Hacker's Delight, 7-3).
+Word transpose8(Word x) {
+    Word t = (x ^ (x >> 7)) & 0x00AA00AA00AA00AAull;
+    x ^= t ^ (t << 7);
+    t = (x ^ (x >> 14)) & 0x0000CCCC0000CCCCull;
+    x ^= t ^ (t << 14);
+    t = (x ^ (x >> 28)) & 0x00000000F0F0F0F0ull;
+    return x ^ t ^ (t << 28);
+}
+
+}  // namespace
+
+void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]) {
+    const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));
+    Word rows[16] = {};
+    for (size_t i = 0; i < n; ++i) rows[i] = m.row(first_row + i)[w];
+    for (size_t byte = 0; byte < 8; ++byte) {
+        Word low = 0, high = 0;
+        for (size_t i = 0; i < 8; ++i) {
+            low |= (rows[i] >> (8 * byte) & 0xff) << (8 * i);
+            high |= (rows[8 + i] >> (8 * byte) & 0xff) << (8 * i);
+        }
+        low = transpose8(low), high = transpose8(high);
+        for (size_t j = 0; j < 8; ++j)
+            columns[8 * byte + j] = uint16_t((low >> (8 * j) & 0xff) | (high >> (8 * j) & 0xff) << 8);
+    }
+}
+
+void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t columns[64]) {
+    const size_t n = std::min<size_t>(16, m.rows() - std::min(m.rows(), first_row));
+    Word rows[16] = {};
+    for (size_t byte = 0; byte < 8; ++byte) {
+        Word low = 0, high = 0;
+        for (size_t j = 0; j < 8; ++j) {
+            low |= Word(columns[8 * byte + j] & 0xff) << (8 * j);
+            high |= Word(columns[8 * byte + j] >> 8) << (8 * j);
+        }
+        low = transpose8(low), high = transpose8(high);
+        for (size_t i = 0; i < 8; ++i) {
+            rows[i] |= (low >> (8 * i) & 0xff) << (8 * byte);
+            rows[8 + i] |= (high >> (8 * i) & 0xff) << (8 * byte);
+        }
+    }
+    for (size_t i = 0; i < n; ++i) m.row(first_row + i)[w] |= rows[i];
+}
+
+}  // namespace viscache

@@ -1,0 +1,78 @@
+#pragma once
+// Bits in words: single bits, spans of bits, and the bit matrix that carries visibility.
+//
+// Visibility is bits: rows are eye points, columns are far ends (lights, VPLs, sky directions);
+// 1 = visible. Column k is bit k % 64 of word k / 64. Rows are padded to 512 bits and 64-byte
+// aligned; padding bits are always 0.
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <span>
+
+namespace viscache {
+
+using Word = uint64_t;
+constexpr size_t kWordBits = 64;
+constexpr size_t kRowAlignmentWords = 8;  // 512 bits
+
+inline bool get_bit(const Word* words, size_t k) { return words[k / kWordBits] >> (k % kWordBits) & 1; }
+inline void set_bit(Word* words, size_t k) { words[k / kWordBits] |= Word{1} << (k % kWordBits); }
+inline void clear_bit(Word* words, size_t k) { words[k / kWordBits] &= ~(Word{1} << (k % kWordBits)); }
+inline size_t words_for(size_t bits) { return (bits + kWordBits - 1) / kWordBits; }
+/// Words of one padded row that holds `columns` bits.
+inline size_t row_words_for(size_t columns) {
+    return (words_for(columns) + kRowAlignmentWords - 1) / kRowAlignmentWords * kRowAlignmentWords;
+}
+/// Calls visit(k) for every set bit, lowest first.
+template <class Visit>
+void for_each_bit(std::span<const Word> words, Visit visit) {
+    for (size_t w = 0; w < words.size(); ++w)
+        for (Word rest = words[w]; rest; rest &= rest - 1)
+            visit(w * kWordBits + size_t(std::countr_zero(rest)));
+}
+
+/// Rows × columns bits; see the head of this file.
+class BitMatrix {
+public:
+    BitMatrix() = default;
+    BitMatrix(size_t rows, size_t columns) { reset(rows, columns); }
+
+    /// Takes the new size; every bit becomes 0. Memory is kept when it suffices.
+    void reset(size_t rows, size_t columns) {
+        rows_ = rows, columns_ = columns, row_words_ = row_words_for(columns);
+        const size_t words = rows_ * row_words_;
+        if (words > capacity_) {
+            data_.reset(static_cast<Word*>(::operator new[](words * sizeof(Word), std::align_val_t{64})));
+            capacity_ = words;
+        }
+        if (words) std::memset(data_.get(), 0, words * sizeof(Word));
+    }
+    size_t rows() const { return rows_; }
+    size_t columns() const { return columns_; }
+    size_t row_words() const { return row_words_; }
+    Word* row(size_t r) { return data_.get() + r * row_words_; }
+    const Word* row(size_t r) const { return data_.get() + r * row_words_; }
+    std::span<Word> row_span(size_t r) { return {row(r), row_words_}; }
+    std::span<const Word> row_span(size_t r) const { return {row(r), row_words_}; }
+    bool get(size_t r, size_t k) const { return get_bit(row(r), k); }
+    void set(size_t r, size_t k) { set_bit(row(r), k); }
+
+private:
+    struct AlignedDelete {
+        void operator()(Word* p) const { ::operator delete[](p, std::align_val_t{64}); }
+    };
+    std::unique_ptr<Word[], AlignedDelete> data_;
+    size_t rows_ = 0, columns_ = 0, row_words_ = 0, capacity_ = 0;
+};
+
+/// Column view of 16 rows: bit i of the answer is bit k of row first + i. Rows past the end count as 0.
+uint16_t column16(const BitMatrix& m, size_t first_row, size_t k);
+/// Transposes words: for the 16 rows from `first_row` and the 64 columns of word w, columns[j] holds column 64·w + j.
+void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]);
+/// The inverse: ors 64 columns of 16 bits into the rows.
+void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t columns[64]);
+
+}  // namespace viscache

@@ -1,0 +1,31 @@
+#pragma once
+// Pinhole camera.
+#include <string>
+
+#include "viscache/math/frame.h"
+
+namespace viscache {
+
+struct Camera {
+    std::string name = "camera";
+    Vec3 origin{0, 0, 0};
+    Vec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  ///< orthonormal; image x grows along right, y against up
+    float fov_y_rad = 0.8f;                               ///< full vertical angle of view
+    int width = 640, height = 400;                        ///< what the file asks for; render's size wins
+    bool fov_is_horizontal = false;  ///< true: `fov_y_rad` is the angle across the width instead
+};
+
+/// Camera at `origin` looking at `target`. Falls back to another up vector when `up` is parallel to the view.
+inline Camera look_at(Vec3 origin, Vec3 target, Vec3 up, float fov_y_rad) {
+    Camera c;
+    c.origin = origin;
+    c.forward = normalize(target - origin);
+    Vec3 right = cross(c.forward, up);
+    if (length2(right) < 1e-12f * std::max(1e-30f, length2(up))) right = frame_around(c.forward).x;
+    c.right = normalize(right);
+    c.up = cross(c.right, c.forward);
+    c.fov_y_rad = fov_y_rad;
+    return c;
+}
+
+}  // namespace viscache

@@ -1,0 +1,88 @@
+#pragma once
+// What a loader or a program says about a scene, before it is frozen into the immutable `Scene`.
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "viscache/math/affine.h"
+#include "viscache/scene/camera.h"
+#include "viscache/scene/material.h"
+
+namespace viscache {
+
+/// A scene file or array that cannot be used; says the file, the place and what was found.
+class SceneError : public std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct Mesh {
+    std::string name;
+    std::vector<Vec3> vertices;
+    std::vector<Vec3u> triangles;
+    std::vector<Vec3> normals;  ///< shading normals per vertex; empty = the geometric normal
+    std::vector<Vec2> uvs;      ///< per vertex; empty = (0, 0). v grows upwards: row 0 of an image is v = 1
+    int material = 0;
+    Rgb emission{};             ///< radiance of an area light; zero = none
+    bool emits_two_sided = false;
+    bool in_world = true;       ///< false: only seen through instances
+};
+
+/// Meshes placed together by one transform. Single level: a group holds no instances.
+struct Instance {
+    std::vector<int> meshes;
+    Affine to_world;
+};
+
+struct PointLight {
+    Vec3 position;
+    Rgb intensity;  ///< W/sr
+};
+
+struct DirectionalLight {
+    Vec3 direction;  ///< unit vector *towards* the light
+    Rgb irradiance;  ///< W/m² on a surface that faces it
+};
+
+/// A sphere that emits: sampled analytically, traced tessellated (the tessellation is not counted as triangles).
+struct SphereLight {
+    Vec3 center;
+    float radius = 1;
+    Rgb radiance;
+};
+
+struct Image {
+    std::string path;   ///< file the scene asks for; empty for images given as arrays
+    std::string where;  ///< "file:line" that asks for it
+    bool srgb = true;   ///< 8-bit values are sRGB-encoded colour (false: linear data)
+    int width = 0, height = 0, channels = 0;  ///< 0 until decoded
+    std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
+};
+
+struct Environment {
+    Rgb scale{1, 1, 1};  ///< constant radiance, or factor on the image
+    int image = -1;      ///< lat-long image; -1 = constant
+    Affine to_world;     ///< rotation from the map's frame. There, direction d is at u = atan2(d.x, -d.z)/2π mod 1
+                         ///< (column, left to right) and v = acos(d.y)/π (row, top to bottom), as in Mitsuba 3
+};
+
+struct Warning {
+    std::string where;  ///< "file:line"
+    std::string text;   ///< what is not modelled, and what was done instead
+};
+
+struct SceneDescription {
+    std::string name;
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<Material> materials;
+    std::vector<Image> images;
+    std::vector<PointLight> point_lights;
+    std::vector<DirectionalLight> directional_lights;
+    std::vector<SphereLight> sphere_lights;
+    std::optional<Environment> environment;
+    std::vector<Camera> cameras;
+    std::vector<Warning> warnings;
+};
+
+}  // namespace viscache

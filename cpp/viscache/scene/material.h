@@ -1,0 +1,26 @@
+#pragma once
+// The few materials a visibility study needs. File formats map theirs to the nearest of these.
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+enum class MaterialKind : uint8_t {
+    kDiffuse,     ///< Lambertian: `base_color`
+    kGlossy,      ///< Lambertian `base_color` plus a GGX lobe: `specular` (reflectance at 0°), `roughness`
+    kMirror,      ///< perfect mirror: `specular`
+    kDielectric,  ///< smooth glass: `eta`; reflects and refracts
+};
+
+struct Material {
+    MaterialKind kind = MaterialKind::kDiffuse;
+    Rgb base_color{0.5f, 0.5f, 0.5f};  ///< albedo of the Lambertian part, in [0, 1]
+    Rgb specular{1, 1, 1};             ///< reflectance of the GGX or mirror part at normal incidence
+    float roughness = 0.1f;            ///< GGX alpha, in [1e-3, 1]
+    float eta = 1.5f;                  ///< interior over exterior index of refraction
+    bool two_sided = true;             ///< false: the back side is black
+    int base_texture = -1;             ///< image that multiplies `base_color`; -1 = none
+    int alpha_texture = -1;            ///< image whose alpha (or value) cuts holes; -1 = none
+    float alpha_cutoff = 0.5f;         ///< below: there is no surface
+};
+
+}  // namespace viscache

@@ -1,0 +1,64 @@
+#pragma once
+// What a frame counts. One object per work item, merged in a fixed order.
+#include <array>
+#include <cstdint>
+
+namespace viscache {
+
+constexpr int kLightGroups = 6;
+/// Light groups of a frame, in this order everywhere.
+enum class LightGroup : int { kPoint, kDirectional, kArea, kEnvironment, kVpl, kAmbient };
+constexpr const char* kLightGroupNames[kLightGroups] = {"point", "directional", "area", "environment", "vpl", "ambient"};
+constexpr int kMaxLevels = 32;
+
+struct GroupCounters {
+    uint64_t queries = 0;   ///< visibility tests the renderer asked for
+    uint64_t occluded = 0;  ///< of these, answered "blocked"
+    uint64_t rays = 0;      ///< shadow rays traced for them
+};
+
+struct Counters {
+    std::array<GroupCounters, kLightGroups> groups;
+    uint64_t camera_rays = 0;       ///< rays of eye paths, mirror and glass branches included
+    uint64_t light_rays = 0;        ///< rays of VPL tracing and of resampling
+    uint64_t brdf_rays = 0;         ///< rays of BRDF sampling towards the environment (asked through the oracle they count as queries instead)
+    // Quantized cache
+    std::array<uint64_t, kMaxLevels> rays_per_level{};
+    uint64_t leftover_rays = 0;     ///< waves: bits active for a pixel but not for its representative
+    uint64_t lookups = 0, hits = 0; ///< table or row look-ups of single bits, without neighbour probes
+    uint64_t neighbour_probes = 0, nil_neighbours = 0;
+    uint64_t evictions = 0;         ///< writes over another key
+    uint64_t bypassed = 0;          ///< queries traced without the cache (non-finite input, degenerate normal)
+    uint64_t clamped_low = 0;       ///< R < 1
+    uint64_t clamped_high = 0;      ///< R > R_max
+    uint64_t clamped_nan = 0;       ///< R not a number: finest
+    uint64_t boundary_queries = 0;  ///< queries whose cell disagrees with a neighbour at the last level looked at
+    uint64_t cells = 0;             ///< eye cells made
+    uint64_t table_writes = 0, table_slots = 0;  ///< hash form: occupancy = 1 − exp(−writes/slots) expected
+    double expected_false_hits = 0;
+    uint64_t non_finite = 0;        ///< contributions dropped because they were not finite
+
+    uint64_t queries() const { uint64_t n = 0; for (auto& g : groups) n += g.queries; return n; }
+    uint64_t rays() const { uint64_t n = 0; for (auto& g : groups) n += g.rays; return n; }
+    GroupCounters& group(int i) { return groups[size_t(i)]; }
+    void merge(const Counters& b);
+};
+
+inline void Counters::merge(const Counters& b) {
+    for (int i = 0; i < kLightGroups; ++i) {
+        groups[i].queries += b.groups[i].queries;
+        groups[i].occluded += b.groups[i].occluded;
+        groups[i].rays += b.groups[i].rays;
+    }
+    for (int i = 0; i < kMaxLevels; ++i) rays_per_level[i] += b.rays_per_level[i];
+    camera_rays += b.camera_rays, light_rays += b.light_rays, brdf_rays += b.brdf_rays;
+    leftover_rays += b.leftover_rays, lookups += b.lookups, hits += b.hits;
+    neighbour_probes += b.neighbour_probes, nil_neighbours += b.nil_neighbours;
+    evictions += b.evictions, bypassed += b.bypassed;
+    clamped_low += b.clamped_low, clamped_high += b.clamped_high, clamped_nan += b.clamped_nan;
+    boundary_queries += b.boundary_queries, cells += b.cells;
+    table_writes += b.table_writes, table_slots += b.table_slots;
+    expected_false_hits += b.expected_false_hits, non_finite += b.non_finite;
+}
+
+}  // namespace viscache

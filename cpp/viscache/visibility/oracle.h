@@ -1,0 +1,71 @@
+#pragma once
+// The seam for "does X see Y?". An oracle may answer without a ray.
+//
+// One oracle object serves one worker thread and one tile at a time: begin_tile, then any number of
+// block and pairs calls about that tile's eye points. What an oracle remembers never outlives the tile,
+// so that answers do not depend on threads.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "viscache/math/bits.h"
+#include "viscache/math/vec.h"
+#include "viscache/visibility/counters.h"
+
+namespace viscache {
+
+/// What the far end of a connection is; the numbers are the paper's semantic index (AQVC Sec. 3.5).
+enum class Semantic : uint8_t { kPoint = 0, kDirection = 1, kSurface = 2, kSolidAngle = 3 };
+
+/// The near ends of a tile in processing order: along the tile's Morton order, so that 16 neighbours lie close
+/// together. "Eye point" = sample × mirror/glass branch × side of the surface.
+struct EyeBlock {
+    std::vector<Vec3> position;        ///< on the surface
+    std::vector<Vec3> normal;          ///< unit geometric normal on the side the connections leave from
+    std::vector<Vec3> origin;          ///< spawn(position, normal): where rays start
+    std::vector<float> density;        ///< D_e = N_S·P_e: eye samples per unit area at the point
+    std::vector<uint32_t> order_x, order_y;  ///< sample position inside the tile, for Halton–Morton order
+    uint32_t tile_width = 0, tile_height = 0;  ///< extent of order_x, order_y
+    size_t size() const { return position.size(); }
+    void clear() {
+        position.clear(), normal.clear(), origin.clear(), density.clear(), order_x.clear(), order_y.clear();
+    }
+};
+
+/// One light group whose members are shared by all eye points: the columns of a block.
+struct FarEnds {
+    Semantic semantic = Semantic::kPoint;
+    std::vector<float> x, y, z;     ///< positions, or unit directions towards the light; padded to 512 columns
+    std::vector<float> nx, ny, nz;  ///< surface normals (kSurface only, else zeros); padded
+    std::vector<float> tx, ty, tz;  ///< where shadow rays end: position spawned off its own surface; = x, y, z for the rest
+    std::vector<float> density;     ///< D_l = M·P_l: light samples per m² (kSurface) or per sr (kSolidAngle); else 0
+    size_t count = 0;               ///< columns in use
+    int group = 0;                  ///< index of the light group: selects C_E and refinement
+};
+
+/// One connection whose far end belongs to one eye point alone.
+struct ShadowQuery {
+    uint32_t eye = 0;  ///< index into the EyeBlock
+    Semantic semantic = Semantic::kPoint;
+    uint8_t group = 0;
+    Vec3 far;           ///< position, or unit direction
+    Vec3 far_normal;    ///< kSurface only
+    Vec3 ray_end;       ///< where the shadow ray ends (position spawned off its surface); unused for directions
+    float density = 0;  ///< D_l at the far end
+};
+
+class VisibilityOracle {
+public:
+    virtual ~VisibilityOracle() = default;
+    /// Forgets the tile before and learns the eye points of the next one.
+    virtual void begin_tile(const EyeBlock& eyes) = 0;
+    /// Eye points × one light group; only the set bits of `wanted` are asked. `visible` arrives zeroed, of equal size.
+    virtual void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                       Counters& counters) = 0;
+    /// Any connections of the tile's eye points. Bit i of `visible` (zeroed on entry) answers queries[i].
+    virtual void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                       Counters& counters) = 0;
+};
+
+}  // namespace viscache

@@ -1,0 +1,47 @@
+#pragma once
+// Segments between two points, and the one home of self-intersection offsets.
+#include <cmath>
+#include <cstdint>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+/// Offsets are this many units in the last place of the largest coordinate in play; tuned by the extremes tests.
+constexpr float kOffsetUlps = 32.f;
+constexpr float kUlp = 1.1920929e-7f;  // 2^-23
+/// No coordinate or direction component may exceed this: Embree's live asserts abort at 2e18.
+constexpr float kMaxCoordinate = 1e16f;
+
+struct Ray {
+    Vec3 o;
+    float t_min = 0;
+    Vec3 d;
+    float t_max = kInfinity;
+};
+
+inline float max_abs(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+/// How far to leave a surface at p: kOffsetUlps ulps of the larger of |p| and `extent` (Scene::offset_extent).
+inline float spawn_offset(Vec3 p, float extent) {
+    return kOffsetUlps * kUlp * std::max(max_abs(p), extent);
+}
+
+/// Origin of a ray that leaves the surface at p towards the side of unit normal n (n·wi > 0).
+inline Vec3 spawn(Vec3 p, Vec3 n, float extent) { return p + n * spawn_offset(p, extent); }
+
+/// Relative shortening of a segment x→y without normals: visible(x, y) traces t in [e, 1 − e].
+inline float segment_epsilon(Vec3 x, Vec3 y) {
+    const float distance = length(y - x);
+    return distance > 0 ? kOffsetUlps * kUlp * std::max(max_abs(x), max_abs(y)) / distance : kInfinity;
+}
+
+/// Segment from a spawned origin to a point y that lies in free space (a point light): stops just short of y.
+inline Ray segment_to_point(Vec3 origin, Vec3 y, float extent) {
+    Ray r{origin, 0, y - origin, 1};
+    const float d = length(r.d);
+    r.t_max = d > 0 ? 1.f - std::min(1.f, spawn_offset(y, extent) / d) : 0.f;
+    return r;
+}
+
+}  // namespace viscache

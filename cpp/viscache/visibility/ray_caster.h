@@ -1,0 +1,43 @@
+#pragma once
+// The seam for "which rays hit, and where?". Exact up to float.
+#include <cstdint>
+#include <span>
+
+#include "viscache/visibility/query.h"
+
+namespace viscache {
+
+/// Sixteen rays side by side; lanes outside the mask of a call are ignored but must be finite.
+struct alignas(64) RayPacket16 {
+    float ox[16], oy[16], oz[16], t_min[16];
+    float dx[16], dy[16], dz[16], t_max[16];
+};
+
+/// Packets whose rays start near each other and end near each other may ask for coherent traversal. Never changes an answer.
+enum class Coherence { kIncoherent, kCoherent };
+
+constexpr uint32_t kNoHit = 0xffffffffu;
+
+struct Hit {
+    float t = kInfinity;
+    uint32_t mesh = kNoHit;      ///< index into Scene's meshes; kNoHit = nothing hit
+    uint32_t triangle = kNoHit;  ///< index inside that mesh
+    uint32_t instance = kNoHit;  ///< kNoHit = not instanced
+    float u = 0, v = 0;          ///< barycentrics of vertices 1 and 2
+    bool valid() const { return mesh != kNoHit; }
+};
+
+/// Rays handed in must be finite, with components below kMaxCoordinate in size and t_min >= 0
+/// (`check_rays` tests user input); everything built from a Scene satisfies that.
+class RayCaster {
+public:
+    virtual ~RayCaster() = default;
+    /// Nearest hit of every ray.
+    virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits) const = 0;
+    /// Any hit: sets occluded[i] to 1 or 0.
+    virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const = 0;
+    /// Any hit of the lanes in `mask`; returns the mask of occluded lanes. `rays` may be overwritten.
+    virtual uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const = 0;
+};
+
+}  // namespace viscache
