@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "interrupt.h"
+#include "viscache/aqvc/quantized_cache.h"
 #include "viscache/render/frame.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
@@ -133,6 +134,17 @@ void bind_render(py::module_& m) {
           py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
           py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = true,
           py::arg("progress") = py::none());
+    m.def("render_aqvc",
+          [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
+             const FrameSettings& frame, const AqvcParameters& parameters, const py::object& progress) {
+              parameters.validate();
+              return dict_of(render(scene, caster, camera, integrator, frame, [&] {
+                  return std::make_unique<QuantizedCache>(caster, parameters, scene.center(), scene.radius(),
+                                                          scene.offset_extent(), frame.spp);
+              }, progress));
+          },
+          py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
+          py::arg("parameters"), py::kw_only(), py::arg("progress") = py::none());
 }
 
 }  // namespace viscache::bindings

@@ -4,6 +4,7 @@
 namespace py = pybind11;
 
 namespace viscache::bindings {
+void bind_aqvc(py::module_& m);
 void bind_description(py::module_& m);
 void bind_math(py::module_& m);
 void bind_render(py::module_& m);
@@ -14,6 +15,7 @@ void bind_scene_info(py::module_& m);
 PYBIND11_MODULE(_core, m) {
     using namespace viscache::bindings;
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
+    bind_aqvc(m);
     bind_description(m);
     bind_math(m);
     bind_scene(m);

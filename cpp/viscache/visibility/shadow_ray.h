@@ -29,11 +29,8 @@ inline Ray shadow_ray(const EyeBlock& eyes, const ShadowQuery& q, float extent) 
     return segment_to_point(eyes.origin[q.eye], q.ray_end, extent);
 }
 
-/// True if the caster may be asked for this ray; others count as bypassed and occluded.
-inline bool is_traceable(const Ray& r) {
-    return max_abs(r.o) <= kMaxCoordinate && max_abs(r.d) <= kMaxCoordinate && is_finite(r.o) && is_finite(r.d) &&
-           r.t_max > 0;
-}
+/// True if rays may start, end or point there; connections with other ends are never traced and count as bypassed.
+inline bool is_traceable(Vec3 p) { return is_finite(p) && max_abs(p) <= kMaxCoordinate; }
 
 /// Puts one ray into a lane of a packet.
 inline void set_lane(RayPacket16& packet, int lane, const Ray& r) {
