@@ -78,7 +78,8 @@ void columns_written_back_give_the_matrix() {
 
 void isa_choice_is_supported() {
     check(active_isa() <= best_isa(), "the variant in use is one the CPU has");
-    for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512}) check(isa_name(isa) != "unknown", "every ISA has a name");
+    for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
+        check(isa_name(isa) != "unknown", "every ISA has a name");
 }
 
 Affine sheared(double scale) {
@@ -98,7 +99,8 @@ void normals_stay_perpendicular() {
     }
 }
 
-// A mirrored surface keeps its normal on the side of the transformed one: n' · (A n) > 0 for A = diag(-1, 1, 1).
+// A mirrored surface keeps its normal on the side of the transformed one: n' · (A n) > 0 for A = diag(-1, 1,
+// 1).
 void normals_keep_their_side_under_mirrors() {
     Affine mirror;
     mirror.m[0][0] = -1;

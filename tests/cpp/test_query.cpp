@@ -12,7 +12,8 @@ void spawned_points_leave_the_surface() {
         for (Vec3 n : {Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0.6f, 0, 0.8f}}) {
             const Vec3 p{size, -size, 0.5f * size};
             const Vec3 q = spawn(p, n, size);
-            check(dot(q - p, n) > 0, "a spawned point lies on the side of the normal, also far from the origin");
+            check(dot(q - p, n) > 0,
+                  "a spawned point lies on the side of the normal, also far from the origin");
             check(length(q - p) < 1e-4f * size, "a spawned point stays near the surface");
         }
 }
@@ -43,7 +44,8 @@ const Suite suite{
     {"query: spawned points leave the surface", spawned_points_leave_the_surface},
     {"query: offsets scale with the scene", offsets_scale_with_the_scene},
     {"query: segments stop short of their end", segments_stop_short_of_their_end},
-    {"query: the relative epsilon grows with the coordinates", relative_epsilon_grows_with_distance_from_the_origin},
+    {"query: the relative epsilon grows with the coordinates",
+     relative_epsilon_grows_with_distance_from_the_origin},
 };
 
 }  // namespace
