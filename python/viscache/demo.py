@@ -1,4 +1,4 @@
-"""The demonstration behind `scripts/demo`: sweep the quantized cache, print the table, write a report.
+"""The demonstration behind `scripts/demo`: sweep the quantized cache and write a report.
 
 `python -m viscache.demo` renders a built-in room, and the living room of a folder of scenes where
 there is one, with exact visibility and with the cache over two parameters. What is already in the
@@ -22,7 +22,7 @@ SWEEPS: tuple[tuple[str, str, dict[str, list[float]]], ...] = (
 
 
 def table(dataset: Any) -> str:
-    """One line per point: its parameters, queries per ray, error and speed-up over exact visibility."""
+    """One line per point: parameters, error, queries per ray, speed-up over exact visibility."""
     columns = ["rel_l1", "ray_reduction", "speedup"]
     frame = dataset[columns].to_dataframe().reset_index()
     return str(frame.drop(columns="repeat").to_string(index=False, float_format="{:.4g}".format))
