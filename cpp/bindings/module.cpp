@@ -6,6 +6,7 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_math(py::module_& m);
 void bind_description(py::module_& m);
+void bind_loaders(py::module_& m);
 }  // namespace viscache::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -13,4 +14,5 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
     bind_math(m);
     bind_description(m);
+    bind_loaders(m);
 }
