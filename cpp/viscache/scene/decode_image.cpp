@@ -17,6 +17,8 @@
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
+#include "viscache/scene/spectra.h"
+
 namespace viscache::loading {
 
 namespace {
@@ -26,8 +28,6 @@ constexpr uint64_t kMaxPixels = uint64_t(1) << 28;
 struct StbFree {
     void operator()(void* p) const { stbi_image_free(p); }
 };
-
-float srgb_to_linear(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
 
 bool is_alpha(int channel, int channels) { return (channels == 2 || channels == 4) && channel == channels - 1; }
 
