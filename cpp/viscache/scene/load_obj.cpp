@@ -280,8 +280,8 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
 
 }  // namespace
 
-std::vector<Mesh> read_obj(const std::string& path, Loading* materials) {
-    std::string text = read_file(path);
+std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at) {
+    std::string text = read_file(path, asked_at);
     CheckedLines lines(text, path, check_obj_line);
     std::istream in(&lines);
     in.exceptions(std::ios::badbit);

@@ -277,8 +277,8 @@ void skip_rows(const Element& e, Values& values) {
 
 }  // namespace
 
-Mesh read_ply(const std::string& path) {
-    const std::string text = read_file(path);
+Mesh read_ply(const std::string& path, const std::string& asked_at) {
+    const std::string text = read_file(path, asked_at);
     const Header header = read_header(text, path);
     Mesh mesh;
     Values values(text, header, path);

@@ -100,10 +100,10 @@ float dielectric_f0(float eta);
 float clamp_roughness(float alpha);
 Rgb clamp01(Rgb c);
 
-// Mesh files. `where` in errors is the file's own line or byte.
-Mesh read_ply(const std::string& path);
+// Mesh files. `asked_at` is the place that names the file, for the error when it is missing.
+Mesh read_ply(const std::string& path, const std::string& asked_at = "");
 /// One mesh of everything (`materials` null), or one per material, with the MTL's materials added to `materials`.
-std::vector<Mesh> read_obj(const std::string& path, Loading* materials);
+std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
 /// Shape `index` of a Mitsuba .serialized file whose content is `bytes`.
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);
 size_t serialized_count(const std::string& path, std::string_view bytes);

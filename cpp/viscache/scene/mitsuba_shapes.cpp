@@ -18,8 +18,7 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
     bool turn_v = false;
     if (type == "obj" || type == "ply") {
         const std::string path = path_of(node);
-        read_file(path, where(node)).clear();
-        mesh = type == "obj" ? read_obj(path, nullptr).at(0) : read_ply(path);
+        mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
         turn_v = !boolean(node, "flip_tex_coords", type == "obj");
     } else if (type == "serialized") {
         mesh = serialized_mesh(node);
