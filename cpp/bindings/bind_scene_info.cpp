@@ -84,7 +84,7 @@ void bind_scene_info(py::module_& m) {
         std::ifstream file(path, std::ios::binary);
         if (!file) throw SceneError(path + ": no such file, or it cannot be read");
         const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-        const Image image = decode_image(bytes, path, true);
+        const Image image = loading::decode_image(bytes, path, true);
         py::array_t<float> pixels({py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)});
         std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
         return pixels;
