@@ -53,6 +53,7 @@ struct ShadowQuery {
     Vec3 far_normal;    ///< kSurface only
     Vec3 ray_end;       ///< where the shadow ray ends (position spawned off its surface); unused for directions
     float density = 0;  ///< D_l at the far end
+    float t_max = kInfinity;  ///< how far a direction looks (ambient occlusion); unused for positions
 };
 
 /// In which order an oracle likes to be asked by `pairs`. Empty: any.

@@ -25,7 +25,8 @@ inline Ray shadow_ray(const EyeBlock& eyes, uint32_t eye, const FarEnds& lights,
 
 /// Ray of one connection.
 inline Ray shadow_ray(const EyeBlock& eyes, const ShadowQuery& q, float extent) {
-    return shadow_ray(eyes.origin[q.eye], is_direction(q.semantic) ? q.far : q.ray_end, q.semantic, extent);
+    if (is_direction(q.semantic)) return {eyes.origin[q.eye], 0, q.far, q.t_max};
+    return segment_to_point(eyes.origin[q.eye], q.ray_end, extent);
 }
 
 /// True if rays may start, end or point there; connections with other ends are never traced and count as bypassed.
