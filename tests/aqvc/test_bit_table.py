@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from viscache import _core
 
 aqvc = _core.aqvc

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from reference import aqvc as reference
 from viscache import _core
 

@@ -1,7 +1,10 @@
 """Connections of single eye points against the tile's table."""
 
+import itertools
+
 import numpy as np
 import pytest
+
 from aqvc import tiles
 from viscache import _core
 
@@ -134,13 +137,12 @@ def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero(
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     sizes = [4, 400, 4000, 40000, 4 << 20]
-    runs = [
-        tiles.tile_run(eyes, c_e=8, form="pairs", table_bytes=b, order="random") for b in sizes
-    ]
+    options = {"c_e": 8, "form": "pairs", "order": "random", "batch": 1}
+    runs = [tiles.tile_run(eyes, table_bytes=b, **options) for b in sizes]
     results = [run.block(far, wanted) for run in runs]
     rays = [c["rays"] for _, c in results]
-    exact_storage = tiles.tile_run(eyes, c_e=8, form="pairs", storage="exact", order="random")
-    assert all(b <= 1.05 * a for a, b in zip(rays, rays[1:], strict=False))
+    exact_storage = tiles.tile_run(eyes, storage="exact", **options)
+    assert all(b <= 1.05 * a for a, b in itertools.pairwise(rays))
     assert rays[0] > 2 * rays[-1]
     assert rays[-1] == pytest.approx(exact_storage.block(far, wanted)[1]["rays"], rel=0.01)
     assert results[0][1]["evictions"] > 0.9 * results[0][1]["table_writes"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from aqvc import tiles
 from aqvc.test_waves import OPTIONS, grid_of
 from reference import aqvc as reference

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from viscache import _core
 
 BOXES = np.array(
@@ -94,7 +95,9 @@ def eye_points(width: int = 32, height: int = 32, *, scale: float = 1.0, shift=(
     }
 
 
-def lights(kind: str, count: int = 8, seed: int = 1, *, scale: float = 1.0, shift=(0, 0, 0)) -> dict:
+def lights(
+    kind: str, count: int = 8, seed: int = 1, *, scale: float = 1.0, shift=(0, 0, 0)
+) -> dict:
     """Lights of one group as TileRun takes them."""
     rng = np.random.default_rng(seed)
     normal, density = np.zeros((count, 3)), np.zeros(count)
@@ -131,7 +134,9 @@ def facing(eyes: dict, far_ends: dict) -> np.ndarray:
     return lit
 
 
-def tile_run(eyes: dict, *, spp: int = 1, scale: float = 1.0, shift=(0, 0, 0), radius=None, **options):
+def tile_run(
+    eyes: dict, *, spp: int = 1, scale: float = 1.0, shift=(0, 0, 0), radius=None, **options
+):
     """A cache over the eye points with the given parameters."""
     center = tuple(float(c * scale + s) for c, s in zip(CENTER, shift, strict=True))
     return _core.aqvc.TileRun(

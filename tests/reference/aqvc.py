@@ -187,9 +187,7 @@ def alg2(
     table: dict[tuple[Key, int], bool] = {}
     out = Result(np.zeros_like(wanted), [0] * len(levels))
     for i in order:
-        steps = [
-            (d, c) for d, c in enumerate(placed[i]) if d == 0 or c.key != placed[i][d - 1].key
-        ]
+        steps = [(d, c) for d, c in enumerate(placed[i]) if d == 0 or c.key != placed[i][d - 1].key]
         for k in np.flatnonzero(wanted[i]):
             for d, cell in steps:
                 value = table.get((cell.key, k))
@@ -292,9 +290,7 @@ def halton_order(width: int, height: int) -> list[tuple[int, int]]:
 
     a = next(a for a in range(40) if 2**a >= width)
     b = next(b for b in range(40) if 3**b >= height)
-    points = (
-        (inverse(i % 2**a, 2, a), inverse(i % 3**b, 3, b)) for i in range(2**a * 3**b)
-    )
+    points = ((inverse(i % 2**a, 2, a), inverse(i % 3**b, 3, b)) for i in range(2**a * 3**b))
     return [(x, y) for x, y in points if x < width and y < height]
 
 
