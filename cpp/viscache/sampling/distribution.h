@@ -10,6 +10,7 @@
 
 namespace viscache {
 
+/// Piecewise constant over indices.
 class Distribution1D {
 public:
     struct Pick {
@@ -29,16 +30,19 @@ public:
             cumulative_.push_back(cumulative_.back() + w);
         }
         if (!(total() > 0) || !std::isfinite(total()))
-            throw std::invalid_argument("weights must have a positive, finite sum, got " + std::to_string(total()));
+            throw std::invalid_argument("weights must have a positive, finite sum, got " +
+                                        std::to_string(total()));
     }
     size_t size() const { return cumulative_.empty() ? 0 : cumulative_.size() - 1; }
     double total() const { return cumulative_.empty() ? 0 : cumulative_.back(); }
     double pmf(size_t i) const { return (cumulative_[i + 1] - cumulative_[i]) / total(); }
-    /// Index with probability pmf; never one of weight zero.
+    /// Index with probability pmf, for u in [0, 1); never one of weight zero.
     Pick sample(double u) const {
         const double x = u * total();
         auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end(), x);
-        if (above == cumulative_.end()) above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
+        // u·total rounded up to the total: the last index with weight
+        if (above == cumulative_.end())
+            above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
         const size_t i = size_t(above - cumulative_.begin()) - 1;
         const double width = cumulative_[i + 1] - cumulative_[i];
         return {i, width / total(), std::min(float((x - cumulative_[i]) / width), 0x1.fffffep-1f)};
