@@ -6,6 +6,7 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
 void bind_description(py::module_& m);
+void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
 void bind_render(py::module_& m);
 void bind_scene(py::module_& m);
@@ -17,6 +18,7 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
     bind_aqvc(m);
     bind_description(m);
+    bind_loaders(m);
     bind_math(m);
     bind_scene(m);
     bind_scene_info(m);

@@ -83,8 +83,9 @@ void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queri
         RayPacket16 packet;
         uint16_t mask = 0;
         for (int i = 0; i < n; ++i) {
-            const Ray ray = shadow_ray(eyes, queries[first + size_t(i)], extent_);
-            const bool ok = is_traceable(ray);
+            const ShadowQuery& q = queries[first + size_t(i)];
+            const Ray ray = shadow_ray(eyes, q, extent_);
+            const bool ok = is_traceable(eyes.origin[q.eye]) && is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
             counters.bypassed += !ok;
             set_lane(packet, i, ok ? ray : Ray{{0, 0, 0}, 0, {0, 0, 1}, 1});
             mask |= uint16_t(uint16_t(ok) << i);

@@ -62,12 +62,6 @@ struct PairOrder {
     std::span<const uint32_t> run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
 };
 
-/// In which order an oracle likes to be asked by `pairs`. Empty: any.
-struct PairOrder {
-    std::span<const uint32_t> eye;      ///< the tile's eye points in processing order
-    std::span<const uint32_t> run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
-};
-
 class VisibilityOracle {
 public:
     virtual ~VisibilityOracle() = default;
