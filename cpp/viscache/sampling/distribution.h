@@ -11,6 +11,7 @@
 
 namespace viscache {
 
+/// Piecewise constant over indices.
 class Distribution1D {
 public:
     struct Pick {
@@ -42,7 +43,7 @@ public:
     size_t size() const { return cumulative_.empty() ? 0 : cumulative_.size() - 1; }
     double total() const { return cumulative_.empty() ? 0 : cumulative_.back(); }
     double pmf(size_t i) const { return (cumulative_[i + 1] - cumulative_[i]) / total(); }
-    /// Index with probability pmf; never one of weight zero.
+    /// Index with probability pmf, for u in [0, 1); never one of weight zero.
     Pick sample(double u) const {
         const double x = u * total();
         // The guide narrows the search to a few entries: one jump instead of a walk through a large table
@@ -51,6 +52,7 @@ public:
         const auto last = cumulative_.begin() + 1 + std::min<size_t>(guide_[cell + 1] + 1, size());
         auto above = std::upper_bound(first, last, x);
         if (above == last) above = std::upper_bound(last, cumulative_.end(), x);
+        // u·total rounded up to the total: the last index with weight
         if (above == cumulative_.end()) above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
         const size_t i = size_t(above - cumulative_.begin()) - 1;
         const double width = cumulative_[i + 1] - cumulative_[i];
