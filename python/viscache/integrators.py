@@ -63,7 +63,7 @@ class Whitted:
     vpl_max_depth : int >= 1
         Bounces of a light path.
     vpl_candidates : int >= 1
-        Light paths traced per VPL kept.
+        Candidates per VPL kept; as many light paths are traced as they take.
     vpl_eye_points : int >= 1
         Camera points that judge the candidates.
     vpl_bound : float >= 0
