@@ -1,0 +1,107 @@
+// Mitsuba XML: files, includes, ids, and the elements of a scene.
+#include "viscache/scene/mitsuba_reader.h"
+
+namespace viscache::loading {
+
+MitsubaReader::XmlFile& MitsubaReader::open(const std::string& path, const std::string& asked_at) {
+    for (const std::string& outer : open_)
+        if (outer == path) fail(asked_at, "the include of '" + path + "' is cyclic");
+    if (open_.size() >= size_t(kMaxDepth)) fail(asked_at, "includes are nested too deeply");
+    files_.push_back(std::make_unique<XmlFile>(path, read_file(path, asked_at)));
+    XmlFile& file = *files_.back();
+    const auto result = file.document.load_buffer(file.text.data(), file.text.size());
+    if (!result)
+        fail(at_line(path, file.lines.line(size_t(std::max<std::ptrdiff_t>(result.offset, 0)))),
+             std::string("not well-formed XML: ") + result.description());
+    open_.push_back(path);
+    return file;
+}
+
+const MitsubaReader::XmlFile& MitsubaReader::file_of(Node node) const {
+    for (const auto& file : files_)
+        if (node.root() == file->document) return *file;
+    return *files_.front();
+}
+
+std::string MitsubaReader::where(Node node) const {
+    const XmlFile& file = file_of(node);
+    return at_line(file.path, file.lines.line(size_t(std::max<std::ptrdiff_t>(node.offset_debug(), 0))));
+}
+
+MitsubaReader::Node MitsubaReader::target_of(Node ref) const {
+    const std::string id = attribute(ref, "id");
+    const auto found = ids_.find(id);
+    if (found == ids_.end()) fail_at(ref, "nothing has the id '" + id + "'");
+    return found->second;
+}
+
+std::string MitsubaReader::path_of(Node owner) const {
+    const Node name = property(owner, "filename");
+    if (!name) fail_at(owner, "'" + type_of(owner) + "' needs a filename");
+    const std::string value = attribute(name, "value");
+    if (value.empty()) fail_at(name, "the filename is empty");
+    return resolve(file_of(owner).path, value);
+}
+
+void MitsubaReader::register_ids(Node root) {
+    // In document order without recursion: files may nest as deeply as they like.
+    Node node = root;
+    for (int depth = 0;;) {
+        if (node.attribute("id") && std::string_view(node.name()) != "ref")
+            ids_.try_emplace(node.attribute("id").value(), node);
+        if (node.first_child()) {
+            node = node.first_child();
+            if (++depth > kMaxDepth) fail_at(node, "elements are nested more than 64 deep");
+            continue;
+        }
+        while (node != root && !node.next_sibling()) node = node.parent(), --depth;
+        if (node == root) return;
+        node = node.next_sibling();
+    }
+}
+
+void MitsubaReader::include(Node node) {
+    const XmlFile& file = open(resolve(file_of(node).path, attribute(node, "filename")), where(node));
+    const Node scene = file.document.child("scene");
+    if (!scene) fail(file.path, "the root element must be <scene>");
+    register_ids(scene);
+    read_elements(scene);
+    open_.pop_back();
+}
+
+void MitsubaReader::read_elements(Node scene) {
+    for (const Node node : scene.children()) {
+        if (node.type() != pugi::node_element) continue;
+        const std::string_view tag = node.name();
+        if (tag == "default") {
+            parameters_.try_emplace(node.attribute("name").value(), attribute(node, "value"));
+        } else if (tag == "shape") {
+            shape(node);
+        } else if (tag == "emitter" || tag == "luminaire") {
+            emitter(node);
+        } else if (tag == "sensor" || tag == "camera") {
+            sensor(node);
+        } else if (tag == "include") {
+            include(node);
+        } else if (tag == "alias") {
+            ids_[attribute(node, "as")] = target_of(node);
+        } else if (tag != "integrator" && tag != "bsdf" && tag != "texture" && tag != "sampler" && tag != "film" &&
+                   tag != "spectrum" && tag != "rgb") {
+            warn_at(node, "element <" + std::string(tag) + "> is not modelled; skipped");
+        }
+    }
+}
+
+void MitsubaReader::read_scene(const std::string& path) {
+    const XmlFile& file = open(path, "");
+    const Node scene = file.document.child("scene");
+    if (!scene) fail(path, "the root element must be <scene>");
+    const auto version = parse_number(std::string_view(scene.attribute("version").value()).substr(0, 3));
+    version_major_ = version ? int(*version) : 3;
+    register_ids(scene);
+    read_elements(scene);
+}
+
+void load_mitsuba(const std::string& path, Loading& loading) { MitsubaReader(loading).read_scene(path); }
+
+}  // namespace viscache::loading

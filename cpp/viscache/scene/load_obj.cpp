@@ -1,0 +1,319 @@
+// Wavefront OBJ and MTL, tokenised by tinyobjloader; every line is checked before it goes there, because
+// tinyobjloader reads malformed numbers as 0 and drops faces with a wrong index in silence.
+#include <istream>
+#include <streambuf>
+#include <unordered_map>
+
+#define TINYOBJLOADER_IMPLEMENTATION
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include <tiny_obj_loader.h>
+#pragma GCC diagnostic pop
+
+#include "viscache/scene/loading.h"
+
+namespace viscache::loading {
+
+namespace {
+
+constexpr size_t kMaxCorners = 1 << 20;  ///< of one face
+
+std::string_view next_word(std::string_view& line) {
+    const size_t begin = std::min(line.find_first_not_of(" \t\r\n"), line.size());
+    const size_t end = std::min(line.find_first_of(" \t\r\n", begin), line.size());
+    const std::string_view word = line.substr(begin, end - begin);
+    line.remove_prefix(end);
+    return word;
+}
+
+std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 60)) + "'"; }
+
+void check_numbers(std::string_view rest, size_t least, const std::string& where) {
+    size_t n = 0;
+    for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
+        const auto x = parse_number(w);
+        if (!x || !std::isfinite(*x)) fail(where, "a finite number must stand here, got " + quoted(w));
+    }
+    if (n < least) fail(where, std::to_string(least) + " numbers are needed, got " + std::to_string(n));
+}
+
+void check_face(std::string_view rest, const std::string& where) {
+    size_t corners = 0;
+    for (std::string_view w; !(w = next_word(rest)).empty(); ++corners) {
+        size_t part = 0;
+        for (size_t begin = 0; begin <= w.size(); ++part) {
+            const size_t end = std::min(w.find('/', begin), w.size());
+            const std::string_view digits = w.substr(begin, end - begin);
+            const auto index = parse_integer(digits);
+            const bool may_be_empty = part == 1;
+            if (part > 2 || (!index && !(may_be_empty && digits.empty())) || (index && std::abs(*index) > 0x7ffffffe))
+                fail(where, "a face corner must be v, v/vt, v//vn or v/vt/vn, got " + quoted(w));
+            if (index && *index == 0) fail(where, "indices start at 1, got 0 in " + quoted(w));
+            begin = end + 1;
+        }
+    }
+    if (corners < 3) fail(where, "a face must have 3 or more corners, got " + std::to_string(corners));
+    if (corners > kMaxCorners) fail(where, "a face has " + std::to_string(corners) + " corners");
+}
+
+void check_obj_line(std::string_view line, const std::string& where) {
+    const std::string_view key = next_word(line);
+    if (key == "v" || key == "vn") check_numbers(line, 3, where);
+    if (key == "vt") check_numbers(line, 1, where);
+    if (key == "f") check_face(line, where);
+}
+
+void check_mtl_line(std::string_view line, const std::string& where) {
+    const std::string_view key = next_word(line);
+    if (key == "Kd" || key == "Ks" || key == "Ke" || key == "Ns" || key == "Ni" || key == "d" || key == "Tr")
+        if (std::string_view rest = line; !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
+            check_numbers(line, 1, where);
+}
+
+/// Hands a text out line by line: each line is checked first, and its number is known while it is parsed.
+class CheckedLines : public std::streambuf {
+public:
+    using Check = void (*)(std::string_view, const std::string&);
+    CheckedLines(std::string& text, const std::string& path, Check check) : text_(text), path_(path), check_(check) {}
+
+    std::string where() const { return at_line(path_, line_); }
+    size_t line() const { return line_; }
+
+protected:
+    int_type underflow() override {
+        if (begin_ >= text_.size()) return traits_type::eof();
+        const size_t end = std::min(text_.find('\n', begin_), text_.size() - 1) + 1;
+        ++line_;
+        const std::string_view line(text_.data() + begin_, end - begin_);
+        if (line.find('\0') != std::string_view::npos) fail(where(), "a zero byte in a text file");
+        check_(line, where());
+        setg(text_.data() + begin_, text_.data() + begin_, text_.data() + end);
+        begin_ = end;
+        return traits_type::to_int_type(*gptr());
+    }
+
+private:
+    std::string& text_;
+    const std::string& path_;
+    Check check_;
+    size_t begin_ = 0, line_ = 0;
+};
+
+Rgb rgb(const tinyobj::real_t* c) { return {c[0], c[1], c[2]}; }
+
+/// Nearest material to an MTL one.
+Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading& loading) {
+    Material m;
+    m.base_color = clamp01(rgb(in.diffuse));
+    const Rgb specular = clamp01(rgb(in.specular));
+    if (in.illum == 3 || in.illum == 5 || in.illum == 8) {
+        m.kind = MaterialKind::kMirror;
+        m.specular = max_component(specular) > 0 ? specular : Rgb{1, 1, 1};
+    } else if (in.illum == 4 || in.illum == 6 || in.illum == 7 || in.illum == 9) {
+        m.kind = MaterialKind::kDielectric;
+        m.eta = in.ior > 1 ? in.ior : 1.5f;
+    } else if (max_component(specular) > 0 && in.shininess > 1) {
+        m.kind = MaterialKind::kGlossy;
+        m.specular = specular;
+        m.roughness = clamp_roughness(std::sqrt(2.f / (in.shininess + 2.f)));
+    }
+    const std::string where = mtl + ": material '" + in.name + "'";
+    if (!in.diffuse_texname.empty()) m.base_texture = loading.add_image(resolve(mtl, in.diffuse_texname), where, true);
+    if (!in.alpha_texname.empty()) m.alpha_texture = loading.add_image(resolve(mtl, in.alpha_texname), where, false);
+    if (in.dissolve < 1 && m.kind != MaterialKind::kDielectric && in.alpha_texname.empty())
+        loading.warn(where, "constant transparency d = " + std::to_string(in.dissolve) + " is not modelled; opaque");
+    if (!in.bump_texname.empty() || !in.normal_texname.empty()) loading.warn(where, "bump maps are not modelled");
+    return m;
+}
+
+/// Reads the MTL files that an OBJ names.
+class MtlReader : public tinyobj::MaterialReader {
+public:
+    MtlReader(const CheckedLines& lines, const std::string& obj, Loading* loading)
+        : lines_(lines), obj_(obj), loading_(loading) {}
+
+    bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
+                    std::map<std::string, int>* map, std::string*, std::string*) override {
+        if (!loading_) return false;
+        const std::string path = resolve(obj_, name);
+        try {
+            std::string text = read_file(path, lines_.where());
+            CheckedLines mtl(text, path, check_mtl_line);
+            std::istream in(&mtl);
+            in.exceptions(std::ios::badbit);
+            std::string warning, error;
+            tinyobj::LoadMtl(map, materials, &in, &warning, &error);
+        } catch (const SceneError& error) {
+            loading_->warn(lines_.where(), std::string(error.what()) + "; its materials are left out");
+            return false;
+        }
+        files.resize(materials->size(), path);
+        return true;
+    }
+
+    std::vector<std::string> files;  ///< the MTL file of each material
+
+private:
+    const CheckedLines& lines_;
+    const std::string& obj_;
+    Loading* loading_;
+};
+
+struct Corner {
+    int64_t v = -1, t = -1, n = -1;
+    bool operator==(const Corner&) const = default;
+};
+
+struct CornerHash {
+    size_t operator()(const Corner& c) const {
+        uint64_t h = uint64_t(c.v) * 0x9E3779B97F4A7C15ull ^ (uint64_t(c.t) + 1) * 0xC2B2AE3D27D4EB4Full ^
+                     (uint64_t(c.n) + 1) * 0x165667B19E3779F9ull;
+        return h ^ (h >> 29);
+    }
+};
+
+struct Face {
+    size_t first, count, line;
+    int material;
+};
+
+/// What the callbacks of tinyobjloader collect.
+struct Collected {
+    explicit Collected(const CheckedLines& lines) : lines(lines) {}
+
+    const CheckedLines& lines;
+    std::vector<Vec3> positions, normals;
+    std::vector<Vec2> uvs;
+    std::vector<Corner> corners;
+    std::vector<Face> faces;
+    std::vector<tinyobj::material_t> materials;
+    std::vector<std::pair<size_t, std::string>> unknown;  ///< line and name of materials that no MTL has
+    int material = -1;
+};
+
+/// 1-based or relative to zero-based; -1 = not given. Ranges are checked when the counts are known.
+int64_t absolute(int index, size_t count, const CheckedLines& lines) {
+    if (index > 0) return index - 1;
+    if (index == 0) return -1;
+    if (size_t(-int64_t(index)) > count)
+        fail(lines.where(), "a face uses the relative index " + std::to_string(index) + " after " +
+                                std::to_string(count) + " entries");
+    return int64_t(count) + index;
+}
+
+tinyobj::callback_t callbacks() {
+    tinyobj::callback_t cb;
+    cb.vertex_cb = [](void* user, float x, float y, float z, float) {
+        static_cast<Collected*>(user)->positions.push_back({x, y, z});
+    };
+    cb.normal_cb = [](void* user, float x, float y, float z) {
+        static_cast<Collected*>(user)->normals.push_back({x, y, z});
+    };
+    cb.texcoord_cb = [](void* user, float u, float v, float) {
+        static_cast<Collected*>(user)->uvs.push_back({u, v});
+    };
+    cb.index_cb = [](void* user, tinyobj::index_t* indices, int n) {
+        auto& c = *static_cast<Collected*>(user);
+        c.faces.push_back({c.corners.size(), size_t(n), c.lines.line(), c.material});
+        for (int i = 0; i < n; ++i)
+            c.corners.push_back({absolute(indices[i].vertex_index, c.positions.size(), c.lines),
+                                 absolute(indices[i].texcoord_index, c.uvs.size(), c.lines),
+                                 absolute(indices[i].normal_index, c.normals.size(), c.lines)});
+    };
+    cb.usemtl_cb = [](void* user, const char* name, int id) {
+        auto& c = *static_cast<Collected*>(user);
+        c.material = id;
+        if (id < 0) c.unknown.emplace_back(c.lines.line(), name);
+    };
+    cb.mtllib_cb = [](void* user, const tinyobj::material_t* materials, int n) {
+        static_cast<Collected*>(user)->materials.assign(materials, materials + n);
+    };
+    return cb;
+}
+
+void check_corner(const Corner& c, const Collected& all, const std::string& where) {
+    const auto check = [&](int64_t i, size_t count, const char* what) {
+        if (i >= int64_t(count))
+            fail(where, std::string("a face uses ") + what + " index " + std::to_string(i + 1) + ", the file has " +
+                            std::to_string(count));
+    };
+    check(c.v, all.positions.size(), "vertex");
+    check(c.t, all.uvs.size(), "texture coordinate");
+    check(c.n, all.normals.size(), "normal");
+}
+
+/// A mesh under construction: equal (v, vt, vn) corners become one vertex.
+struct Part {
+    Mesh mesh;
+    std::unordered_map<Corner, uint32_t, CornerHash> known;
+    bool has_normals = true, has_uvs = true;
+
+    uint32_t vertex(const Corner& c, const Collected& all) {
+        const auto [found, is_new] = known.try_emplace(c, uint32_t(mesh.vertices.size()));
+        if (!is_new) return found->second;
+        mesh.vertices.push_back(all.positions[size_t(c.v)]);
+        mesh.normals.push_back(c.n >= 0 ? all.normals[size_t(c.n)] : Vec3{});
+        mesh.uvs.push_back(c.t >= 0 ? all.uvs[size_t(c.t)] : Vec2{});
+        has_normals = has_normals && c.n >= 0, has_uvs = has_uvs && c.t >= 0;
+        return found->second;
+    }
+};
+
+std::map<int, Part> build_parts(const Collected& all, bool split, const std::string& path) {
+    std::map<int, Part> parts;
+    std::vector<Vec3> polygon;
+    std::vector<uint32_t> ids;
+    std::vector<Vec3u> local;
+    for (const Face& face : all.faces) {
+        Part& part = parts[split ? face.material : -1];
+        polygon.clear(), ids.clear(), local.clear();
+        for (size_t i = face.first; i < face.first + face.count; ++i) {
+            check_corner(all.corners[i], all, at_line(path, face.line));
+            ids.push_back(part.vertex(all.corners[i], all));
+            polygon.push_back(all.positions[size_t(all.corners[i].v)]);
+        }
+        triangulate(polygon, local);
+        for (const Vec3u& t : local) part.mesh.triangles.push_back({ids[t.x], ids[t.y], ids[t.z]});
+    }
+    return parts;
+}
+
+}  // namespace
+
+std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at) {
+    std::string text = read_file(path, asked_at);
+    CheckedLines lines(text, path, check_obj_line);
+    std::istream in(&lines);
+    in.exceptions(std::ios::badbit);
+    Collected all(lines);
+    MtlReader mtl(lines, path, materials);
+    std::string warning, error;
+    if (!tinyobj::LoadObjWithCallback(in, callbacks(), &all, &mtl, &warning, &error)) fail(lines.where(), error);
+    if (all.faces.empty()) fail(path, "the file has no faces");
+
+    std::vector<Mesh> meshes;
+    std::map<int, int> material_of;
+    for (auto& [id, part] : build_parts(all, materials != nullptr, path)) {
+        Mesh mesh = std::move(part.mesh);
+        if (!part.has_normals) mesh.normals.clear();
+        if (!part.has_uvs) mesh.uvs.clear();
+        if (materials) {
+            const bool known = id >= 0 && size_t(id) < all.materials.size();
+            mesh.material = materials->add_material(
+                known ? convert(all.materials[size_t(id)], mtl.files.at(size_t(id)), *materials) : Material{});
+            if (known) mesh.name = all.materials[size_t(id)].name, mesh.emission = rgb(all.materials[size_t(id)].emission);
+        }
+        check_mesh(mesh, path);
+        meshes.push_back(std::move(mesh));
+    }
+    if (materials)
+        for (const auto& [line, name] : all.unknown)
+            materials->warn(at_line(path, line), "material '" + name + "' is not defined; grey is used");
+    return meshes;
+}
+
+void load_obj(const std::string& path, Loading& loading) {
+    for (Mesh& mesh : read_obj(path, &loading)) loading.add_mesh(std::move(mesh), path);
+}
+
+}  // namespace viscache::loading

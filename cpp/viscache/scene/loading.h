@@ -1,0 +1,119 @@
+#pragma once
+// What the scene loaders share: places in files, limits, checked meshes. Internal to the loaders.
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "viscache/math/affine.h"
+#include "viscache/scene/description.h"
+
+namespace viscache::loading {
+
+constexpr uint64_t kMaxFileBytes = uint64_t(8) << 30;
+constexpr float kMaxCoordinate = 1e16f;
+constexpr int kMaxDepth = 64;  ///< of nested elements, includes and nodes
+
+/// Throws SceneError "where: what".
+[[noreturn]] void fail(const std::string& where, const std::string& what);
+
+/// "file:line".
+std::string at_line(const std::string& file, size_t line);
+
+/// Whole content of a file; a missing, unreadable, empty or huge one is a SceneError.
+std::string read_file(const std::string& path, const std::string& asked_at = "");
+
+/// `name` as seen from the folder of `base_file`.
+std::string resolve(const std::string& base_file, const std::string& name);
+
+std::string lower(std::string_view text);
+std::string extension_of(const std::string& path);  ///< lower case, with the dot
+
+/// The number that `token` spells in full, or nothing. Accepts a leading '+'.
+std::optional<double> parse_number(std::string_view token);
+std::optional<int64_t> parse_integer(std::string_view token);
+
+/// 1-based line numbers of byte offsets in a text.
+class LineIndex {
+public:
+    explicit LineIndex(std::string_view text);
+    size_t line(size_t offset) const;
+
+private:
+    std::vector<size_t> starts_;
+};
+
+/// The scene being filled, with the rules that hold for every format.
+class Loading {
+public:
+    Loading(SceneDescription& scene, bool strict) : scene(scene), strict(strict) {}
+
+    SceneDescription& scene;
+    const bool strict;
+
+    /// Names something that is not modelled; an error when strict.
+    void warn(const std::string& where, const std::string& text);
+    int add_material(const Material& material);
+    /// Index of the image `path`, added when it is new.
+    int add_image(const std::string& path, const std::string& where, bool srgb);
+    /// Checks and adds a mesh; the error starts with `where`.
+    int add_mesh(Mesh mesh, const std::string& where);
+    void set_environment(const Environment& environment, const std::string& where);
+
+private:
+    std::map<std::pair<std::string, bool>, int> images_;
+};
+
+/// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not fit, no triangles.
+void check_mesh(const Mesh& mesh, const std::string& where);
+
+/// Applies a transform to vertices and normals.
+void transform_mesh(Mesh& mesh, const Affine& t);
+void flip_winding(Mesh& mesh);
+void flip_normals(Mesh& mesh);
+/// Appends `b`; missing normals or uvs on either side drop them.
+void append_mesh(Mesh& a, const Mesh& b);
+
+/// Triangles over the corners of a simple polygon (ear clipping; convex ones as a fan from corner 0).
+void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles);
+
+/// The inverse; nothing when `t` is singular or not finite.
+std::optional<Affine> inverse_of(const Affine& t);
+Affine translation(double x, double y, double z);
+Affine scaling(double x, double y, double z);
+Affine rotation(double degrees, double x, double y, double z);
+bool is_finite(const Affine& t);
+
+/// Radius factor of a transform that keeps spheres round (rotation, reflection, uniform scale); else nothing.
+std::optional<double> uniform_scale(const Affine& t);
+
+Mesh rectangle_mesh();  ///< [-1, 1]² at z = 0, facing +z
+Mesh cube_mesh();       ///< [-1, 1]³, 12 triangles facing out
+Mesh sphere_mesh(Vec3 center, float radius);
+Mesh disk_mesh();       ///< unit disk at z = 0, facing +z
+
+/// Reflectance at 0° of a conductor and of a dielectric.
+float conductor_f0(float eta, float k);
+float dielectric_f0(float eta);
+float clamp_roughness(float alpha);
+Rgb clamp01(Rgb c);
+
+// Mesh files. `asked_at` is the place that names the file, for the error when it is missing.
+Mesh read_ply(const std::string& path, const std::string& asked_at = "");
+/// One mesh of everything (`materials` null), or one per material, with the MTL's materials added to `materials`.
+std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
+/// Shape `index` of a Mitsuba .serialized file whose content is `bytes`.
+Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);
+size_t serialized_count(const std::string& path, std::string_view bytes);
+
+// Scene files.
+void load_obj(const std::string& path, Loading& loading);
+void load_ply(const std::string& path, Loading& loading);
+void load_serialized(const std::string& path, Loading& loading);
+void load_mitsuba(const std::string& path, Loading& loading);
+void load_pbrt(const std::string& path, Loading& loading);
+void load_gltf(const std::string& path, Loading& loading);
+
+}  // namespace viscache::loading

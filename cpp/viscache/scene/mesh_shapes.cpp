@@ -1,0 +1,118 @@
+// Polygons to triangles, and the analytic shapes that scene files name.
+#include "viscache/scene/loading.h"
+
+namespace viscache::loading {
+
+namespace {
+
+constexpr int kSphereSlices = 48, kSphereStacks = 24;
+constexpr int kDiskSlices = 64;
+
+/// Newell's normal: twice the area vector of the polygon.
+Vec3 area_vector(const std::vector<Vec3>& p) {
+    Vec3 n{};
+    for (size_t i = 1; i + 1 < p.size(); ++i) n += cross(p[i] - p[0], p[i + 1] - p[0]);
+    return n;
+}
+
+float turn(Vec3 a, Vec3 b, Vec3 c, Vec3 n) { return dot(cross(b - a, c - a), n); }
+
+bool is_convex(const std::vector<Vec3>& p, Vec3 n) {
+    for (size_t i = 0; i < p.size(); ++i)
+        if (turn(p[i], p[(i + 1) % p.size()], p[(i + 2) % p.size()], n) < 0) return false;
+    return true;
+}
+
+/// True when corner `i` of the ring can be cut off: it turns inwards and no other corner lies in its triangle.
+bool is_ear(const std::vector<Vec3>& p, const std::vector<uint32_t>& ring, size_t i, Vec3 n) {
+    const size_t m = ring.size(), before = (i + m - 1) % m, after = (i + 1) % m;
+    const Vec3 a = p[ring[before]], b = p[ring[i]], c = p[ring[after]];
+    if (turn(a, b, c, n) <= 0) return false;
+    for (size_t k = 0; k < m; ++k) {
+        if (k == before || k == i || k == after) continue;
+        const Vec3 q = p[ring[k]];
+        if (q == a || q == b || q == c) continue;
+        if (turn(a, b, q, n) >= 0 && turn(b, c, q, n) >= 0 && turn(c, a, q, n) >= 0) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles) {
+    const auto n = uint32_t(polygon.size());
+    const Vec3 normal = area_vector(polygon);
+    std::vector<uint32_t> ring(n);
+    for (uint32_t i = 0; i < n; ++i) ring[i] = i;
+    // Cut ears off concave polygons; polygons of many corners and what has no ear become a fan.
+    if (n > 3 && n <= 1024 && !is_convex(polygon, normal)) {
+        while (ring.size() > 3) {
+            size_t i = 0;
+            while (i < ring.size() && !is_ear(polygon, ring, i, normal)) ++i;
+            if (i == ring.size()) break;
+            const size_t m = ring.size();
+            triangles.push_back({ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]});
+            ring.erase(ring.begin() + std::ptrdiff_t(i));
+        }
+    }
+    for (size_t i = 1; i + 1 < ring.size(); ++i) triangles.push_back({ring[0], ring[i], ring[i + 1]});
+}
+
+Mesh rectangle_mesh() {
+    Mesh m;
+    m.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    m.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    m.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return m;
+}
+
+Mesh cube_mesh() {
+    Mesh m;
+    // One rectangle per face, turned from +z to the face's direction.
+    const Affine faces[6] = {Affine{}, rotation(180, 0, 1, 0), rotation(90, 0, 1, 0),
+                             rotation(-90, 0, 1, 0), rotation(-90, 1, 0, 0), rotation(90, 1, 0, 0)};
+    for (const Affine& face : faces) {
+        Mesh side = rectangle_mesh();
+        for (Vec3& p : side.vertices) {
+            p = face.point({p.x, p.y, 1});
+            p = {std::round(p.x), std::round(p.y), std::round(p.z)};
+        }
+        append_mesh(m, side);
+    }
+    return m;
+}
+
+Mesh sphere_mesh(Vec3 center, float radius) {
+    Mesh m;
+    for (int j = 0; j <= kSphereStacks; ++j)
+        for (int i = 0; i <= kSphereSlices; ++i) {
+            const float v = float(j) / kSphereStacks, u = float(i) / kSphereSlices;
+            const float phi = 2 * kPi * float(i % kSphereSlices) / kSphereSlices;
+            const float s = j == 0 || j == kSphereStacks ? 0.f : std::sin(kPi * v);
+            const Vec3 n{s * std::cos(phi), s * std::sin(phi), std::cos(kPi * v)};
+            m.vertices.push_back(center + n * radius);
+            m.normals.push_back(n);
+            m.uvs.push_back({u, v});
+        }
+    const auto row = uint32_t(kSphereSlices + 1);
+    for (uint32_t j = 0; j < uint32_t(kSphereStacks); ++j)
+        for (uint32_t i = 0; i < uint32_t(kSphereSlices); ++i) {
+            const uint32_t a = j * row + i, b = a + row;
+            if (j > 0) m.triangles.push_back({a, b, a + 1});
+            if (j + 1 < uint32_t(kSphereStacks)) m.triangles.push_back({a + 1, b, b + 1});
+        }
+    return m;
+}
+
+Mesh disk_mesh() {
+    Mesh m;
+    m.vertices.push_back({0, 0, 0});
+    for (int i = 0; i < kDiskSlices; ++i) {
+        const float phi = 2 * kPi * float(i) / kDiskSlices;
+        m.vertices.push_back({std::cos(phi), std::sin(phi), 0});
+        m.triangles.push_back({0, uint32_t(i) + 1, uint32_t(i + 1) % kDiskSlices + 1});
+    }
+    return m;
+}
+
+}  // namespace viscache::loading

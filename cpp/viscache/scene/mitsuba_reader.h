@@ -1,0 +1,104 @@
+#pragma once
+// Mitsuba XML scenes (3.x, and the 0.4-0.6 dialect). Internal to the loader; one file per kind of element.
+#include <memory>
+#include <pugixml.hpp>
+
+#include "viscache/scene/loading.h"
+#include "viscache/scene/spectra.h"
+
+namespace viscache::loading {
+
+/// A colour, perhaps times an image.
+struct ColorTexture {
+    Rgb color{};
+    int image = -1;
+};
+
+class MitsubaReader {
+public:
+    using Node = pugi::xml_node;
+
+    explicit MitsubaReader(Loading& loading) : loading_(loading) {}
+    void read_scene(const std::string& path);
+
+private:
+    struct XmlFile {
+        XmlFile(std::string path, std::string text) : path(std::move(path)), text(std::move(text)), lines(this->text) {}
+        std::string path, text;
+        LineIndex lines;
+        pugi::xml_document document;
+    };
+
+    // load_mitsuba.cpp: files, ids and the elements of a scene
+    XmlFile& open(const std::string& path, const std::string& asked_at);
+    void register_ids(Node root);
+    void read_elements(Node scene);
+    void include(Node node);
+    const XmlFile& file_of(Node node) const;
+    std::string where(Node node) const;
+    [[noreturn]] void fail_at(Node node, const std::string& what) const { fail(where(node), what); }
+    void warn_at(Node node, const std::string& what) { loading_.warn(where(node), what); }
+    Node target_of(Node ref) const;
+    std::string path_of(Node owner) const;  ///< its `filename`, seen from the file it stands in
+
+    // mitsuba_values.cpp: properties and values
+    std::string attribute(Node node, const char* name) const;  ///< with $parameters replaced
+    std::string type_of(Node node) const { return attribute(node, "type"); }
+    Node property(Node owner, const char* name) const;  ///< `name` in snake_case; camelCase files match too
+    std::vector<double> numbers(Node node, const std::string& text) const;
+    double attribute_number(Node node, const char* name, double fallback) const;
+    double number(Node owner, const char* name, double fallback);
+    int integer(Node owner, const char* name, int fallback);
+    bool boolean(Node owner, const char* name, bool fallback);
+    std::string string(Node owner, const char* name, const std::string& fallback);
+    std::optional<Vec3> vector(Node owner, const char* name);
+    Affine transform(Node owner, const char* name = "to_world");
+    Affine transform_step(Node step);
+    Affine look_at_matrix(Node step);
+    Rgb rgb_value(Node node) const;
+    Rgb spectrum_value(Node node) const;
+    Rgb color(Node owner, const char* name, Rgb fallback);
+    ColorTexture color_texture(Node owner, const char* name, Rgb fallback);
+    ColorTexture texture(Node node, int depth = 0);
+
+    // mitsuba_bsdfs.cpp
+    int material(Node bsdf);       ///< index; the same element gives the same material. -1: no surface (null)
+    int material_of(Node shape);
+    Material bsdf(Node node, int depth);
+    Material nested(Node node, int depth);
+    Material glossy(Node node, Rgb base_fallback);
+    Material conductor(Node node, bool rough);
+    Material dielectric(Node node);
+    Material principled(Node node);
+    Material mask(Node node, int depth);
+    float roughness(Node node, double fallback);
+    double ior(Node owner, const char* name, double fallback);
+    void set_base(Material& m, const ColorTexture& base);
+
+    // mitsuba_shapes.cpp
+    void shape(Node node);
+    std::optional<Mesh> shape_mesh(Node node, const std::string& type);
+    Mesh serialized_mesh(Node node);
+    void sphere(Node node, const Rgb& emission, int material, bool in_group, std::vector<int>* group);
+    void instance(Node node);
+    void add_shape(Node node, std::vector<int>* group);
+    const std::vector<int>& group_meshes(Node node);
+
+    // mitsuba_emitters.cpp
+    Rgb area_emission(Node shape);
+    void emitter(Node node);
+    void envmap(Node node);
+    void sensor(Node node);
+
+    Loading& loading_;
+    std::vector<std::unique_ptr<XmlFile>> files_;
+    std::vector<std::string> open_;  ///< chain of includes
+    std::map<std::string, std::string> parameters_;
+    std::map<std::string, Node> ids_;
+    std::map<size_t, int> materials_;               ///< by bsdf element
+    std::map<size_t, std::vector<int>> groups_;     ///< by shapegroup element
+    std::map<std::string, std::string> serialized_; ///< contents by path
+    int version_major_ = 3;
+};
+
+}  // namespace viscache::loading

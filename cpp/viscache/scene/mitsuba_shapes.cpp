@@ -1,0 +1,112 @@
+// Mitsuba XML: shapes to meshes, sphere lights and instances.
+#include "viscache/scene/mitsuba_reader.h"
+
+namespace viscache::loading {
+
+Mesh MitsubaReader::serialized_mesh(Node node) {
+    const std::string path = path_of(node);
+    const auto [found, is_new] = serialized_.try_emplace(path);
+    if (is_new) found->second = read_file(path, where(node));
+    const int index = integer(node, "shape_index", 0);
+    if (index < 0) fail_at(node, "shape_index must be >= 0, got " + std::to_string(index));
+    return read_serialized(path, found->second, size_t(index));
+}
+
+std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type) {
+    std::optional<Mesh> mesh;
+    // Row 0 of an image is v = 0 in Mitsuba; its OBJ reader turns v over unless told otherwise.
+    bool turn_v = false;
+    if (type == "obj" || type == "ply") {
+        const std::string path = path_of(node);
+        mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
+        turn_v = !boolean(node, "flip_tex_coords", type == "obj");
+    } else if (type == "serialized") {
+        mesh = serialized_mesh(node);
+    } else if (type == "rectangle" || type == "cube" || type == "disk") {
+        mesh = type == "rectangle" ? rectangle_mesh() : type == "cube" ? cube_mesh() : disk_mesh();
+        turn_v = true;
+    }
+    if (mesh && turn_v)
+        for (Vec2& uv : mesh->uvs) uv.y = 1 - uv.y;
+    return mesh;
+}
+
+void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in_group, std::vector<int>* group) {
+    const Vec3 center = vector(node, "center").value_or(Vec3{0, 0, 0});
+    const double radius = number(node, "radius", 1);
+    if (!(radius > 0)) fail_at(node, "the radius of a sphere must be > 0");
+    const Affine to_world = transform(node);
+    const auto scale = uniform_scale(to_world);
+    const bool flipped = boolean(node, "flip_normals", false);
+    if (max_component(emission) > 0 && scale && !flipped && !in_group) {
+        loading_.scene.sphere_lights.push_back({to_world.point(center), float(radius * *scale), emission});
+        return;
+    }
+    Mesh mesh = sphere_mesh(center, float(radius));
+    transform_mesh(mesh, to_world);
+    // The normals of a sphere point outwards in the world, mirrored or not.
+    if (to_world.determinant() < 0) flip_winding(mesh);
+    if (flipped) flip_normals(mesh);
+    mesh.name = attribute(node, "id"), mesh.material = material, mesh.in_world = !in_group;
+    mesh.emission = in_group ? Rgb{} : emission;
+    if (max_component(mesh.emission) > 0) warn_at(node, "an emitting sphere that is stretched or turned inside out is tessellated");
+    const int index = loading_.add_mesh(std::move(mesh), where(node));
+    if (group) group->push_back(index);
+}
+
+void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
+    const std::string type = type_of(node);
+    const int material = material_of(node);
+    Rgb emission = area_emission(node);
+    if (group && max_component(emission) > 0) {
+        warn_at(node, "emission inside a shapegroup is not modelled; skipped");
+        emission = {};
+    }
+    for (const Node child : node.children())
+        if (std::string_view(child.name()) == "medium") warn_at(child, "media are not modelled; skipped");
+    if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
+    if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
+    auto mesh = shape_mesh(node, type);
+    if (!mesh) return warn_at(node, "shape '" + type + "' is not modelled; skipped");
+    if (property(node, "max_smooth_angle")) warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
+    if (boolean(node, "face_normals", false)) mesh->normals.clear();
+    transform_mesh(*mesh, transform(node));
+    if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
+    if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;
+    mesh->material = material, mesh->emission = emission, mesh->in_world = group == nullptr;
+    const int index = loading_.add_mesh(std::move(*mesh), where(node));
+    if (group) group->push_back(index);
+}
+
+const std::vector<int>& MitsubaReader::group_meshes(Node node) {
+    const auto [found, is_new] = groups_.try_emplace(node.hash_value());
+    if (is_new)
+        for (const Node child : node.children()) {
+            if (std::string_view(child.name()) != "shape") continue;
+            const std::string type = type_of(child);
+            if (type == "instance" || type == "shapegroup") fail_at(child, "a shapegroup must not hold instances or groups");
+            add_shape(child, &found->second);
+        }
+    return found->second;
+}
+
+void MitsubaReader::instance(Node node) {
+    Node group;
+    for (const Node child : node.children()) {
+        const std::string_view tag = child.name();
+        if (tag == "ref") group = target_of(child);
+        if (tag == "shape") group = child;
+    }
+    if (!group || type_of(group) != "shapegroup") fail_at(node, "an instance must refer to a shapegroup");
+    const auto& meshes = group_meshes(group);
+    if (!meshes.empty()) loading_.scene.instances.push_back({meshes, transform(node)});
+}
+
+void MitsubaReader::shape(Node node) {
+    const std::string type = type_of(node);
+    if (type == "shapegroup") return;  // read when it is placed
+    if (type == "instance") return instance(node);
+    add_shape(node, nullptr);
+}
+
+}  // namespace viscache::loading

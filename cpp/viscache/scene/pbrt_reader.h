@@ -1,0 +1,94 @@
+#pragma once
+// pbrt-v3 scenes. Internal to the loader; one file per kind of directive.
+#include "viscache/scene/pbrt_tokens.h"
+#include "viscache/scene/spectra.h"
+
+namespace viscache::loading {
+
+struct PbrtTexture {
+    Rgb color{1, 1, 1};
+    int image = -1;
+};
+
+class PbrtReader {
+public:
+    explicit PbrtReader(Loading& loading) : loading_(loading) {}
+    void read_scene(const std::string& path);
+
+private:
+    static constexpr int kNoMaterial = -1, kNoSurface = -2;
+
+    struct AreaLight {
+        Rgb radiance;
+        bool two_sided = false;
+    };
+    template <class T>
+    using Shared = std::shared_ptr<const std::map<std::string, T>>;
+    struct Graphics {
+        Affine ctm;
+        Shared<PbrtTexture> textures = std::make_shared<std::map<std::string, PbrtTexture>>();
+        Shared<int> named = std::make_shared<std::map<std::string, int>>();
+        int material = kNoMaterial;
+        std::optional<AreaLight> area_light;
+        bool reversed = false;
+    };
+    struct Saved {
+        Graphics graphics;
+        char kind;  ///< 'a' attribute, 't' transform, 'o' object
+        std::string where;
+    };
+
+    // load_pbrt.cpp: directives
+    bool directive(const PbrtToken& token);
+    bool transform_directive(const PbrtToken& token);
+    bool block_directive(const PbrtToken& token);
+    bool plugin_directive(const PbrtToken& token);
+    void save(char kind, const PbrtToken& token);
+    void restore(char kind, const PbrtToken& token);
+    Affine read_matrix(const PbrtToken& token);
+    Affine read_look_at(const PbrtToken& token);
+    void multiply(const Affine& t, const PbrtToken& token);
+    void object_instance(const PbrtToken& token);
+    std::string name_argument() { return std::string(tokens_.expect(PbrtToken::kString, "a name in quotes").text); }
+
+    // pbrt_materials.cpp
+    std::optional<Rgb> color_of(const PbrtParam& param);
+    Rgb color(const PbrtParams& params, const char* name, Rgb fallback);
+    PbrtTexture color_texture(const PbrtParams& params, const char* name, Rgb fallback);
+    Rgb spectrum_file(const PbrtParam& param);
+    void texture(const std::string& where);
+    int material(const std::string& type, const PbrtParams& params, const std::string& where);
+    int mix(const PbrtParams& params, const std::string& where);
+    Material metal(const PbrtParams& params);
+    Material coated(const std::string& type, const PbrtParams& params, const std::string& where);
+    float roughness(const PbrtParams& params, double fallback);
+    void make_named_material(const std::string& where);
+    void set_named_material(const std::string& where);
+
+    // pbrt_shapes.cpp: shapes, lights, camera
+    void shape(const std::string& where);
+    std::optional<Mesh> shape_mesh(const std::string& type, const PbrtParams& params, const std::string& where);
+    bool sphere_light(const PbrtParams& params, const std::string& where);
+    int shape_material(const PbrtParams& params, const std::string& where);
+    void orient(Mesh& mesh);
+    void light(const std::string& where);
+    void infinite_light(const PbrtParams& params, const std::string& where);
+    void area_light(const std::string& where);
+    void camera(const std::string& where);
+    void film(const std::string& where);
+    void finish_camera();
+
+    Loading& loading_;
+    PbrtTokens tokens_;
+    Graphics now_;
+    std::vector<Saved> saved_;
+    std::map<std::string, Affine> coordinate_systems_;
+    std::map<std::string, std::vector<int>> objects_;
+    std::vector<int>* object_ = nullptr;  ///< the object being defined
+    std::optional<Camera> camera_;
+    float camera_fov_ = 90;               ///< degrees, across the smaller side of the film
+    int film_width_ = 1280, film_height_ = 720;
+    bool in_world_ = false, world_ended_ = false;
+};
+
+}  // namespace viscache::loading
