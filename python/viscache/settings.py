@@ -72,21 +72,14 @@ def name_of(role: Role, settings: Any) -> str:
 def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
     """Settings from a name, or from a table `{name = "whitted", n_vpls = 1024}`.
 
-    A table's `preset` is given to the class method `preset`, the rest replaces its values.
+    A `preset` in the table is a parameter like the others.
     """
     table = {"name": spec} if isinstance(spec, str) else dict(spec)
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
     cls = settings_class(role, name)
-    preset = table.pop("preset", None)
-    if preset is None:
-        base = cls()
-    elif hasattr(cls, "preset"):
-        base = cls.preset(preset)
-    else:
-        raise ValueError(f"{role} {name} has no presets, got preset = {preset!r}")
-    return replaced(base, table, role)
+    return replaced(cls(), table, role)
 
 
 def parameters(settings: Any) -> dict[str, Any]:

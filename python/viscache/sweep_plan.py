@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from viscache import settings
-from viscache.provenance import provenance, version
+from viscache.provenance import cpu_model, provenance, version
 from viscache.store import content_key
 
 Over: TypeAlias = "Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]"
@@ -26,7 +29,7 @@ class Task:
     visibility: Any
     use: str | None
     camera: str | None
-    env: str | None
+    env: Any
     size: tuple[int, int]
     spp: int
     seed: int
@@ -164,7 +167,7 @@ def _add(
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
-        "env": _file_hash(task.env),
+        "env": _env_hash(task.env),
     }  # fmt: skip
     for role in settings.ROLES:
         spec[role] = settings.described(role, chosen[role])
@@ -194,7 +197,7 @@ def definition_of(
              "key": p.key, "paired": p.paired, "converged": p.converged}
             for p in plan.points
         ],
-        "provenance": provenance(common["threads"]),
+        "provenance": provenance(common["threads"]), "cpu": cpu_model(),
     }  # fmt: skip
 
 
@@ -222,5 +225,10 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))
 
 
-def _file_hash(path: str | None) -> str | None:
-    return None if path is None else hashlib.sha256(Path(path).read_bytes()).hexdigest()
+def _env_hash(env: Any) -> str | None:
+    """Content hash of an environment: of the file's bytes, or of the numbers."""
+    if env is None:
+        return None
+    if isinstance(env, (str, os.PathLike)):
+        return hashlib.sha256(Path(env).read_bytes()).hexdigest()
+    return hashlib.sha256(np.asarray(env, dtype="<f8").tobytes()).hexdigest()

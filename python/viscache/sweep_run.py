@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import pickle
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from viscache import metrics as _metrics
@@ -50,6 +51,17 @@ def _opened(scene: Any) -> Any:
     if not _LAST or _LAST[0][0] != scene:
         _LAST[:] = [(scene, sources.open_scene(scene))]
     return _LAST[0][1]
+
+
+def _check_travels(scene: Any) -> None:
+    """ValueError where a scene cannot be sent to the workers of an executor."""
+    try:
+        pickle.dumps(scene)
+    except (TypeError, AttributeError, pickle.PicklingError) as error:
+        raise ValueError(
+            "scene must be a file or a built-in name when an executor's workers render it,"
+            f" got {scene!r}"
+        ) from error
 
 
 class Run:
@@ -100,6 +112,9 @@ class Run:
                     time.sleep(0.2)
 
     def parallel(self, executor: Executor) -> None:
+        scene = self.scene if isinstance(executor, ThreadPoolExecutor) else None
+        if scene is None:
+            _check_travels(next(iter(self.plan.tasks.values())).scene)
         window = 2 * int(getattr(executor, "_max_workers", 0) or 16)
         flying: dict[Future[Frame], str] = {}
         try:
@@ -111,7 +126,7 @@ class Run:
                     if self.store.get(key) is not None:
                         self.finished()
                     elif self.store.claim(key):
-                        flying[executor.submit(render_task, self.plan.tasks[key])] = key
+                        flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
                     else:
                         self.todo.append(key)
                 ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+
 from viscache.frame import Frame
 from viscache.sweep import SweepFile, sweep
 from viscache.sweep_table import open_dataset
@@ -198,7 +199,8 @@ def test_a_file_runs_as_written(fake_vc: Any, tmp_path: Path) -> None:
     path.write_text(FILE + "integrator.n_vpls = [1, 3]\n")
     ds = SweepFile.load(path).run(tmp_path / "out")
     assert dict(ds.sizes) == {"c_e": 2, "n_vpls": 2, "repeat": 2, "group": 1}
-    assert {c["visibility"].c_n for c in fake_vc.CALLS if hasattr(c["visibility"], "c_n")} == {16}
+    cached = [c["visibility"] for c in fake_vc.CALLS if hasattr(c["visibility"], "preset")]
+    assert {v.preset for v in cached} == {"paper"}
     assert ds.attrs["scene"] == "room?triangles=2000"
 
 

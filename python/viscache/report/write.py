@@ -85,8 +85,8 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     """What the page shows, JSON-able."""
     metrics = json.loads(ds.attrs["metrics"])
     wanted = [
-        *metrics, *(f"converged_{m}" for m in metrics[:1]), "rays", "ray_reduction", "total_s",
-        "visibility_s", "speedup",
+        *metrics[:1], "total_s", "speedup", "rays", "ray_reduction", *metrics[1:],
+        *(f"converged_{m}" for m in metrics[:1]), "visibility_s",
     ]  # fmt: skip
     columns = [c for c in wanted if c in ds and bool(ds[c].notnull().any())]
     if not columns or not metrics:
@@ -175,8 +175,8 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
         f"{model['repeats']} repeat(s)",
         **{role.capitalize(): _settings_text(table) for role, table in settings.items()},
         "Scene hash": str(ds.attrs["scene_hash"])[:16],
-        "Made by": ", ".join(f"{k} {v}" for k, v in made.items() if k not in ("date", "cpu")),
-        "Machine": str(made.get("cpu", "unknown")),
+        "Made by": ", ".join(f"{k} {v}" for k, v in made.items() if k != "date"),
+        "Processor": str(ds.attrs["cpu"]),
         "Date": str(made.get("date", "unknown")),
     }
     return "".join(
@@ -236,7 +236,7 @@ def _table(model: dict[str, Any]) -> str:
                 cells.append('<td data-value="">–</td>')
                 continue
             mean, half = cell
-            spread = f" <small>± {number(half)}</small>" if half else ""
+            spread = f" <small>± {half:.2g}</small>" if half else ""
             cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
         rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
