@@ -1,8 +1,11 @@
 // What a frozen scene holds, as plain Python objects.
 #include <pybind11/stl.h>
 
+#include <fstream>
+
 #include "arrays.h"
 #include "viscache/scene/content_hash.h"
+#include "viscache/scene/decode_image.h"
 #include "viscache/scene/scene.h"
 
 namespace viscache::bindings {
@@ -77,6 +80,15 @@ void bind_scene_info(py::module_& m) {
         d.meshes.resize(s.described_meshes());
         return d;
     }, py::arg("scene"), "A copy that can be changed.");
+    m.def("read_image", [](const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        if (!file) throw SceneError(path + ": no such file, or it cannot be read");
+        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        const Image image = loading::decode_image(bytes, path, true);
+        py::array_t<float> pixels({py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)});
+        std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
+        return pixels;
+    }, py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
 }
 

@@ -4,22 +4,23 @@
 #include <sstream>
 
 #include "viscache/math/octahedral.h"
+#include "viscache/math/parallel.h"
 
 namespace viscache {
 
 namespace {
 
-constexpr int kSubSamples = 4;      // per axis and texel, when the source is resampled
+constexpr int kMaxResolution = 2048;
 constexpr double kPowerTolerance = 0.02;
 
 /// Bilinear in the lat-long image: columns wrap around, rows stop at the poles.
 Rgb lookup(const Image& image, Vec3 d) {
-    double u = std::atan2(double(d.x), -double(d.z)) / (2 * M_PI);
+    float u = std::atan2(d.x, -d.z) * (0.5f / kPi);
     u -= std::floor(u);
-    const double v = std::acos(std::clamp(double(d.y), -1.0, 1.0)) / M_PI;
-    const double x = u * image.width - 0.5, y = v * image.height - 0.5;
+    const float v = std::acos(std::clamp(d.y, -1.f, 1.f)) * (1 / kPi);
+    const float x = u * image.width - 0.5f, y = v * image.height - 0.5f;
     const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    const float fx = float(x - x0), fy = float(y - y0);
+    const float fx = x - x0, fy = y - y0;
     Rgb sum;
     for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx) {
@@ -81,19 +82,19 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
     EnvironmentMap map;
     // 4π/N² ≤ the solid angle of a pixel at the equator
     const double wish = resolution > 0 ? resolution : std::sqrt(2.0 * image.width * image.height / M_PI);
-    map.resolution_ = int(std::bit_ceil(uint32_t(std::clamp(wish, 2.0, 4096.0))));
-    const int n = map.resolution_;
+    const int n = map.resolution_ = std::min(kMaxResolution, int(std::bit_ceil(uint32_t(std::max(wish, 2.0)))));
+    const int sub = n <= 1024 ? 4 : 2;  // samples per axis of a texel
     map.pixels_.resize(size_t(n) * n);
-    for (int y = 0; y < n; ++y)
+    parallel_for(size_t(n), 0, [&](size_t y, int) {
         for (int x = 0; x < n; ++x) {
             Rgb sum;
-            for (int j = 0; j < kSubSamples; ++j)
-                for (int i = 0; i < kSubSamples; ++i) {
-                    const Vec2 p{(x + (i + 0.5f) / kSubSamples) / n, (y + (j + 0.5f) / kSubSamples) / n};
-                    sum += lookup(image, to_map(to_world, equal_area_to_direction(p)));
-                }
-            map.pixels_[size_t(y) * n + x] = sum * scale / float(kSubSamples * kSubSamples);
+            for (int i = 0; i < sub * sub; ++i) {
+                const Vec2 p{(x + (i % sub + 0.5f) / sub) / n, (y + (i / sub + 0.5f) / sub) / n};
+                sum += lookup(image, to_map(to_world, equal_area_to_direction(p)));
+            }
+            map.pixels_[y * n + x] = sum * scale / float(sub * sub);
         }
+    });
     map.build_tables();
     const double wanted = source_power(image, scale);
     map.power_ratio_ = map.total_power_ / wanted;
