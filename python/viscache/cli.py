@@ -1,7 +1,8 @@
 """The command line: `viscache SUB-COMMAND ...`.
 
-Results go to standard output, messages and progress to standard error. Exit status: 0 done, 1 a check
-or comparison failed, 2 bad usage or input (one line; a traceback with --debug), 130 after Ctrl-C.
+Results go to standard output, messages and progress to standard error. Exit status: 0 done, 1 a
+check or comparison failed, 2 bad usage or input (one line; a traceback with --debug), 130 after
+Ctrl-C.
 """
 
 from __future__ import annotations

@@ -101,8 +101,13 @@ def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
 
 def described(role: Role, settings: Any) -> dict[str, Any]:
     """`{"name": ..., parameter: value, ...}`, JSON-able: the inverse of `make`."""
-    plain = json.loads(json.dumps(parameters(settings), default=str))
-    return {"name": name_of(role, settings), **plain}
+    return {"name": name_of(role, settings), **plain(parameters(settings))}
+
+
+def plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values as JSON would give them back; what it cannot hold as text."""
+    kept = {n: dict(v) if isinstance(v, Mapping) else v for n, v in values.items()}
+    return dict(json.loads(json.dumps(kept, default=str)))
 
 
 def literal(text: str) -> Any:

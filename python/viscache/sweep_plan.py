@@ -24,6 +24,7 @@ class Task:
     """One frame to render; travels to the executor's workers."""
 
     scene: Any  # a spec, or a Scene
+    scene_hash: str
     integrator: Any
     rays: Any
     visibility: Any
@@ -162,7 +163,12 @@ def _add(
     exact = settings.name_of("visibility", chosen["visibility"]) == "exact"
     roles: dict[str, Any] = {role: chosen[role] for role in settings.ROLES}
     rest: dict[str, Any] = {**common, "use": None if exact else common["use"], "seed": seed}
-    merged: dict[str, Any] = {**rest, **roles, "spp": spp or common["spp"]}
+    merged: dict[str, Any] = {
+        **rest,
+        **roles,
+        "spp": spp or common["spp"],
+        "scene_hash": str(scene.content_hash),
+    }
     task = Task(**merged)
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
@@ -171,6 +177,8 @@ def _add(
     }  # fmt: skip
     for role in settings.ROLES:
         spec[role] = settings.described(role, chosen[role])
+        if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
+            spec[role] |= {"resolved": settings.plain(chosen[role].resolved())}
     key = content_key(spec)
     plan.tasks[key] = task
     plan.specs[key] = spec

@@ -29,7 +29,7 @@ render_function: Callable[..., Frame] | None = None
 def render_task(task: Task, scene: Any = None) -> Frame:
     """Render one frame; runs in this process or in a worker."""
     render = render_function or importlib.import_module("viscache").render
-    opened = scene if scene is not None else _opened(task.scene)
+    opened = scene if scene is not None else _opened(task)
     cpu = time.process_time()
     frame: Frame = render(
         opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
@@ -45,12 +45,17 @@ def render_task(task: Task, scene: Any = None) -> Frame:
 _LAST: list[tuple[Any, Any]] = []  # the worker's newest scene
 
 
-def _opened(scene: Any) -> Any:
+def _opened(task: Task) -> Any:
+    """The scene of a task, in a worker: the newest one is kept."""
+    scene = task.scene
     if not isinstance(scene, str):
         return scene
     if not _LAST or _LAST[0][0] != scene:
         _LAST[:] = [(scene, sources.open_scene(scene))]
-    return _LAST[0][1]
+    opened = _LAST[0][1]
+    if str(opened.content_hash) != task.scene_hash:
+        raise ValueError(f"scene {scene} is not the one the sweep began with (its content differs)")
+    return opened
 
 
 def _check_travels(scene: Any) -> None:
@@ -130,8 +135,16 @@ class Run:
                     else:
                         self.todo.append(key)
                 ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    self.keep(flying.pop(future), future.result())
+                failures = []
+                for future in ready:  # what is finished is kept before an error is raised
+                    key, failure = flying.pop(future), future.exception()
+                    if failure is not None:
+                        self.store.release(key)
+                        failures.append(failure)
+                    else:
+                        self.keep(key, future.result())
+                if failures:
+                    raise failures[0]
                 if not flying and self.todo:
                     time.sleep(0.2)
         finally:

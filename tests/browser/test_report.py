@@ -51,7 +51,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
         directory = tmp_path_factory.mktemp("sweep")
         over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
-        sweep("room", "whitted", over=over, repeats=2, size=(64, 48), directory=directory)
+        sweep("room", "whitted", over=over, repeats=2, size=(64, 48), directory=directory,
+              metrics=["rel_l1"])  # fmt: skip
     alone = tmp_path_factory.mktemp("alone") / "report.html"
     return report.write(directory, alone)
 

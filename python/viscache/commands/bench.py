@@ -55,7 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError(f"unknown bench {arguments.name!r}{nearest(arguments.name, known)}")
     names = list(there) if arguments.name == "all" else [arguments.name]
     if not names or names[0] not in there:
-        raise NotThereYetError(f"bench {arguments.name} is not there yet in this version of viscache")
+        raise NotThereYetError(
+            f"bench {arguments.name} is not there yet in this version of viscache"
+        )
     results = [there[name](quick=arguments.quick) for name in names]
     if arguments.json:
         print_json(results[0] if arguments.name != "all" else {"benches": results})

@@ -15,13 +15,17 @@ from viscache.commands.shared import at_least_one, chosen_settings, print_json, 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
     parser.add_argument("-o", "--output", metavar="OUT.exr", required=True)
-    parser.add_argument("--integrator", default="whitted", choices=list(settings.NAMES["integrator"]))
+    parser.add_argument(
+        "--integrator", default="whitted", choices=list(settings.NAMES["integrator"])
+    )
     parser.add_argument("--rays", default="embree", choices=list(settings.NAMES["rays"]))
     parser.add_argument(
         "--visibility", default="exact",
         choices=[*settings.NAMES["visibility"], *settings.RAYS_AS_VISIBILITY],
     )  # fmt: skip
-    parser.add_argument("--use", choices=["replace", "correct"], help="how an approximation is used")
+    parser.add_argument(
+        "--use", choices=["replace", "correct"], help="how an approximation is used"
+    )
     parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
                         help="a parameter by its symbol: c_e=8, integrator.n_vpls=256")  # fmt: skip
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")

@@ -34,4 +34,6 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     if arguments.name != "all" and arguments.name not in FIGURES:
         raise ValueError(f"unknown figure {arguments.name!r}{nearest(arguments.name, FIGURES)}")
-    raise NotThereYetError(f"reproduce {arguments.name} is not there yet in this version of viscache")
+    raise NotThereYetError(
+        f"reproduce {arguments.name} is not there yet in this version of viscache"
+    )

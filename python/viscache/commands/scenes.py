@@ -19,12 +19,15 @@ def run(arguments: argparse.Namespace) -> int:
     scenes = getattr(vc, "scenes", None)
     if scenes is None:
         raise NotThereYetError("the built-in scenes are not there yet in this version of viscache")
-    described: dict[str, dict[str, Any]] = scenes.catalog()
+    described: dict[str, dict[str, Any]] = {
+        name: {"description": entry.description, "parameters": dict(entry.parameters)}
+        for name, entry in scenes.SCENES.items()
+    }
     if arguments.json:
         print_json(described)
         return 0
     for name, entry in described.items():
-        print(f"{name}: {entry.get('summary', '')}")
-        for parameter, default in entry.get("parameters", {}).items():
+        print(f"{name}: {entry['description']}")
+        for parameter, default in entry["parameters"].items():
             print(f"    {parameter} = {default}")
     return 0

@@ -20,7 +20,11 @@ def print_table(rows: dict[str, Any]) -> None:
     width = max((len(name) for name in rows), default=0)
     for name, value in rows.items():
         text = "undefined" if value is None else value
-        print(f"{name:<{width}}  {text:.6g}" if isinstance(text, float) else f"{name:<{width}}  {text}")
+        print(
+            f"{name:<{width}}  {text:.6g}"
+            if isinstance(text, float)
+            else f"{name:<{width}}  {text}"
+        )
 
 
 def _finite(value: Any) -> Any:
@@ -55,7 +59,9 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[settings.Role, Any]:
     rays, visibility = arguments.rays, arguments.visibility
     if visibility in settings.RAYS_AS_VISIBILITY:
         if rays not in ("embree", visibility):
-            raise ValueError(f"--visibility {visibility} is short for --rays, got --rays {rays} too")
+            raise ValueError(
+                f"--visibility {visibility} is short for --rays, got --rays {rays} too"
+            )
         rays, visibility = visibility, "exact"
     chosen: dict[settings.Role, Any] = {
         "integrator": settings.make("integrator", arguments.integrator),

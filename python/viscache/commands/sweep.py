@@ -42,8 +42,12 @@ def _executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor 
         try:
             distributed: Any = importlib.import_module("dask.distributed")
         except ImportError as error:
-            raise ValueError("--dask needs dask.distributed: pip install 'viscache[distributed]'") from error
-        executor: AbstractContextManager[Executor] = distributed.Client(arguments.dask).get_executor()
+            raise ValueError(
+                "--dask needs dask.distributed: pip install 'viscache[distributed]'"
+            ) from error
+        executor: AbstractContextManager[Executor] = distributed.Client(
+            arguments.dask
+        ).get_executor()
         return executor
     if arguments.workers > 1:
         # spawn: a forked child would inherit Embree's and our threads in an unknown state

@@ -185,7 +185,7 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
 
 
 def _settings_text(table: dict[str, Any]) -> str:
-    rest = ", ".join(f"{k} = {v}" for k, v in table.items() if k != "name")
+    rest = ", ".join(f"{k} = {v}" for k, v in table.items() if k != "name" and v not in (None, {}))
     return f"{table['name']}" + (f" ({rest})" if rest else "")
 
 
