@@ -73,9 +73,12 @@ void bind_table(py::module_& m) {
                  return BitTable(slots, digest_bits, scheme_named(scheme));
              }), py::arg("slots"), py::arg("digest_bits") = 31, py::arg("scheme") = "scheme2")
         .def("get", [](const BitTable& t, const KeyArray& keys) {
-            std::vector<int> values;
             const FullKey* rows = key_rows(keys);
-            for (py::ssize_t i = 0; i < keys.shape(0); ++i) values.push_back(t.get(rows[i]).has_value() ? *t.get(rows[i]) : -1);
+            py::array_t<int8_t> values(keys.shape(0));
+            for (py::ssize_t i = 0; i < keys.shape(0); ++i) {
+                const auto value = t.get(rows[i]);
+                values.mutable_at(i) = value ? int8_t(*value) : int8_t(-1);
+            }
             return values;
         })
         .def("put", [](BitTable& t, const KeyArray& keys, const std::vector<bool>& visible) {

@@ -107,6 +107,8 @@ public:
         }
         return py::make_tuple(out, counters_dict(counters));
     }
+    /// Forgets everything and starts the same tile again.
+    void begin_tile() { cache_.begin_tile(eyes_); }
     py::tuple pair_order() {
         const PairOrder o = cache_.pair_order(eyes_);
         return py::make_tuple(std::vector<uint32_t>(o.eye.begin(), o.eye.end()),
@@ -152,6 +154,7 @@ void bind_aqvc_run(py::module_& m) {
         .def("block", &TileRun::block, py::arg("lights"), py::arg("wanted"), py::kw_only(), py::arg("exact") = false)
         .def("pairs", &TileRun::pairs, py::arg("eye"), py::kw_only(), py::arg("semantic"), py::arg("group"),
              py::arg("far"), py::arg("normal"), py::arg("density"), py::arg("exact") = false)
+        .def("begin_tile", &TileRun::begin_tile)
         .def("pair_order", &TileRun::pair_order);
 }
 
