@@ -194,3 +194,13 @@ def test_doctor_reports_a_broken_build_with_status_1(
     status, text, _ = run(capsys, "doctor", "--json")
     failed = [c["name"] for c in json.loads(text)["checks"] if not c["holds"]]
     assert status == 1 and failed == ["visible() agrees with plane geometry"]
+
+
+def test_scenes_lists_every_built_in_scene_with_its_parameters(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    status, text, _ = run(capsys, "scenes", "--json")
+    got = json.loads(text)
+    assert status == 0 and "triangles" in got["room"]["parameters"]
+    status, text, _ = run(capsys, "scenes")
+    assert status == 0 and all(f"{name}: " in text for name in got)

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import importlib
-from typing import Any
 
 from viscache.commands.shared import print_json
-from viscache.settings import NotThereYetError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,19 +12,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    vc: Any = importlib.import_module("viscache")
-    scenes = getattr(vc, "scenes", None)
-    if scenes is None:
-        raise NotThereYetError("the built-in scenes are not there yet in this version of viscache")
-    described: dict[str, dict[str, Any]] = {
+    from viscache.scenes import SCENES
+
+    described = {
         name: {"description": entry.description, "parameters": dict(entry.parameters)}
-        for name, entry in scenes.SCENES.items()
+        for name, entry in SCENES.items()
     }
     if arguments.json:
         print_json(described)
         return 0
     for name, entry in described.items():
         print(f"{name}: {entry['description']}")
-        for parameter, default in entry["parameters"].items():
+        for parameter, default in dict(SCENES[name].parameters).items():
             print(f"    {parameter} = {default}")
     return 0
