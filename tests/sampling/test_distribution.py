@@ -53,7 +53,9 @@ def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
     assert p_value(counts[1:7], counts[1:7].sum() * np.full(6, 1 / 6)) < 1e-6
 
 
-@pytest.mark.parametrize("weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]])
+@pytest.mark.parametrize(
+    "weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]]
+)
 def test_unusable_weights_are_refused(weights: list[float]) -> None:
     with pytest.raises(ValueError, match="weights must"):
         Distribution(np.array(weights))

@@ -50,7 +50,10 @@ def test_a_wrong_density_is_found() -> None:
     """Negative controls: another sampler, and a tilt of five percent."""
     uniform = warp.square_to_uniform_hemisphere(uniforms(N, 2))
     assert sphere_p_value(uniform, warp.pdf_cosine_hemisphere) < 1e-6
-    assert sphere_p_value(uniform, lambda w: (w[:, 2] >= 0) * (1 + 0.05 * (w[:, 2] - 0.5)) / 2 / np.pi) < 1e-6
+    assert (
+        sphere_p_value(uniform, lambda w: (w[:, 2] >= 0) * (1 + 0.05 * (w[:, 2] - 0.5)) / 2 / np.pi)
+        < 1e-6
+    )
 
 
 @pytest.mark.stat
@@ -122,7 +125,9 @@ def test_the_visible_part_of_a_sphere_is_uniform_in_solid_angle(distance: float)
 
 def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
     """E = π L (r/d)² on a surface that faces the sphere."""
-    u = np.stack(np.meshgrid(*2 * [(np.arange(256, dtype=np.float32) + 0.5) / 256]), -1).reshape(-1, 2)
+    u = np.stack(np.meshgrid(*2 * [(np.arange(256, dtype=np.float32) + 0.5) / 256]), -1).reshape(
+        -1, 2
+    )
     p, n, pdf, pdf_area = warp.sample_sphere_light((0, 0, 3), 1.0, (0, 0, 0), u)
     w, d = facing(np.zeros(3), p)
     assert np.mean(w[:, 2] / pdf) == pytest.approx(np.pi / 9, rel=1e-4)
@@ -133,9 +138,14 @@ def test_both_densities_of_a_sphere_give_its_irradiance() -> None:
 @pytest.mark.extreme
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("distance", [1 + 1e-6, 1e3, 1e8])
-def test_spheres_of_any_size_and_distance_give_finite_densities(scale: float, distance: float) -> None:
+def test_spheres_of_any_size_and_distance_give_finite_densities(
+    scale: float, distance: float
+) -> None:
     p, n, pdf, pdf_area = warp.sample_sphere_light(
-        (0, 0, 0), scale, (0, 0, distance * scale), np.append(uniforms(1000, 2), [[0, 0], [1 - 2**-24] * 2], 0)
+        (0, 0, 0),
+        scale,
+        (0, 0, distance * scale),
+        np.append(uniforms(1000, 2), [[0, 0], [1 - 2**-24] * 2], 0),
     )
     for values in (p, n, pdf, pdf_area):
         assert np.isfinite(values).all()
@@ -159,7 +169,10 @@ def stretched(alpha: float, bins: int = 256, sub: int = 4) -> tuple[Rows, npt.ND
     s = alpha * np.sqrt(r2 / (1 - r2))
     phi = (np.arange(512) + 0.5) / 512 * 2 * np.pi
     z = 1 / np.sqrt(1 + s**2)
-    h = np.stack([np.outer(s * z, np.cos(phi)), np.outer(s * z, np.sin(phi)), np.repeat(z[:, None], 512, 1)], -1)
+    h = np.stack(
+        [np.outer(s * z, np.cos(phi)), np.outer(s * z, np.sin(phi)), np.repeat(z[:, None], 512, 1)],
+        -1,
+    )
     # dω = s z³ ds dφ, s ds = α²/2 dr²/(1 − r²)²
     dw = z**3 * alpha**2 / 2 / (1 - r2) ** 2 / n * 2 * np.pi / 512
     return h.reshape(-1, 3).astype(np.float32), np.repeat(dw, 512)
@@ -241,7 +254,9 @@ def test_the_fresnel_term_is_mitsubas() -> None:
     for cos_i in np.linspace(-1, 1, 41):
         for eta in (1.5, 0.7, 2.0):
             expected = mi.fresnel(float(cos_i), eta)[0]
-            assert warp.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(expected, abs=2e-5)
+            assert warp.fresnel_dielectric(np.array([cos_i]), eta)[0] == pytest.approx(
+                expected, abs=2e-5
+            )
 
 
 @pytest.mark.parametrize("eta", [1.5, 0.7])
