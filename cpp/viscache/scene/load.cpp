@@ -17,6 +17,7 @@ Reader reader_for(const std::string& path) {
     if (extension == ".ply") return loading::load_ply;
     if (extension == ".xml") return loading::load_mitsuba;
     if (extension == ".pbrt") return loading::load_pbrt;
+    if (extension == ".gltf" || extension == ".glb") return loading::load_gltf;
     if (extension == ".serialized") return loading::load_serialized;
     loading::fail(path, "unknown scene format '" + extension +
                             "'; known are .obj .ply .gltf .glb .xml (Mitsuba) .pbrt .serialized");
