@@ -46,6 +46,14 @@ void check_cameras(const SceneDescription& s, const std::string& path) {
     }
 }
 
+void make_printable(SceneDescription& s) {
+    for (Mesh& mesh : s.meshes) mesh.name = loading::printable(std::move(mesh.name));
+    for (Camera& camera : s.cameras) camera.name = loading::printable(std::move(camera.name));
+    for (Image& image : s.images) image.where = loading::printable(std::move(image.where));
+    for (Warning& w : s.warnings)
+        w.where = loading::printable(std::move(w.where)), w.text = loading::printable(std::move(w.text));
+}
+
 }  // namespace
 
 SceneDescription load_scene_file(const std::string& path, bool strict) {
@@ -57,6 +65,7 @@ SceneDescription load_scene_file(const std::string& path, bool strict) {
         check_lights(scene, path);
         check_cameras(scene, path);
         loading::decode_images(state);
+        make_printable(scene);
     } catch (const std::bad_alloc&) {
         loading::fail(path, "not enough memory");
     } catch (const SceneError&) {

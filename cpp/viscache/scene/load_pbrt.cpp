@@ -1,7 +1,17 @@
 // pbrt-v3 text: directives, transforms, attribute blocks and object instances.
 #include "viscache/scene/pbrt_reader.h"
 
+#include <filesystem>
+
 namespace viscache::loading {
+
+std::string PbrtReader::path_named(const std::string& name, const std::string& asked_at) const {
+    // pbrt-v3 looks from the folder of the main file; files that were moved together are found from their own.
+    const std::string from_main = resolve(main_path_, name);
+    const std::string from_here = resolve(asked_at.substr(0, asked_at.rfind(':')), name);
+    std::error_code error;
+    return !std::filesystem::exists(from_main, error) && std::filesystem::exists(from_here, error) ? from_here : from_main;
+}
 
 void PbrtReader::save(char kind, const PbrtToken& token) {
     if (saved_.size() > 100000) fail(token.where(), "blocks are nested more than 100,000 deep");
@@ -123,7 +133,7 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
         now_.reversed = !now_.reversed;
     } else if (name == "Include") {
         const PbrtToken file = tokens_.expect(PbrtToken::kString, "a file name in quotes");
-        tokens_.push(resolve(*file.path, std::string(file.text)), file.where());
+        tokens_.push(path_named(std::string(file.text), file.where()), file.where());
     } else {
         return false;
     }
@@ -172,6 +182,7 @@ bool PbrtReader::directive(const PbrtToken& token) {
 }
 
 void PbrtReader::read_scene(const std::string& path) {
+    main_path_ = path;
     tokens_.push(path, "");
     while (!world_ended_) {
         const PbrtToken token = tokens_.next();

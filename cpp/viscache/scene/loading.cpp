@@ -6,7 +6,37 @@
 
 namespace viscache::loading {
 
-void fail(const std::string& where, const std::string& what) { throw SceneError(where + ": " + what); }
+void fail(const std::string& where, const std::string& what) { throw SceneError(printable(where + ": " + what)); }
+
+namespace {
+
+/// Bytes of the UTF-8 character at `i`; 0 when there is none.
+size_t character_length(std::string_view text, size_t i) {
+    const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
+    const unsigned char first = byte(i);
+    if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+    const size_t n = first >= 0xc2 && first < 0xe0 ? 2 : (first & 0xf0) == 0xe0 ? 3 : first >= 0xf0 && first < 0xf5 ? 4 : 0;
+    if (n == 0 || i + n > text.size()) return 0;
+    for (size_t k = 1; k < n; ++k)
+        if ((byte(i + k) & 0xc0) != 0x80) return 0;
+    // No overlong forms, no surrogates, nothing beyond U+10FFFF.
+    const unsigned char second = byte(i + 1);
+    if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) || (first == 0xf0 && second < 0x90) ||
+        (first == 0xf4 && second >= 0x90))
+        return 0;
+    return n;
+}
+
+}  // namespace
+
+std::string printable(std::string text) {
+    for (size_t i = 0; i < text.size();) {
+        const size_t n = character_length(text, i);
+        if (n == 0) text[i] = '?';
+        i += std::max<size_t>(n, 1);
+    }
+    return text;
+}
 
 std::string at_line(const std::string& file, size_t line) { return file + ":" + std::to_string(line); }
 

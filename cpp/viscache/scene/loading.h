@@ -19,6 +19,9 @@ constexpr int kMaxDepth = 64;  ///< of nested elements, includes and nodes
 /// Throws SceneError "where: what".
 [[noreturn]] void fail(const std::string& where, const std::string& what);
 
+/// `text` with what is not UTF-8, and control characters, replaced by '?': names in files may hold anything.
+std::string printable(std::string text);
+
 /// "file:line".
 std::string at_line(const std::string& file, size_t line);
 

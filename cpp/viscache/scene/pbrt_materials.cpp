@@ -36,7 +36,7 @@ Rgb normalised_blackbody(double kelvin) {
 
 Rgb PbrtReader::spectrum_file(const PbrtParam& p) {
     if (p.strings.size() != 1) fail(p.where, "one spectrum file must be named");
-    std::string text = read_file(resolve(p.where.substr(0, p.where.rfind(':')), p.strings[0]), p.where);
+    std::string text = read_file(path_named(p.strings[0], p.where), p.where);
     std::vector<double> values;
     for (size_t i = 0; (i = text.find_first_not_of(" \t\r\n,", i)) != std::string::npos;) {
         const size_t end = std::min(text.find_first_of(text[i] == '#' ? "\n" : " \t\r\n,", i), text.size());
@@ -100,7 +100,7 @@ void PbrtReader::texture(const std::string& where) {
     if (type == "imagemap") {
         const PbrtParam* file = params.find("filename");
         if (!file) fail(where, "an imagemap needs a filename");
-        const std::string path = resolve(file->where.substr(0, file->where.rfind(':')), params.string("filename", ""));
+        const std::string path = path_named(params.string("filename", ""), file->where);
         t.image = loading_.add_image(path, file->where, params.boolean("gamma", true));
         const float scale = float(params.number("scale", 1));
         t.color = {scale, scale, scale};

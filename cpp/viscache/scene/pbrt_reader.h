@@ -49,6 +49,7 @@ private:
     Affine read_look_at(const PbrtToken& token);
     void multiply(const Affine& t, const PbrtToken& token);
     void object_instance(const PbrtToken& token);
+    std::string path_named(const std::string& name, const std::string& asked_at) const;
     std::string name_argument() { return std::string(tokens_.expect(PbrtToken::kString, "a name in quotes").text); }
 
     // pbrt_materials.cpp
@@ -79,6 +80,7 @@ private:
     void finish_camera();
 
     Loading& loading_;
+    std::string main_path_;
     PbrtTokens tokens_;
     Graphics now_;
     std::vector<Saved> saved_;

@@ -37,7 +37,7 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
     if (type == "plymesh") {
         const PbrtParam* file = params.find("filename");
         if (!file) fail(where, "a plymesh needs a filename");
-        const std::string path = resolve(file->where.substr(0, file->where.rfind(':')), params.string("filename", ""));
+        const std::string path = path_named(params.string("filename", ""), file->where);
         return read_ply(path, file->where);
     }
     if (type == "sphere") {
@@ -132,7 +132,7 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     env.scale = color(params, "L", kOne) * color(params, "scale", kOne);
     const char* const name = params.has("mapname") ? "mapname" : "filename";
     if (const PbrtParam* map = params.find(name)) {
-        const std::string path = resolve(map->where.substr(0, map->where.rfind(':')), params.string(name, ""));
+        const std::string path = path_named(params.string(name, ""), map->where);
         env.image = loading_.add_image(path, map->where, true);
     }
     // pbrt's map: z up, column from atan2(y, x). In ours y is up and the column comes from atan2(x, -z).
