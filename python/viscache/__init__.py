@@ -1,1 +1,33 @@
-"""viscache: visibility caches for ray tracing. Trade shadow rays for accuracy, and measure the trade."""
+"""Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
+
+from viscache import metrics
+from viscache._core import SceneDescription, look_at
+from viscache.frame import Frame
+from viscache.integrators import AmbientOcclusion, Direct, Whitted
+from viscache.rays import Embree
+from viscache.render import render
+from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.sweep import sweep
+from viscache.visibility import Aqvc, Exact
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "AmbientOcclusion",
+    "Aqvc",
+    "Direct",
+    "Embree",
+    "Exact",
+    "Frame",
+    "Intersection",
+    "Scene",
+    "SceneDescription",
+    "SceneError",
+    "Whitted",
+    "__version__",
+    "load_scene",
+    "look_at",
+    "metrics",
+    "render",
+    "sweep",
+]

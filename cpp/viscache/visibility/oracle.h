@@ -53,6 +53,13 @@ struct ShadowQuery {
     Vec3 far_normal;    ///< kSurface only
     Vec3 ray_end;       ///< where the shadow ray ends (position spawned off its surface); unused for directions
     float density = 0;  ///< D_l at the far end
+    float t_max = kInfinity;  ///< how far a direction looks (ambient occlusion); unused for positions
+};
+
+/// In which order an oracle likes to be asked by `pairs`. Empty: any.
+struct PairOrder {
+    std::span<const uint32_t> eye;      ///< the tile's eye points in processing order
+    std::span<const uint32_t> run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
 };
 
 class VisibilityOracle {
@@ -63,6 +70,8 @@ public:
     /// Eye points × one light group; only the set bits of `wanted` are asked. `visible` arrives zeroed, of equal size.
     virtual void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                        Counters& counters) = 0;
+    /// The order in which `pairs` should be asked about this tile; valid until the next begin_tile.
+    virtual PairOrder pair_order(const EyeBlock&) { return {}; }
     /// Any connections of the tile's eye points. Bit i of `visible` (zeroed on entry) answers queries[i].
     virtual void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                        Counters& counters) = 0;

@@ -1,0 +1,88 @@
+// Parameters of the quantized cache.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+
+#include "viscache/aqvc/parameters.h"
+
+namespace py = pybind11;
+
+namespace viscache::bindings {
+
+void bind_aqvc_keys(py::module_& m);
+void bind_aqvc_run(py::module_& m);
+
+namespace {
+
+/// A field of a closed set, read and written by name.
+template <class Enum, size_t N>
+void named_field(py::class_<AqvcParameters>& c, const char* field, Enum AqvcParameters::* member,
+                 std::array<const char*, N> names) {
+    c.def_property(
+        field, [=](const AqvcParameters& p) { return names[size_t(p.*member)]; },
+        [=](AqvcParameters& p, const std::string& name) {
+            std::string all;
+            for (size_t i = 0; i < N; ++i) {
+                if (name == names[i]) {
+                    p.*member = Enum(i);
+                    return;
+                }
+                all += (i ? ", " : "") + std::string(names[i]);
+            }
+            throw py::value_error(std::string(field) + " must be one of " + all + ", got " + name);
+        });
+}
+
+AqvcParameters from_keywords(const py::kwargs& keywords) {
+    AqvcParameters p;
+    py::object self = py::cast(&p, py::return_value_policy::reference);
+    for (auto [name, value] : keywords) {
+        if (!py::hasattr(self, name))
+            throw py::value_error("AqvcParameters has no parameter " + py::cast<std::string>(name));
+        py::setattr(self, name, value);
+    }
+    p.validate();
+    return p;
+}
+
+}  // namespace
+
+void bind_aqvc(py::module_& m) {
+    py::module_ a = m.def_submodule("aqvc", "Quantized visibility cache (AQVC).");
+    py::class_<AqvcParameters> c(a, "AqvcParameters", "Parameters of the quantized cache; see viscache.Aqvc.");
+    c.def(py::init(&from_keywords));
+    c.def_readwrite("c_e", &AqvcParameters::c_e);
+    c.def_readwrite("c_e_group", &AqvcParameters::c_e_group);
+    c.def_readwrite("c_n", &AqvcParameters::c_n);
+    c.def_readwrite("c_z", &AqvcParameters::c_z);
+    c.def_readwrite("c_r", &AqvcParameters::c_r);
+    named_field(c, "normal_mode", &AqvcParameters::normal_mode, std::array{"round", "floor"});
+    c.def_readwrite("grid_offset", &AqvcParameters::grid_offset);
+    c.def_readwrite("grid_seed", &AqvcParameters::grid_seed);
+    c.def_readwrite("tangent_neighbours", &AqvcParameters::tangent_neighbours);
+    named_field(c, "res_rule", &AqvcParameters::res_rule, std::array{"eq7", "eq6"});
+    named_field(c, "env_rule", &AqvcParameters::env_rule, std::array{"derived", "printed"});
+    named_field(c, "vpl_key", &AqvcParameters::vpl_key, std::array{"point", "surface"});
+    named_field(c, "refinement", &AqvcParameters::refinement, std::array{"auto", "on", "off"});
+    named_field(c, "level_rule", &AqvcParameters::level_rule, std::array{"finest", "log2"});
+    c.def_readwrite("level_step", &AqvcParameters::level_step);
+    c.def_readwrite("c_finest", &AqvcParameters::c_finest);
+    c.def_readwrite("max_levels", &AqvcParameters::max_levels);
+    named_field(c, "hash", &AqvcParameters::hash, std::array{"scheme2", "scheme1", "scheme1_mixed"});
+    c.def_readwrite("digest_bits", &AqvcParameters::digest_bits);
+    c.def_readwrite("table_bytes", &AqvcParameters::table_bytes);
+    named_field(c, "order", &AqvcParameters::order, std::array{"hm", "scanline", "random"});
+    c.def_readwrite("c_pg", &AqvcParameters::c_pg);
+    c.def_readwrite("cosmin", &AqvcParameters::cosmin);
+    named_field(c, "form", &AqvcParameters::form, std::array{"waves", "rows", "pairs"});
+    named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact"});
+    c.def_readwrite("batch", &AqvcParameters::batch);
+    c.def("validate", &AqvcParameters::validate);
+    c.def("level_list", [](const AqvcParameters& p, int group, int spp) { return level_list(p, group, spp); },
+          py::arg("group"), py::kw_only(), py::arg("spp") = 1, "C_E of every level of a light group, coarse to fine.");
+    bind_aqvc_keys(a);
+    bind_aqvc_run(a);
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,169 @@
+// Scene and its exact rays.
+#include <pybind11/native_enum.h>
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "interrupt.h"
+#include "viscache/visibility/check_rays.h"
+#include "viscache/visibility/embree_caster.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+constexpr size_t kChunk = 1 << 14;
+
+void require_usable(const FloatArray& a, const char* name) {
+    const Vec3* rows = rows3(a, name);
+    if (const auto i = first_unusable({rows, size_t(a.shape(0))}))
+        throw py::value_error(std::string(name) + " must be finite and at most 1e16 in size, row " +
+                              std::to_string(*i) + " is (" + std::to_string(rows[*i].x) + ", " +
+                              std::to_string(rows[*i].y) + ", " + std::to_string(rows[*i].z) + ")");
+}
+
+void require_same_rows(const py::array& a, const py::array& b, const char* names) {
+    if (a.shape(0) != b.shape(0))
+        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) + " and " +
+                              shape_text(b));
+}
+
+/// t_max: one number for all rays, or one per ray; never NaN.
+std::vector<float> distances(const py::object& t_max, size_t n) {
+    const auto a = FloatArray::ensure(t_max);
+    if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
+        throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
+    std::vector<float> out(n);
+    for (size_t i = 0; i < n; ++i) {
+        out[i] = a.data()[a.ndim() == 1 ? i : 0];
+        if (!(out[i] >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(out[i]));
+    }
+    return out;
+}
+
+/// Traces chunks of rays made by make_ray(i) and stores 1 where the segment is (un)blocked.
+template <class MakeRay>
+py::array_t<bool> trace(const EmbreeCaster& caster, size_t n, int threads, bool answer_blocked, MakeRay make_ray) {
+    py::array_t<bool> result{py::ssize_t(n)};
+    bool* out = result.mutable_data();
+    auto work = [&](size_t chunk) {
+        const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
+        std::vector<Ray> rays(last - first);
+        std::vector<uint8_t> blocked(last - first);
+        for (size_t i = first; i < last; ++i) rays[i - first] = make_ray(i);
+        caster.occluded(rays, blocked);
+        for (size_t i = first; i < last; ++i) out[i] = bool(blocked[i - first]) == answer_blocked;
+    };
+    const size_t chunks = (n + kChunk - 1) / kChunk;
+    if (chunks <= 1) {
+        py::gil_scoped_release release;
+        if (chunks) work(0);
+    } else {
+        run_interruptible([&](Control& control) {
+            parallel_for(chunks, threads, [&](size_t c, int) {
+                control.check();
+                work(c);
+            });
+        });
+    }
+    return result;
+}
+
+py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
+                           const py::object& t_max, int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const size_t n = size_t(o.shape(0));
+    const auto t = distances(t_max, n);
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    return trace(caster, n, threads, true, [&](size_t i) { return Ray{origins[i], 0, directions[i], t[i]}; });
+}
+
+py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
+    require_usable(xs, "x"), require_usable(ys, "y");
+    require_same_rows(xs, ys, "x and y");
+    const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
+    return trace(caster, size_t(xs.shape(0)), threads, false, [&](size_t i) {
+        const float e = segment_epsilon(x[i], y[i]);
+        return Ray{x[i], std::min(e, 1.f), y[i] - x[i], 1 - std::min(e, 1.f)};
+    });
+}
+
+py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const size_t n = size_t(o.shape(0));
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    py::array_t<float> t{py::ssize_t(n)}, uv({py::ssize_t(n), py::ssize_t(2)});
+    py::array_t<int64_t> triangle{py::ssize_t(n)}, instance{py::ssize_t(n)};
+    float *t_out = t.mutable_data(), *uv_out = uv.mutable_data();
+    int64_t *triangle_out = triangle.mutable_data(), *instance_out = instance.mutable_data();
+    run_interruptible([&](Control& control) {
+        parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
+            control.check();
+            const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
+            std::vector<Ray> rays(last - first);
+            std::vector<Hit> hits(last - first);
+            for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], kInfinity};
+            caster.intersect(rays, hits);
+            for (size_t i = first; i < last; ++i) {
+                const Hit& h = hits[i - first];
+                const float nan = std::numeric_limits<float>::quiet_NaN();
+                t_out[i] = h.t;
+                triangle_out[i] = h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
+                instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
+                uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
+            }
+        });
+    });
+    return py::make_tuple(t, triangle, uv, instance);
+}
+
+py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, float t_max, int width,
+                   int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const size_t n = size_t(o.shape(0));
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    py::array_t<bool> result{py::ssize_t(n)};
+    auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
+    py::gil_scoped_release release;
+    parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
+        const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
+        std::vector<Ray> rays(last - first);
+        for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], t_max};
+        caster.bare_occluded(rays, {out + first, last - first}, width);
+    });
+    return result;
+}
+
+}  // namespace
+
+void bind_scene(py::module_& m) {
+    py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "An immutable scene.")
+        .def_static("freeze", [](const SceneDescription& d) {
+                return std::const_pointer_cast<Scene>(Scene::freeze(d));
+            }, py::arg("description"), "Validate and freeze a description.")
+        .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
+        .def_property_readonly("triangles", &Scene::placed_triangles)
+        .def_property_readonly("unique_triangles", &Scene::unique_triangles)
+        .def_property_readonly("instances", [](const Scene& s) { return s.description().instances.size(); })
+        .def_property_readonly("memory_bytes", &Scene::memory_bytes)
+        .def_property_readonly("radius", &Scene::radius)
+        .def_property_readonly("center", [](const Scene& s) { return array3(s.center()); })
+        .def_property_readonly("offset_extent", &Scene::offset_extent)
+        .def_property_readonly("bounds", [](const Scene& s) {
+            return std::pair(array3(s.bounds().lo), array3(s.bounds().hi));
+        });
+    py::class_<EmbreeCaster, std::shared_ptr<EmbreeCaster>>(m, "EmbreeCaster", "Exact rays by Embree.")
+        .def(py::init([](std::shared_ptr<Scene> scene, bool robust) {
+                 return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
+             }), py::arg("scene"), py::kw_only(), py::arg("robust") = true, py::call_guard<py::gil_scoped_release>())
+        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"), py::arg("threads") = 0)
+        .def("visible", &visible, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
+        .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("threads") = 0)
+        .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+             py::arg("width"), py::arg("threads") = 0, "Baseline of `viscache bench rays`: a loop over one packet width.");
+    m.def("embree_version", &EmbreeCaster::version);
+}
+
+}  // namespace viscache::bindings

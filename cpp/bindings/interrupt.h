@@ -1,0 +1,60 @@
+#pragma once
+// Long calls: the GIL is released, Ctrl-C and progress are looked after twenty times a second.
+#include <pybind11/pybind11.h>
+
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "viscache/math/parallel.h"
+
+namespace viscache::bindings {
+
+/// Runs work(Control&) on another thread. `progress` (None, or called with done and total) and signals are handled
+/// here; an exception of theirs cancels the work, waits for it and is rethrown.
+template <class Work>
+void run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
+    namespace py = pybind11;
+    Control control;
+    std::mutex mutex;
+    std::condition_variable finished;
+    bool done = false;
+    std::exception_ptr error;
+    std::exception_ptr python_error;
+    {
+        py::gil_scoped_release release;
+        std::thread worker([&] {
+            try {
+                work(control);
+            } catch (...) {
+                error = std::current_exception();
+            }
+            const std::lock_guard lock(mutex);
+            done = true;
+            finished.notify_one();
+        });
+        std::unique_lock lock(mutex);
+        while (!finished.wait_for(lock, std::chrono::milliseconds(50), [&] { return done; })) {
+            lock.unlock();
+            if (!control.cancel) {
+                py::gil_scoped_acquire acquire;
+                try {
+                    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+                    if (!progress.is_none()) progress(control.done.load(), control.total.load());
+                } catch (...) {
+                    python_error = std::current_exception();
+                    control.cancel = true;
+                }
+            }
+            lock.lock();
+        }
+        lock.unlock();
+        worker.join();
+    }
+    if (python_error) std::rethrow_exception(python_error);
+    if (error) std::rethrow_exception(error);
+    if (!progress.is_none() && control.total > 0) progress(control.total.load(), control.total.load());
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,230 @@
+#pragma once
+// From points to cells and keys (AQVC Sec. 3.3, 3.5): the integer tuples whose holders share one bit.
+//
+// Key slots: 0 semantic index | 1–3 normal bin of X | 4–6 voxel of X | 7 R of X | 8–14 the far end, zero padded:
+// surface = 7 slots like X, point and direction = 3 float bit patterns, solid angle = i, j, R.
+// Everything is computed in double from float input; -ffp-contract=off keeps the bits the same everywhere.
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "viscache/aqvc/parameters.h"
+#include "viscache/aqvc/resolution.h"
+#include "viscache/math/vec.h"
+#include "viscache/visibility/oracle.h"
+
+namespace viscache {
+
+using FullKey = std::array<int32_t, 15>;
+
+/// A voxel of one of the virtual grids. 64-bit coordinates: huge resolutions stay exact here.
+struct Cell {
+    int32_t bin = 0;   ///< number of the normal bin
+    int32_t slot = 0;  ///< rung of the ladder
+    int64_t x = 0, y = 0, z = 0;
+    bool operator==(const Cell&) const = default;
+};
+
+/// A point in the grid of its normal: all that its cells of any size need.
+struct Anchor {
+    double x = 0, y = 0, z = 0;          ///< q·e + B_R along the axes of the grid
+    double slope_x = 0, slope_y = 0;     ///< rise of the tangent plane in cells of z per cell of x, y
+    int32_t bin = 0;
+    bool valid = false;                  ///< finite, with a normal
+};
+
+/// A cell together with where the point lies in it.
+struct PlacedCell {
+    Cell cell;
+    double fx = 0, fy = 0, fz = 0;  ///< continuous coordinates; the cell is their floor
+};
+
+/// floor for |v| < 2^62 without a library call; anything larger becomes ±2^62.
+inline int64_t floor_to_int(double v) {
+    if (!(v > -0x1p62)) return -(int64_t{1} << 62);
+    if (v > 0x1p62) return int64_t{1} << 62;
+    const int64_t i = int64_t(v);
+    return i - (double(i) > v);
+}
+
+/// Squared distance of a point to the centre of its cell in the two tangent coordinates, in cells.
+inline double distance2_to_center(const PlacedCell& p) {
+    const double ax = p.fx - double(p.cell.x) - 0.5, ay = p.fy - double(p.cell.y) - 0.5;
+    return ax * ax + ay * ay;
+}
+
+inline uint64_t mix64(uint64_t h) {
+    h ^= h >> 33, h *= 0xff51afd7ed558ccdull, h ^= h >> 33, h *= 0xc4ceb9fe1a85ec53ull;
+    return h ^ h >> 33;
+}
+
+/// A 64-bit coordinate as one slot of a key: itself where it fits, else mixed down.
+inline int32_t fold_coordinate(int64_t v, bool folded) {
+    const bool fits = v >= INT32_MIN && v <= INT32_MAX;
+    return fits && !folded ? int32_t(v) : int32_t(uint32_t(mix64(uint64_t(v))));
+}
+
+/// Bit pattern of a coordinate; −0 counts as 0.
+inline int32_t float_bits(float f) { return std::bit_cast<int32_t>(f + 0.0f); }
+
+/// Octahedral map of a direction to the unit square ([ED08]); sgn(0) = +1.
+inline std::array<double, 2> octahedral_square(Vec3 w) {
+    const double x = w.x, y = w.y, z = w.z, l = std::fabs(x) + std::fabs(y) + std::fabs(z);
+    double u = x / l, v = y / l;
+    if (z < 0) {
+        const double fu = (1 - std::fabs(v)) * (u >= 0 ? 1 : -1), fv = (1 - std::fabs(u)) * (v >= 0 ? 1 : -1);
+        u = fu, v = fv;
+    }
+    return {u * 0.5 + 0.5, v * 0.5 + 0.5};
+}
+
+/// The far end's half of a key.
+struct FarKey {
+    Semantic semantic = Semantic::kPoint;
+    std::array<int32_t, 7> slots{};
+    bool operator==(const FarKey&) const = default;
+};
+
+constexpr std::array<std::array<int, 2>, 4> kNeighbourOffsets = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
+/// The virtual multi-resolution grids of one scene.
+class CellGrid {
+public:
+    CellGrid(const AqvcParameters& p, Vec3 center, double radius)
+        : ladder(p.c_r, p.c_z), parameters_(p), center_(center), radius_(radius) {
+        make_frames();
+        if (!p.grid_offset) return;
+        offset_ = {0.7549, 0.5698, 0.4263};
+        if (p.grid_seed)
+            for (size_t a = 0; a < 3; ++a)
+                offset_[a] += double(mix64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
+    }
+    const Ladder ladder;
+    double radius() const { return radius_; }
+
+    Anchor anchor(Vec3 p, Vec3 n) const;
+    PlacedCell cell(const Anchor& a, const Rung& r) const;
+    /// The neighbour at (dx, dy). It follows the tangent plane, or keeps z if `level` is set or the option is off.
+    // Differs: AQVC keeps z, which leaves tilted surfaces. v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
+    Cell neighbour(const Anchor& a, const PlacedCell& p, int dx, int dy, bool level = false) const {
+        Cell c = p.cell;
+        c.x += dx, c.y += dy;
+        if (parameters_.tangent_neighbours && !level) c.z = floor_to_int(p.fz - (dx * a.slope_x + dy * a.slope_y));
+        return c;
+    }
+    void write_cell(const Cell& c, int32_t* slots) const;
+    /// Key of the far end, or valid = false where it has none (not finite, no normal).
+    bool far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key, ClampCounts& clamps) const;
+    FullKey full_key(const Cell& eye, const FarKey& far) const {
+        FullKey k{};
+        k[0] = int32_t(far.semantic);
+        write_cell(eye, &k[1]);
+        for (size_t i = 0; i < 7; ++i) k[8 + i] = far.slots[i];
+        return k;
+    }
+
+private:
+    struct Axes {
+        std::array<double, 3> x, y, z;
+    };
+    void make_frames();
+    static double along(const std::array<double, 3>& e, double x, double y, double z) {
+        return e[0] * x + e[1] * y + e[2] * z;
+    }
+    AqvcParameters parameters_;
+    Vec3 center_;
+    double radius_;
+    std::array<double, 3> offset_{};
+    std::vector<Axes> frames_;  ///< of every normal bin
+};
+
+/// Axes of the grid of every bin, from the integers of Eq. 4 alone.
+inline void CellGrid::make_frames() {
+    const int n = parameters_.c_n;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j)
+            for (int k = 0; k <= n; ++k) {
+                double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1, z = 2.0 * k / n - 1;
+                const double l = std::sqrt(x * x + y * y + z * z);
+                if (l > 0) x /= l, y /= l, z /= l;
+                else x = 0, y = 0, z = 1;
+                const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
+                frames_.push_back({{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}});
+            }
+}
+
+/// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋, d_z = 2 ω_q/C_N − 1: the bin of the normal and the point in its grid.
+// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and splits walls
+// along the axes on normals' noise.
+inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
+    Anchor a;
+    a.valid = is_finite(p) && is_finite(n) && (n.x != 0 || n.y != 0 || n.z != 0);
+    if (!a.valid) return a;
+    const int c_n = parameters_.c_n;
+    const double shift = parameters_.normal_mode == NormalMode::kRound ? 0.5 : 0;
+    const auto bin = [&](float v) {
+        return int32_t(std::clamp<int64_t>(floor_to_int((double(v) + 1) / 2 * c_n + shift), 0, c_n));
+    };
+    a.bin = (bin(n.x) * (c_n + 1) + bin(n.y)) * (c_n + 1) + bin(n.z);
+    const Axes& f = frames_[size_t(a.bin)];
+    const double qx = double(p.x) - center_.x, qy = double(p.y) - center_.y, qz = double(p.z) - center_.z;
+    a.x = along(f.x, qx, qy, qz) + radius_;
+    a.y = along(f.y, qx, qy, qz) + radius_;
+    a.z = along(f.z, qx, qy, qz) + radius_;
+    const double nz = along(f.z, n.x, n.y, n.z);
+    if (std::fabs(nz) > 0.01) {
+        a.slope_x = parameters_.c_z * along(f.x, n.x, n.y, n.z) / nz;
+        a.slope_y = parameters_.c_z * along(f.y, n.x, n.y, n.z) / nz;
+    }
+    return a;
+}
+
+inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
+    const double s = r.resolution / (2 * radius_);
+    PlacedCell p;
+    p.fx = a.x * s + offset_[0];
+    p.fy = a.y * s + offset_[1];
+    p.fz = a.z * s * parameters_.c_z + offset_[2];
+    p.cell = {a.bin, r.slot, floor_to_int(p.fx), floor_to_int(p.fy), floor_to_int(p.fz)};
+    return p;
+}
+
+inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
+    const int32_t side = parameters_.c_n + 1;
+    const bool folded = c.slot < 0;
+    slots[0] = c.bin / (side * side), slots[1] = c.bin / side % side, slots[2] = c.bin % side;
+    slots[3] = fold_coordinate(c.x, folded), slots[4] = fold_coordinate(c.y, folded);
+    slots[5] = fold_coordinate(c.z, folded), slots[6] = c.slot;
+}
+
+inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,
+                              ClampCounts& clamps) const {
+    key = {s, {}};
+    if (!is_finite(far)) return false;
+    switch (s) {
+        case Semantic::kPoint:
+        case Semantic::kDirection:
+            key.slots = {float_bits(far.x), float_bits(far.y), float_bits(far.z)};
+            return true;
+        case Semantic::kSurface: {
+            const Anchor a = anchor(far, normal);
+            if (a.valid) write_cell(cell(a, ladder.rung(resolution, clamps)).cell, key.slots.data());
+            return a.valid;
+        }
+        case Semantic::kSolidAngle: {
+            if (far == Vec3{}) return false;
+            const Rung& r = ladder.rung(resolution, clamps);
+            const auto [u, v] = octahedral_square(far);
+            const double last = r.resolution - 1;
+            key.slots = {fold_coordinate(int64_t(std::min(last, std::floor(u * r.resolution))), r.folded),
+                         fold_coordinate(int64_t(std::min(last, std::floor(v * r.resolution))), r.folded), r.slot};
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace viscache

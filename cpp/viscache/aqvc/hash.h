@@ -1,0 +1,51 @@
+#pragma once
+// From keys to slots and digests.
+#include <cstdint>
+#include <span>
+
+#include "viscache/aqvc/cluster_key.h"
+#include "viscache/aqvc/parameters.h"
+
+namespace viscache {
+
+struct KeyHash {
+    uint32_t kappa = 0;   ///< chooses the slot
+    uint32_t digest = 0;  ///< 31 bits that stand for the key
+    bool operator==(const KeyHash&) const = default;
+};
+
+namespace detail {
+constexpr uint32_t lcg1(uint32_t v) { return v * 1664525u + 1013904223u; }
+constexpr uint32_t lcg2(uint32_t v) { return v * 2891336453u + 1640531513u; }
+constexpr uint64_t lcg64(uint64_t v) { return v * 2862933555777941757ull + 7046029254386353087ull; }
+constexpr uint64_t xorshift64(uint64_t v) {
+    v ^= v << 21, v ^= v >> 35;
+    return v ^ v << 4;
+}
+/// Finaliser of MurmurHash3: no longer linear in the bits.
+constexpr uint32_t mix32(uint32_t h) {
+    h ^= h >> 16, h *= 0x85ebca6bu, h ^= h >> 13, h *= 0xc2b2ae35u;
+    return h ^ h >> 16;
+}
+}  // namespace detail
+
+/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants are ours.
+// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so lights at
+// (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
+inline KeyHash hash_key(std::span<const int32_t, 15> key, HashScheme scheme) {
+    using namespace detail;
+    if (scheme == HashScheme::kScheme2) {
+        uint64_t d = 88172645463325252ull;
+        for (int32_t j : key) d = xorshift64(lcg64(d)) ^ uint32_t(j);
+        d = xorshift64(lcg64(d));
+        return {uint32_t(d >> 32), uint32_t(d & 0x7fffffffu)};
+    }
+    uint32_t kappa = 12345, c = 67890, salt = 0;
+    for (int32_t slot : key) {
+        const uint32_t j = scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + salt);
+        kappa = lcg1(kappa) ^ j, c = lcg2(c) + j, salt += 0x9e3779b9u;
+    }
+    return {lcg1(kappa), lcg2(c) >> 1};
+}
+
+}  // namespace viscache

@@ -1,0 +1,66 @@
+#pragma once
+// Rays of a block's misses: collected, sorted by light, traced sixteen at a time.
+#include <cstdint>
+#include <vector>
+
+#include "viscache/visibility/oracle.h"
+#include "viscache/visibility/ray_caster.h"
+#include "viscache/visibility/shadow_ray.h"
+
+namespace viscache {
+
+/// The ray from `eye` to `light` answers bit `column` of row `row`.
+struct Miss {
+    uint32_t eye, row, column, light;
+};
+
+class MissTracer {
+public:
+    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
+
+    void add(const Miss& miss) { misses_.push_back(miss); }
+    /// Beyond this many misses a flush pays: memory stays bounded at any C_E.
+    bool full() const { return misses_.size() >= size_t{1} << 19; }
+    /// Traces what was collected and sets the bits of the visible ones. Returns the number of rays.
+    uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
+        const uint64_t rays = misses_.size();
+        sort_by_light(lights.count);
+        for (size_t first = 0; first < misses_.size(); first += 16)
+            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)}, value);
+        misses_.clear();
+        return rays;
+    }
+
+private:
+    /// Counting sort, stable.
+    void sort_by_light(size_t lights) {
+        begin_.assign(lights + 1, 0);
+        for (const Miss& m : misses_) ++begin_[m.light + 1];
+        for (size_t k = 0; k < lights; ++k) begin_[k + 1] += begin_[k];
+        sorted_.resize(misses_.size());
+        for (const Miss& m : misses_) sorted_[begin_[m.light]++] = m;
+    }
+    void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value) {
+        RayPacket16 packet;
+        for (size_t i = 0; i < 16; ++i) {
+            const Miss& m = rays[std::min(i, rays.size() - 1)];
+            const Vec3 o = eyes.origin[m.eye];
+            packet.ox[i] = o.x, packet.oy[i] = o.y, packet.oz[i] = o.z;
+            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light], packet.dz[i] = lights.tz[m.light];
+        }
+        aim16(packet, lights.semantic, extent_);
+        const uint32_t mask = (1u << rays.size()) - 1;
+        uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
+        for (; visible; visible &= visible - 1) {
+            const Miss& m = rays[size_t(std::countr_zero(visible))];
+            value.set(m.row, m.column);
+        }
+    }
+
+    const RayCaster& caster_;
+    float extent_;
+    std::vector<Miss> misses_, sorted_;
+    std::vector<uint32_t> begin_;
+};
+
+}  // namespace viscache

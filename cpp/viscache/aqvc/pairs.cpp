@@ -1,0 +1,145 @@
+#include "viscache/aqvc/pairs.h"
+
+namespace viscache {
+
+Pairs::Pairs(const AqvcParameters& p) {
+    if (p.storage == Storage::kExact) exact_.emplace();
+    else table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash);
+    pending_slots_.assign(1024, 0);
+}
+
+void Pairs::begin_tile() {
+    if (table_) table_->clear();
+    if (exact_) exact_->clear();
+    for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
+    slots_counted_ = false;
+}
+
+void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                Counters& counters, ClampCounts& clamps) {
+    for (size_t first = 0, last; first < queries.size(); first = last) {
+        last = first + 1;
+        if (!c.run_of_eye.empty())
+            while (last < queries.size() && c.run_of_eye[queries[last].eye] == c.run_of_eye[queries[first].eye]) ++last;
+        if (table_) run_batch(*table_, c, queries, first, last, visible, counters, clamps);
+        else run_batch(*exact_, c, queries, first, last, visible, counters, clamps);
+    }
+}
+
+template <class Table>
+void Pairs::run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
+                      size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
+    rays_.clear(), dependants_.clear();
+    if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
+    pending_count_ = 0;
+    // Look up everything before anything is written.
+    for (size_t i = first; i < last; ++i)
+        look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
+    trace(c, queries);
+    // Commit in order of the queries, then answer all who waited.
+    TableCounts counts;
+    for (size_t r = 0; r < rays_.size(); ++r) {
+        ++counters.groups[queries[rays_[r].query].group].rays;
+        if (rays_[r].level < 0) continue;
+        ++counters.rays_per_level[size_t(rays_[r].level)];
+        table.put(rays_[r].key, ray_visible_[r], counts);
+    }
+    for (const auto& [query, ray] : dependants_)
+        if (ray_visible_[ray]) set_bit(visible.data(), query);
+    if (counts.writes && !slots_counted_) counters.table_slots += table.slots(), slots_counted_ = true;
+    counters.table_writes += counts.writes, counters.evictions += counts.evictions;
+    counters.expected_false_hits += counts.expected_false_hits;
+}
+
+template <class Table>
+void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
+                    std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
+    const bool traceable =
+        is_traceable(c.tile.eyes->origin[q.eye]) && is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
+    if (!traceable || !key_query(c, q, clamps)) {
+        ++counters.bypassed;
+        if (!traceable) return;
+        dependants_.push_back({index, uint32_t(rays_.size())});
+        rays_.push_back({index, -1, {}});
+        return;
+    }
+    const Walk walk = walk_levels(table, *c.tile.grid, *cells_, fars_, counters);
+    if (walk.known) {
+        if (walk.visible) set_bit(visible.data(), index);
+        return;
+    }
+    const uint32_t ray = pending_with(walk.key);
+    if (ray == rays_.size()) rays_.push_back({index, walk.level, walk.key});
+    dependants_.push_back({index, ray});
+}
+
+bool Pairs::key_query(const PairContext& c, const ShadowQuery& q, ClampCounts& clamps) {
+    if (!c.tile.usable[q.eye]) return false;
+    const CellGrid& grid = *c.tile.grid;
+    const std::vector<double>& levels = c.levels[q.group];
+    const Semantic s = key_semantic(q.semantic, q.group, c.parameters);
+    if (s == Semantic::kSurface && c.parameters.res_rule == ResolutionRule::kEq6) {
+        // Both ends have the resolution of the pair, so both keys change with the level.
+        paired_cells_.levels.clear(), fars_.clear();
+        paired_cells_.anchor = c.tile.anchor[q.eye];
+        for (size_t d = 0; d < levels.size(); ++d) {
+            const double r = resolution_pair(c.tile.eyes->density[q.eye], q.density, levels[d], grid.radius());
+            const PlacedCell placed = grid.cell(paired_cells_.anchor, grid.ladder.rung(r, clamps));
+            FarKey far;
+            if (!grid.far_key(s, q.far, q.far_normal, r, far, clamps)) return false;
+            if (paired_cells_.repeats(placed) && fars_.back() == far) continue;
+            paired_cells_.levels.push_back({placed, int(d)}), fars_.push_back(far);
+        }
+        cells_ = &paired_cells_;
+        return true;
+    }
+    fars_.resize(1);
+    if (!grid.far_key(s, q.far, q.far_normal, far_resolution(s, q.density, grid.radius(), c.parameters), fars_[0],
+                      clamps))
+        return false;
+    EyeCells& own = eye_cells_[q.group];
+    cells_ = &own.cells;
+    if (own.eye == q.eye) return true;
+    own.eye = q.eye, own.cells.levels.clear(), own.cells.anchor = c.tile.anchor[q.eye];
+    for (size_t d = 0; d < levels.size(); ++d) {
+        const PlacedCell placed = c.tile.cell(q.eye, levels[d], clamps);
+        if (!own.cells.repeats(placed)) own.cells.levels.push_back({placed, int(d)});
+    }
+    return true;
+}
+
+/// Number of the batch's ray with this key; rays_.size() for a key that is new, whose place is taken.
+uint32_t Pairs::pending_with(const FullKey& key) {
+    if (2 * (pending_count_ + 1) > pending_slots_.size()) {
+        pending_slots_.assign(2 * pending_slots_.size(), 0);
+        pending_count_ = 0;
+        for (uint32_t r = 0, n = uint32_t(rays_.size()); r < n; ++r) {
+            if (rays_[r].level < 0) continue;
+            const KeyHash h = hash_key(rays_[r].key, HashScheme::kScheme2);
+            size_t i = h.kappa & (pending_slots_.size() - 1);
+            while (pending_slots_[i]) i = (i + 1) & (pending_slots_.size() - 1);
+            pending_slots_[i] = r + 1, ++pending_count_;
+        }
+    }
+    size_t i = hash_key(key, HashScheme::kScheme2).kappa & (pending_slots_.size() - 1);
+    for (; pending_slots_[i]; i = (i + 1) & (pending_slots_.size() - 1))
+        if (rays_[pending_slots_[i] - 1].key == key) return pending_slots_[i] - 1;
+    pending_slots_[i] = uint32_t(rays_.size()) + 1, ++pending_count_;
+    return uint32_t(rays_.size());
+}
+
+void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
+    ray_visible_.assign(rays_.size(), 0);
+    for (size_t first = 0; first < rays_.size(); first += 16) {
+        const int n = int(std::min<size_t>(16, rays_.size() - first));
+        RayPacket16 packet;
+        for (int i = 0; i < n; ++i)
+            set_lane(packet, i, shadow_ray(*c.tile.eyes, queries[rays_[first + size_t(i)].query], c.extent));
+        pad_lanes(packet, n);
+        const uint32_t mask = (1u << n) - 1;
+        const uint32_t occluded = c.caster.occluded16(uint16_t(mask), packet, Coherence::kIncoherent);
+        for (int i = 0; i < n; ++i) ray_visible_[first + size_t(i)] = !(occluded >> i & 1);
+    }
+}
+
+}  // namespace viscache

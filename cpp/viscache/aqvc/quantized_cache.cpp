@@ -1,0 +1,162 @@
+#include "viscache/aqvc/quantized_cache.h"
+
+#include <stdexcept>
+
+#include "viscache/aqvc/row_kernels.h"
+
+namespace viscache {
+namespace {
+
+const AqvcParameters& checked(const AqvcParameters& p) {
+    p.validate();
+    return p;
+}
+
+double checked_radius(float radius) {
+    detail::require(radius > 0 && std::isfinite(radius), "scene_radius must be > 0 and finite", radius);
+    return radius;
+}
+
+void add_clamps(const ClampCounts& clamps, Counters& counters) {
+    counters.clamped_low += clamps.low, counters.clamped_high += clamps.high, counters.clamped_nan += clamps.nan;
+}
+
+}  // namespace
+
+QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
+                               float scene_radius, float offset_extent, int spp)
+    : caster_(caster), parameters_(checked(parameters)), grid_(parameters_, scene_center, checked_radius(scene_radius)),
+      extent_(offset_extent), tracer_(caster, offset_extent), pairs_(parameters_) {
+    for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
+}
+
+void QuantizedCache::begin_tile(const EyeBlock& eyes) {
+    tile_.make(eyes, grid_);
+    pairs_.begin_tile();
+    has_order_ = false;
+}
+
+void QuantizedCache::make_order(const EyeBlock& eyes) {
+    if (has_order_) return;
+    has_order_ = true;
+    order_maker_.make(eyes, parameters_, order_);
+    run_end_ = run_ends(order_, batch(1024));
+    run_of_eye_.clear();
+    if (parameters_.batch == 1) return;
+    run_of_eye_.resize(eyes.size());
+    uint32_t first = 0;
+    for (uint32_t run = 0; run < run_end_.size(); ++run)
+        for (; first < run_end_[run]; ++first) run_of_eye_[order_.eye[first]] = run;
+}
+
+PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
+    make_order(eyes);
+    return {order_.eye, run_end_};
+}
+
+void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                           Counters& counters) {
+    if (wanted.rows() == 0 || lights.count == 0) return;
+    if (wanted.rows() != tile_.size() || wanted.columns() != lights.count)
+        throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
+    // Eq. 6 couples the two ends: the key does not factor into rows and columns.
+    const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
+    const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
+    if (parameters_.form == Form::kPairs || coupled) block_by_pairs(eyes, lights, wanted, visible, counters);
+    else block_by_rows(eyes, lights, wanted, visible, counters);
+    GroupCounters& group = counters.groups[size_t(lights.group)];
+    const RowKernels& kernels = row_kernels(active_isa());
+    for (size_t i = 0; i < wanted.rows(); ++i) {
+        const uint64_t asked = kernels.count(wanted.row(i), wanted.row_words());
+        group.queries += asked;
+        group.occluded += asked - kernels.count(visible.row(i), visible.row_words());
+    }
+}
+
+void QuantizedCache::block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                                   BitMatrix& visible, Counters& counters) {
+    ClampCounts clamps;
+    columns_.prepare(lights, wanted, grid_, parameters_, tile_.usable, clamps);
+    const std::vector<double>& levels = levels_[size_t(lights.group)];
+    BitMatrix* answer = &visible;
+    if (columns_.merged()) by_column_.reset(eyes.size(), columns_.count()), answer = &by_column_;
+    uint64_t& rays = counters.groups[size_t(lights.group)].rays;
+    if (columns_.count() > 0) {
+        if (parameters_.form == Form::kRows) {
+            make_order(eyes);
+            rays += rows_.run(tile_, order_, batch(256), columns_, levels, tracer_, *answer, counters, clamps);
+        } else {
+            rays += waves_.run(tile_, columns_, levels, tracer_, *answer, counters, clamps);
+        }
+        if (columns_.merged()) columns_.spread(by_column_, visible);
+    }
+    rays += trace_bypassing(eyes, lights, wanted, visible, counters);
+    add_clamps(clamps, counters);
+}
+
+/// Exact rays for what has no key: eye points or lights without a normal. What is not finite stays unseen.
+uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                                         BitMatrix& visible, Counters& counters) {
+    std::vector<uint32_t> keyless;
+    for (uint32_t k = 0; k < lights.count; ++k)
+        if (columns_.bypasses(k)) keyless.push_back(k);
+    const auto ask = [&](uint32_t eye, uint32_t k) {
+        ++counters.bypassed;
+        if (is_traceable(eyes.origin[eye]) && is_traceable(Vec3{lights.tx[k], lights.ty[k], lights.tz[k]}))
+            tracer_.add({eye, eye, k, k});
+    };
+    for (uint32_t i = 0; i < eyes.size(); ++i) {
+        if (!tile_.usable[i]) for_each_bit(wanted.row_span(i), [&](size_t k) { ask(i, uint32_t(k)); });
+        else
+            for (uint32_t k : keyless)
+                if (wanted.get(i, k)) ask(i, k);
+    }
+    return tracer_.flush(eyes, lights, visible);
+}
+
+void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                                    BitMatrix& visible, Counters& counters) {
+    make_order(eyes);
+    std::vector<ShadowQuery> queries;
+    std::vector<uint32_t> light;
+    std::vector<Word> answer;
+    uint32_t first = 0;
+    for (uint32_t end : run_end_) {
+        queries.clear(), light.clear();
+        for (; first < end; ++first)
+            for_each_bit(wanted.row_span(order_.eye[first]), [&](size_t k) {
+                light.push_back(uint32_t(k));
+                queries.push_back({.eye = order_.eye[first],
+                                   .semantic = lights.semantic,
+                                   .group = uint8_t(lights.group),
+                                   .far = {lights.x[k], lights.y[k], lights.z[k]},
+                                   .far_normal = {lights.nx[k], lights.ny[k], lights.nz[k]},
+                                   .ray_end = {lights.tx[k], lights.ty[k], lights.tz[k]},
+                                   .density = lights.density[k]});
+            });
+        answer.assign(words_for(queries.size()), 0);
+        ask_pairs(eyes, queries, answer, counters);
+        for (size_t i = 0; i < queries.size(); ++i)
+            if (get_bit(answer.data(), i)) visible.set(queries[i].eye, light[i]);
+    }
+}
+
+void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                               Counters& counters) {
+    make_order(eyes);
+    ClampCounts clamps;
+    const PairContext context{tile_, parameters_, levels_, run_of_eye_, caster_, extent_};
+    pairs_.run(context, queries, visible, counters, clamps);
+    add_clamps(clamps, counters);
+}
+
+void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                           Counters& counters) {
+    ask_pairs(eyes, queries, visible, counters);
+    for (size_t i = 0; i < queries.size(); ++i) {
+        ++counters.groups[queries[i].group].queries;
+        counters.groups[queries[i].group].occluded += !get_bit(visible.data(), i);
+    }
+}
+
+}  // namespace viscache

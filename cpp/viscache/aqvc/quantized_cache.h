@@ -1,0 +1,69 @@
+#pragma once
+// The quantized visibility cache as an oracle (AQVC Sec. 3–4).
+//
+// Groups of shared lights go through level waves (or rows in pixel order, or the hash table, by parameter);
+// connections of one eye point each go through the tile's table. Nothing outlives the tile.
+//
+// How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell in
+// waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest level.
+#include <array>
+#include <vector>
+
+#include "viscache/aqvc/columns.h"
+#include "viscache/aqvc/miss_tracer.h"
+#include "viscache/aqvc/pairs.h"
+#include "viscache/aqvc/parameters.h"
+#include "viscache/aqvc/pixel_order.h"
+#include "viscache/aqvc/rows.h"
+#include "viscache/aqvc/tile_anchors.h"
+#include "viscache/aqvc/waves.h"
+#include "viscache/visibility/oracle.h"
+
+namespace viscache {
+
+class QuantizedCache final : public VisibilityOracle {
+public:
+    /// The scene's bounding sphere gives c and B_R; `offset_extent` is the scene's, `spp` the samples per pixel.
+    QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center, float scene_radius,
+                   float offset_extent, int spp);
+
+    void begin_tile(const EyeBlock& eyes) override;
+    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+               Counters& counters) override;
+    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+               Counters& counters) override;
+    PairOrder pair_order(const EyeBlock& eyes) override;
+
+    const std::vector<double>& levels(int group) const { return levels_[size_t(group)]; }
+
+private:
+    void ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                   Counters& counters);
+    void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                        Counters& counters);
+    void block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                       Counters& counters);
+    uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                             Counters& counters);
+    void make_order(const EyeBlock& eyes);
+    uint32_t batch(uint32_t automatic) const { return parameters_.batch ? uint32_t(parameters_.batch) : automatic; }
+
+    const RayCaster& caster_;
+    AqvcParameters parameters_;
+    CellGrid grid_;
+    float extent_;
+    std::array<std::vector<double>, kLightGroups> levels_;
+    TileAnchors tile_;
+    OrderMaker order_maker_;
+    TileOrder order_;
+    std::vector<uint32_t> run_end_, run_of_eye_;  ///< of pairs
+    bool has_order_ = false;
+    Columns columns_;
+    MissTracer tracer_;
+    Waves waves_;
+    Rows rows_;
+    Pairs pairs_;
+    BitMatrix by_column_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,68 @@
+#pragma once
+// Adaptive refinement, one query at a time (AQVC Sec. 3.6).
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "viscache/aqvc/cluster_key.h"
+#include "viscache/visibility/counters.h"
+
+namespace viscache {
+
+/// The cells of one point at every level of C_E, coarse to fine; a level whose cell equals the one before is left out.
+struct CellLevels {
+    struct Level {
+        PlacedCell placed;
+        int level = 0;  ///< index into the list of C_E
+    };
+    Anchor anchor;
+    std::vector<Level> levels;
+
+    bool repeats(const PlacedCell& placed) const {
+        return !levels.empty() && levels.back().placed.cell == placed.cell;
+    }
+};
+
+/// What the cache says about one query.
+struct Walk {
+    bool known = false;
+    bool visible = false;  ///< if known
+    int level = 0;         ///< where the walk ended: a new ray belongs to this level
+    FullKey key{};         ///< of that cell
+};
+
+/// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is the query's
+/// own segment. A value on which the four neighbour clusters agree (nil agrees) ends it too; the finest is taken as it is.
+// Differs: nothing is probed at the finest level, where the paper's loop ends whatever the neighbours say.
+// `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
+template <class Table>
+Walk walk_levels(const Table& table, const CellGrid& grid, const CellLevels& eye, std::span<const FarKey> fars, Counters& counters) {
+    Walk walk;
+    for (size_t d = 0; d < eye.levels.size(); ++d) {
+        const auto& [placed, level] = eye.levels[d];
+        const FarKey& far = fars[fars.size() == 1 ? 0 : d];
+        walk.level = level;
+        walk.key = grid.full_key(placed.cell, far);
+        const auto value = table.get(walk.key);
+        ++counters.lookups;
+        walk.known = value.has_value();
+        if (!walk.known) return walk;
+        ++counters.hits;
+        walk.visible = *value;
+        if (d + 1 == eye.levels.size()) return walk;
+        bool agree = true;
+        for (const auto& [dx, dy] : kNeighbourOffsets) {
+            const Cell cell = grid.neighbour(eye.anchor, placed, dx, dy);
+            const auto other = table.get(grid.full_key(cell, far));
+            ++counters.neighbour_probes;
+            counters.nil_neighbours += !other;
+            if (other && *other != walk.visible) agree = false;
+        }
+        if (agree) return walk;
+        counters.boundary_queries += d + 2 == eye.levels.size();
+    }
+    return walk;
+}
+
+}  // namespace viscache

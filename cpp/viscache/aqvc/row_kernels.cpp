@@ -1,0 +1,141 @@
+#include "viscache/aqvc/row_kernels.h"
+
+#include <bit>
+
+namespace viscache {
+namespace {
+
+typedef Word Row512 __attribute__((vector_size(64), may_alias));
+#define VISCACHE_INLINE inline __attribute__((always_inline))
+
+VISCACHE_INLINE Row512 load(const Word* p) { return *reinterpret_cast<const Row512*>(p); }
+VISCACHE_INLINE void store(Word* p, Row512 v) { *reinterpret_cast<Row512*>(p) = v; }
+VISCACHE_INLINE bool any(const Row512& v) {
+    return (v[0] | v[1] | v[2] | v[3] | v[4] | v[5] | v[6] | v[7]) != 0;
+}
+VISCACHE_INLINE uint64_t ones(const Row512& v) {
+    uint64_t n = 0;
+    for (int i = 0; i < 8; ++i) n += uint64_t(__builtin_popcountll(v[i]));
+    return n;
+}
+
+VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word* known, Word* miss, size_t words) {
+    Row512 left{};
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 k = load(known + w), m = load(need + w) & load(active + w) & ~k;
+        store(miss + w, m), store(known + w, k | m);
+        left |= m;
+    }
+    return any(left);
+}
+
+VISCACHE_INLINE void write_down_body(const Word* mask, const Word* value, Word* known_below, Word* value_below,
+                                     size_t words) {
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 k = load(known_below + w), fresh = load(mask + w) & ~k;
+        store(known_below + w, k | fresh);
+        store(value_below + w, load(value_below + w) | (fresh & load(value + w)));
+    }
+}
+
+VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_t w) {
+    const Row512 v = load(own.value + w);
+    Row512 d{};
+    for (int q = 0; q < 4; ++q) d |= load(neighbours[q].known + w) & (load(neighbours[q].value + w) ^ v);
+    return d;
+}
+
+VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4], Word* disagree, size_t words) {
+    for (size_t w = 0; w < words; w += 8) store(disagree + w, differing(own, neighbours, w) | ~load(own.known + w));
+}
+
+VISCACHE_INLINE void settle_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need, size_t words,
+                                 bool last_above, RowCounts& counts) {
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 asked = load(a + w), d = load(disagree + w), rest = asked & d, hit = asked & load(own.known + w);
+        store(visible + w, load(visible + w) | (asked & ~d & load(own.value + w)));
+        store(a + w, rest), store(need + w, load(need + w) | rest);
+        counts.lookups += ones(asked), counts.hits += ones(hit);
+        if (last_above) counts.boundary += ones(hit & d);
+    }
+}
+
+VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t words, RowCounts& counts) {
+    Row512 left{};
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 asked = load(a + w), hit = asked & load(own.known + w), rest = asked & ~hit;
+        store(visible + w, load(visible + w) | (hit & load(own.value + w)));
+        store(a + w, rest);
+        counts.lookups += ones(asked), counts.hits += ones(hit);
+        left |= rest;
+    }
+    return any(left);
+}
+
+VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4], bool last, Word* miss, Word* visible,
+                              size_t words, RowCounts& counts) {
+    Row512 missing{}, going{};
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 asked = load(a + w), hit = asked & load(own.known + w), m = asked & ~hit;
+        const Row512 rest = last ? Row512{} : hit & differing(own, neighbours, w);
+        store(miss + w, m), store(a + w, rest);
+        store(visible + w, load(visible + w) | (hit & ~rest & load(own.value + w)));
+        counts.lookups += ones(asked), counts.hits += ones(hit);
+        missing |= m, going |= rest;
+    }
+    return int(any(missing)) | int(any(going)) << 1;
+}
+
+VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
+    uint64_t n = 0;
+    for (size_t w = 0; w < words; w += 8) n += ones(load(a + w));
+    return n;
+}
+
+// One struct of static functions per instruction set. A macro, because a target attribute cannot be a parameter.
+#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                            \
+    struct Name {                                                                                                     \
+        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {                    \
+            return take_misses_body(n, a, k, m, w);                                                                   \
+        }                                                                                                             \
+        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {                   \
+            write_down_body(m, v, k2, v2, w);                                                                         \
+        }                                                                                                             \
+        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                           \
+            disagreement_body(o, n, d, w);                                                                            \
+        }                                                                                                             \
+        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,              \
+                                  RowCounts& c) {                                                                     \
+            settle_body(a, o, d, v, n, w, l, c);                                                                      \
+        }                                                                                                             \
+        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                              \
+            return finish_body(a, o, v, w, c);                                                                        \
+        }                                                                                                             \
+        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w,            \
+                               RowCounts& c) {                                                                        \
+            return step_body(a, o, n, l, m, v, w, c);                                                                 \
+        }                                                                                                             \
+        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                            \
+        static constexpr RowKernels kernels{take_misses, write_down, disagreement, settle, finish, step, count};      \
+    };
+
+VISCACHE_ROW_VARIANT(Portable, )
+#if VISCACHE_X86
+VISCACHE_ROW_VARIANT(Avx2, VISCACHE_TARGET_AVX2)
+VISCACHE_ROW_VARIANT(Avx512, VISCACHE_TARGET_AVX512)
+#endif
+
+#undef VISCACHE_ROW_VARIANT
+#undef VISCACHE_INLINE
+
+}  // namespace
+
+const RowKernels& row_kernels([[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return Avx512::kernels;
+    if (isa == Isa::kAvx2) return Avx2::kernels;
+#endif
+    return Portable::kernels;
+}
+
+}  // namespace viscache

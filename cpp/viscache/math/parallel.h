@@ -1,0 +1,56 @@
+#pragma once
+// Work shared by threads: chunks are handed out by a counter, results must not depend on who ran them.
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace viscache {
+
+/// Raised inside a long call after `Control::cancel`; the caller reports it as an interruption.
+class Cancelled : public std::exception {
+public:
+    const char* what() const noexcept override { return "cancelled"; }
+};
+
+/// How a long call tells its progress and is told to stop. All members may be used from any thread.
+struct Control {
+    std::atomic<bool> cancel{false};
+    std::atomic<uint64_t> done{0}, total{0};
+
+    void check() const {
+        if (cancel.load(std::memory_order_relaxed)) throw Cancelled();
+    }
+};
+
+inline int hardware_threads() { return std::max(1u, std::thread::hardware_concurrency()); }
+/// The number of threads to use: `wish`, or all of the machine's when it is 0 or less.
+inline int resolve_threads(int wish) { return wish > 0 ? wish : hardware_threads(); }
+
+/// Calls work(chunk, worker) for every chunk in [0, chunks); worker < threads names the thread.
+/// The first exception stops the handing out of chunks and is rethrown here.
+template <class Work>
+void parallel_for(size_t chunks, int threads, Work work) {
+    threads = int(std::min<size_t>(size_t(resolve_threads(threads)), std::max<size_t>(1, chunks)));
+    std::atomic<size_t> next{0};
+    std::exception_ptr error;
+    std::mutex error_mutex;
+    auto run = [&](int worker) {
+        try {
+            for (size_t c; (c = next.fetch_add(1)) < chunks;) work(c, worker);
+        } catch (...) {
+            next.store(chunks);
+            const std::lock_guard lock(error_mutex);
+            if (!error) error = std::current_exception();
+        }
+    };
+    std::vector<std::thread> helpers;
+    for (int w = 1; w < threads; ++w) helpers.emplace_back(run, w);
+    run(0);
+    for (std::thread& t : helpers) t.join();
+    if (error) std::rethrow_exception(error);
+}
+
+}  // namespace viscache

@@ -1,0 +1,259 @@
+#include "viscache/render/eye_paths.h"
+
+#include "viscache/sampling/low_discrepancy.h"
+#include "viscache/sampling/rng.h"
+#include "viscache/sampling/warp.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr float kMinThroughput = 1e-3f;  // branches below this luminance are dropped, in the reference as well
+
+/// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
+struct Differential {
+    Vec3 origin_x, origin_y, direction_x, direction_y;
+};
+
+/// One branch of an eye path on its way.
+struct Branch {
+    Ray ray;
+    Rgb throughput{1, 1, 1};
+    uint32_t pixel;
+    uint32_t order_x, order_y;
+    uint64_t stream;
+    float distance = 0;    ///< unfolded length so far
+    float camera_cos;      ///< cosine of the primary ray to the optical axis
+    int depth = 0;
+    Differential d;
+};
+
+/// Moves differentials along the ray to the hit plane.
+void transfer(Differential& d, const Ray& ray, float t, Vec3 normal) {
+    const float dn = dot(ray.d, normal);
+    auto along = [&](Vec3 o, Vec3 dir) {
+        const Vec3 moved = o + dir * t;
+        return dn != 0 ? moved - ray.d * (dot(moved, normal) / dn) : moved;
+    };
+    d.origin_x = along(d.origin_x, d.direction_x), d.origin_y = along(d.origin_y, d.direction_y);
+}
+
+/// Change of the shading normal for a step `dp` on the surface.
+Vec3 normal_change(const SurfacePoint& s, Vec3 dp) {
+    // Barycentric change: least squares in the triangle's edges
+    const float aa = length2(s.edge1), ab = dot(s.edge1, s.edge2), bb = length2(s.edge2);
+    const float det = aa * bb - ab * ab;
+    if (!(det > 0)) return {};
+    const float pa = dot(dp, s.edge1), pb = dot(dp, s.edge2);
+    const Vec3 dn = s.dndu * ((bb * pa - ab * pb) / det) + s.dndv * ((aa * pb - ab * pa) / det);
+    return dn - s.ns * dot(dn, s.ns);
+}
+
+void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n) {
+    const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
+    auto reflected = [&](Vec3 dp, Vec3 dd) {
+        const Vec3 dn = normal_change(s, dp) * sign;
+        const float c = dot(ray.d, n), dc = dot(dd, n) + dot(ray.d, dn);
+        return dd - (n * dc + dn * c) * 2.f;
+    };
+    d.direction_x = reflected(d.origin_x, d.direction_x), d.direction_y = reflected(d.origin_y, d.direction_y);
+}
+
+/// Refraction from relative index eta = n_i/n_t; n on the incoming side.
+void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta, Vec3 transmitted) {
+    const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
+    const float cos_i = dot(ray.d, n), cos_t = dot(transmitted, n);
+    const float mu = eta * cos_i - cos_t;
+    const float dmu = cos_t != 0 ? eta - eta * eta * cos_i / cos_t : 0.f;
+    auto refracted = [&](Vec3 dp, Vec3 dd) {
+        const Vec3 dn = normal_change(s, dp) * sign;
+        const float dc = dot(dd, n) + dot(ray.d, dn);
+        return dd * eta - (dn * mu + n * (dmu * dc));
+    };
+    d.direction_x = refracted(d.origin_x, d.direction_x), d.direction_y = refracted(d.origin_y, d.direction_y);
+}
+
+}  // namespace
+
+void EyeTile::reset(int w, int h) {
+    width = w, height = h;
+    block.clear();
+    block.tile_width = block.tile_height = 0;
+    shading.clear(), throughput.clear(), pixel.clear(), stream.clear();
+    const size_t n = size_t(w) * h;
+    emitted.assign(n, {}), depth.assign(n, 0), normal.assign(n, {}), albedo.assign(n, {});
+}
+
+namespace {
+
+/// Works through the branches of one tile.
+class TilePaths {
+public:
+    TilePaths(const EyePathTracer& tracer, EyeTile& out, Counters& counters)
+        : t_(tracer), out_(out), counters_(counters), inverse_spp_(1.f / tracer.frame.spp) {}
+
+    void start(const Tile& tile) {
+        const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
+        out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
+        out_.block.tile_width = uint32_t(out_.width * grid), out_.block.tile_height = uint32_t(out_.height * grid);
+        for (auto [px, py] : morton_pixels(out_.width, out_.height))
+            for (int s = 0; s < spp; ++s) current_.push_back(primary(tile, px, py, s, grid));
+    }
+    void run() {
+        while (!current_.empty()) {
+            step();
+            current_.swap(next_);
+            next_.clear();
+        }
+    }
+
+private:
+    Branch primary(const Tile& tile, int px, int py, int sample, int grid) const {
+        const FilmCamera& film = t_.film;
+        const uint64_t pixel_id = uint64_t(tile.y0 + py) * uint64_t(film.width) + uint64_t(tile.x0 + px);
+        Rng rng(t_.frame.seed, Purpose::kPixel, pixel_id, 0);
+        const uint32_t scramble_x = rng.next_u32(), scramble_y = rng.next_u32();
+        const Vec2 jitter = sobol02(uint32_t(sample), scramble_x, scramble_y);
+        const Vec3 raw = film.direction(tile.x0 + px + jitter.x, tile.y0 + py + jitter.y);
+        const float norm = length(raw);
+        Branch b;
+        b.ray = {film.camera.origin, 0, raw / norm, kInfinity};
+        b.pixel = uint32_t(py * out_.width + px);
+        b.order_x = uint32_t(px * grid + sample % grid), b.order_y = uint32_t(py * grid + sample / grid);
+        b.stream = (pixel_id * uint64_t(t_.frame.spp) + uint64_t(sample)) << 10;
+        b.camera_cos = 1 / norm;
+        auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
+        b.d.direction_x = unit_change(film.step_x()), b.d.direction_y = unit_change(film.step_y());
+        return b;
+    }
+
+    void step() {
+        rays_.resize(current_.size()), hits_.resize(current_.size());
+        for (size_t i = 0; i < current_.size(); ++i) rays_[i] = current_[i].ray;
+        t_.caster.intersect(rays_, hits_);
+        counters_.camera_rays += current_.size();
+        for (size_t i = 0; i < current_.size(); ++i) arrive(current_[i], hits_[i]);
+    }
+
+    void arrive(Branch& b, const Hit& hit) {
+        if (!hit.valid()) {
+            if (const EnvironmentMap* env = t_.scene.environment(); env && !t_.integrator.ambient)
+                out_.emitted[b.pixel] += b.throughput * env->eval(b.ray.d) * inverse_spp_;
+            return;
+        }
+        const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
+        SurfacePoint s = t_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+        const Vec3 wo = -b.ray.d;
+        const bool front = dot(s.ng, wo) >= 0;
+        if (!t_.integrator.ambient && max_component(s.emission) > 0 && (front || s.emits_two_sided))
+            out_.emitted[b.pixel] += b.throughput * s.emission * inverse_spp_;
+        if (b.depth == 0) {
+            out_.depth[b.pixel] += hit.t * inverse_spp_;
+            out_.normal[b.pixel] += (front ? s.ns : -s.ns) * inverse_spp_;
+            out_.albedo[b.pixel] += s.base_color * inverse_spp_;
+        }
+        if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
+        transfer(b.d, b.ray, hit.t, s.ng);
+        b.distance += hit.t;
+        const Material& material = t_.scene.materials()[size_t(s.material)];
+        switch (material.kind) {
+            case MaterialKind::kDiffuse:
+            case MaterialKind::kGlossy: store(b, s, material, front); break;
+            case MaterialKind::kMirror: reflect(b, s, front, material.specular, material.two_sided || front); break;
+            case MaterialKind::kDielectric: split(b, s, material, front); break;
+        }
+    }
+
+    /// Keeps a point of a diffuse or glossy surface as an eye point.
+    void store(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
+        if (!front && !material.two_sided && !t_.integrator.ambient) return;
+        if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
+        const Vec3 ng = front ? s.ng : -s.ng;
+        ShadingPoint sp;
+        sp.ng = ng, sp.ns = front ? s.ns : -s.ns, sp.wo = -b.ray.d;
+        // A shading normal turned away from the eye would make the surface black: bend it back to the geometric one
+        if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
+        sp.base = s.base_color, sp.specular = material.specular, sp.roughness = material.roughness;
+        sp.kind = material.kind, sp.eta = material.eta;
+        const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
+        out_.block.position.push_back(s.position);
+        out_.block.normal.push_back(ng);
+        out_.block.origin.push_back(spawn(s.position, ng, t_.scene.offset_extent()));
+        out_.block.density.push_back(density(b, ng, cos_eye));
+        out_.block.order_x.push_back(b.order_x), out_.block.order_y.push_back(b.order_y);
+        out_.shading.push_back(sp);
+        out_.throughput.push_back(b.throughput * inverse_spp_);
+        out_.pixel.push_back(b.pixel), out_.stream.push_back(b.stream);
+    }
+
+    /// D_e = N_S·P_e: eye samples per unit area at the point (AQVC spec, section 5).
+    float density(const Branch& b, Vec3 ng, float cos_eye) const {
+        const float spp = float(t_.frame.spp);
+        if (t_.integrator.p_mode == PMode::kFootprint) {
+            const float area = length(cross(b.d.origin_x, b.d.origin_y));
+            const float bound = std::fabs(dot(ng, b.ray.d)) / cos_eye;  // ≤ 1: the same clamp as below
+            return spp / (area * bound);
+        }
+        const float c = b.camera_cos;
+        return spp * cos_eye / (t_.film.pixel_area() * c * c * c * b.distance * b.distance);
+    }
+
+    bool may_go_on(const Branch& b, Rgb throughput) const {
+        return b.depth < t_.integrator.max_depth && luminance(throughput) > kMinThroughput;
+    }
+
+    void follow(const Branch& b, const SurfacePoint& s, Vec3 side, Vec3 direction, Rgb throughput, Differential d,
+                uint64_t which) {
+        Branch child = b;
+        child.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, direction, kInfinity};
+        child.throughput = throughput, child.depth = b.depth + 1, child.d = d;
+        child.stream = (b.stream & ~uint64_t{1023}) | ((b.stream & 1023) * 2 + 1 + which) % 1024;
+        next_.push_back(child);
+    }
+
+    void reflect(const Branch& b, const SurfacePoint& s, bool front, Rgb factor, bool reflects) {
+        const Rgb throughput = b.throughput * factor;
+        if (!reflects || !may_go_on(b, throughput)) return;
+        const Vec3 ng = front ? s.ng : -s.ng;
+        Vec3 n = front ? s.ns : -s.ns;
+        Vec3 direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        if (dot(direction, ng) <= 0) n = ng, direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        Differential d = b.d;
+        reflect_differential(d, b.ray, s, n);
+        follow(b, s, ng, normalize(direction), throughput, d, 0);
+    }
+
+    /// Both branches of glass.
+    void split(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
+        const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
+        const float cos_i = dot(s.ns, -b.ray.d);  // sign tells the side
+        const float fresnel = fresnel_dielectric(cos_i, material.eta);
+        reflect(b, s, front, Rgb{fresnel, fresnel, fresnel}, true);
+        const float eta = front ? 1 / material.eta : material.eta;  // incoming over transmitted index
+        const auto transmitted = viscache::refract(-b.ray.d, n, eta);
+        // Radiance is compressed by the change of index (it cancels where the path leaves the glass again)
+        const Rgb throughput = b.throughput * ((1 - fresnel) * eta * eta);
+        if (!transmitted || dot(*transmitted, ng) >= 0 || !may_go_on(b, throughput)) return;
+        Differential d = b.d;
+        refract_differential(d, b.ray, s, n, eta, *transmitted);
+        follow(b, s, -ng, normalize(*transmitted), throughput, d, 1);
+    }
+
+    const EyePathTracer& t_;
+    EyeTile& out_;
+    Counters& counters_;
+    const float inverse_spp_;
+    std::vector<Branch> current_, next_;
+    std::vector<Ray> rays_;
+    std::vector<Hit> hits_;
+};
+
+}  // namespace
+
+void EyePathTracer::trace(const Tile& tile, EyeTile& out, Counters& counters) const {
+    TilePaths paths(*this, out, counters);
+    paths.start(tile);
+    paths.run();
+}
+
+}  // namespace viscache

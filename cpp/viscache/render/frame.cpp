@@ -1,0 +1,258 @@
+#include "viscache/render/frame.h"
+
+#include <chrono>
+#include <ctime>
+
+#include "viscache/render/local_samples.h"
+#include "viscache/render/vpl.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr int kTileSamples = 128;          // edge of a tile in eye samples
+constexpr int kTileSamplesFewLights = 256; // where the largest shared group has at most kFewLights columns
+constexpr size_t kFewLights = 256;
+constexpr size_t kPairsPerBatch = 1024;    // eye points whose own samples are asked for together
+
+double wall_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+double thread_seconds() {
+    timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+/// Adds the CPU time since the last call to one stage after another.
+class StageClock {
+public:
+    void lap(double& stage) {
+        const double now = thread_seconds();
+        stage += now - last_;
+        last_ = now;
+    }
+
+private:
+    double last_ = thread_seconds();
+};
+
+}  // namespace
+
+std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
+                                             const IntegratorSettings& integrator, const FrameSettings& frame,
+                                             Control& control, Counters& counters) {
+    std::vector<SharedLights> groups;
+    const SceneDescription& d = scene.description();
+    auto keep = [&](SharedLights& lights, Semantic semantic, LightGroup group) {
+        if (lights.empty()) return;
+        lights.ends.semantic = semantic, lights.ends.group = int(group);
+        lights.pad();
+        groups.push_back(std::move(lights));
+    };
+    if (integrator.direct) {
+        SharedLights points, directions;
+        for (const PointLight& l : d.point_lights)
+            if (max_component(l.intensity) > 0) points.add(l.position, {}, l.position, l.intensity, 0);
+        for (const DirectionalLight& l : d.directional_lights)
+            if (max_component(l.irradiance) > 0) directions.add(l.direction, {}, l.direction, l.irradiance, 0);
+        keep(points, Semantic::kPoint, LightGroup::kPoint);
+        keep(directions, Semantic::kDirection, LightGroup::kDirectional);
+    }
+    if (integrator.n_vpls > 0) {
+        const size_t n = size_t(integrator.n_vpls);
+        auto candidates = trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth,
+                                     frame.seed, frame.threads, control, counters);
+        const auto vpls = resample_vpls(candidates, n, scene, caster, film, integrator, frame.seed, counters);
+        const auto density = vpl_densities(vpls);
+        SharedLights lights;
+        const float bound = integrator.vpl_bound * scene.bounds().diagonal();
+        lights.bound2 = bound * bound;
+        for (size_t i = 0; i < vpls.size(); ++i) {
+            const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
+            lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
+        }
+        // As geometry factors they are surfaces; the cache may key them as points (AQVC spec, A26)
+        keep(lights, Semantic::kSurface, LightGroup::kVpl);
+    }
+    return groups;
+}
+
+namespace {
+
+/// Everything of a frame that all tiles share.
+struct FrameContext {
+    const Scene& scene;
+    const RayCaster& caster;
+    const IntegratorSettings& integrator;
+    const FrameSettings& frame;
+    EyePathTracer tracer;
+    std::vector<SharedLights> shared;
+};
+
+/// One thread's work on tiles; buffers are kept between them.
+class TileWorker {
+public:
+    TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle)
+        : c_(context), oracle_(std::move(oracle)) {}
+
+    void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages, const Control& control) {
+        StageClock clock;
+        c_.tracer.trace(tile, eyes_, counters);
+        clock.lap(stages.eye_paths);
+        for (int g = 0; g < kLightGroups; ++g) sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
+        oracle_->begin_tile(eyes_.block);
+        clock.lap(stages.visibility);
+        for (const SharedLights& lights : c_.shared) {
+            control.check();
+            add_shared(lights, counters, stages, clock);
+        }
+        add_local(counters, stages, clock, control);
+        write(tile, out);
+        clock.lap(stages.shading);
+    }
+
+private:
+    void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock) {
+        wanted_.reset(eyes_.size(), lights.ends.count), visible_.reset(eyes_.size(), lights.ends.count);
+        for (size_t i = 0; i < eyes_.size(); ++i)
+            if (reflects(i)) counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
+        clock.lap(stages.contributions);
+        oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
+        clock.lap(stages.visibility);
+        std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
+        for (size_t i = 0; i < eyes_.size(); ++i) {
+            const ShadingPoint& sp = eyes_.shading[i];
+            const Rgb value = sp.kind == MaterialKind::kGlossy
+                                  ? sum_row_glossy(lights, shade(i), sp, visible_.row(i))
+                                  : sum_row(lights, shade(i), visible_.row(i)) * (sp.base * (1 / kPi));
+            sum[eyes_.pixel[i]] += eyes_.throughput[i] * value;
+        }
+        clock.lap(stages.shading);
+    }
+
+    void add_local(Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control) {
+        const IntegratorSettings& s = c_.integrator;
+        const bool area = s.direct && !c_.scene.area_lights().empty() && s.n_area > 0;
+        const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0;
+        if (area)
+            add_batches(counters, stages, clock, control, [&](uint32_t eye) {
+                if (reflects(eye)) add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+            });
+        if (environment)
+            add_batches(counters, stages, clock, control, [&](uint32_t eye) {
+                if (reflects(eye)) add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+            });
+        if (s.ambient)
+            add_batches(counters, stages, clock, control,
+                        [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
+    }
+
+    /// Runs of eye points in the oracle's order: make their samples, ask, add up.
+    template <class MakeSamples>
+    void add_batches(Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control,
+                     MakeSamples make_samples) {
+        const PairOrder order = oracle_->pair_order(eyes_.block);
+        size_t run = 0;
+        for (size_t first = 0; first < eyes_.size();) {
+            control.check();
+            const size_t last = run < order.run_end.size() ? order.run_end[run++]
+                                                           : std::min(first + kPairsPerBatch, eyes_.size());
+            local_.clear();
+            for (size_t i = first; i < last; ++i) make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
+            clock.lap(stages.contributions);
+            answer_.assign(words_for(local_.queries.size()), 0);
+            oracle_->pairs(eyes_.block, local_.queries, answer_, counters);
+            clock.lap(stages.visibility);
+            for_each_bit(answer_, [&](size_t i) {
+                const ShadowQuery& q = local_.queries[i];
+                sums_[q.group][eyes_.pixel[q.eye]] += local_.contribution[i];
+            });
+            clock.lap(stages.shading);
+            first = last;
+        }
+    }
+
+    bool reflects(size_t i) const {
+        const ShadingPoint& sp = eyes_.shading[i];
+        return max_component(sp.base) > 0 || (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
+    }
+    EyeShade shade(size_t i) const { return {eyes_.block.position[i], eyes_.shading[i].ng, eyes_.shading[i].ns}; }
+
+    void write(const Tile& tile, FrameResult& out) const {
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x) {
+                const size_t from = size_t(y - tile.y0) * size_t(eyes_.width) + size_t(x - tile.x0);
+                const size_t to = size_t(y) * size_t(out.width) + size_t(x);
+                Rgb color = eyes_.emitted[from];
+                for (int g = 0; g < kLightGroups; ++g)
+                    if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
+                out.color[to] = color, out.emitted[to] = eyes_.emitted[from];
+                out.depth[to] = eyes_.depth[from], out.normal[to] = eyes_.normal[from];
+                out.albedo[to] = eyes_.albedo[from];
+            }
+    }
+
+    const FrameContext& c_;
+    std::unique_ptr<VisibilityOracle> oracle_;
+    EyeTile eyes_;
+    BitMatrix wanted_, visible_;
+    LocalQueries local_;
+    std::vector<Word> answer_;
+    std::array<std::vector<Rgb>, kLightGroups> sums_;
+};
+
+FrameResult empty_result(const FrameContext& c) {
+    FrameResult out;
+    out.width = c.frame.width, out.height = c.frame.height;
+    const size_t n = size_t(out.width) * size_t(out.height);
+    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n), out.albedo.resize(n);
+    auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
+    for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
+    if (c.integrator.direct && !c.scene.area_lights().empty()) has(LightGroup::kArea);
+    if (c.integrator.direct && c.scene.environment()) has(LightGroup::kEnvironment);
+    if (c.integrator.ambient) has(LightGroup::kAmbient);
+    return out;
+}
+
+}  // namespace
+
+FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                         const IntegratorSettings& integrator, const FrameSettings& frame,
+                         const OracleFactory& make_oracle, Control& control) {
+    const FilmCamera film(camera, frame.width, frame.height);
+    Counters counters;
+    const double start = wall_seconds();
+    FrameContext context{scene, caster, integrator, frame, {scene, caster, film, integrator, frame},
+                         make_shared_lights(scene, caster, film, integrator, frame, control, counters)};
+    FrameResult out = empty_result(context);
+    out.lights_s = wall_seconds() - start;
+
+    size_t largest = 0;
+    for (const SharedLights& s : context.shared) {
+        largest = std::max(largest, s.ends.count);
+        if (s.ends.group == int(LightGroup::kVpl)) out.n_vpls = s.ends.count;
+    }
+    out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
+    const auto tiles = cut_tiles(frame.width, frame.height, out.tile_edge_px);
+    out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
+    control.total = tiles.size();
+
+    // Tiles write disjoint pixels; counters are merged in tile order
+    std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
+    std::vector<Counters> counted(tiles.size());
+    std::vector<StageSeconds> stages(tiles.size());
+    parallel_for(tiles.size(), out.threads, [&](size_t i, int worker) {
+        control.check();
+        auto& mine = workers[size_t(worker)];
+        if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle());
+        mine->render(tiles[i], out, counted[i], stages[i], control);
+        control.done.fetch_add(1);
+    });
+    for (size_t i = 0; i < tiles.size(); ++i) counters.merge(counted[i]), out.stages.merge(stages[i]);
+    out.counters = counters;
+    out.tiles_s = wall_seconds() - start - out.lights_s;
+    return out;
+}
+
+}  // namespace viscache

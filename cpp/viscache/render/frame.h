@@ -1,0 +1,48 @@
+#pragma once
+// Rendering one frame: tiles through eye paths, light groups and a visibility oracle.
+#include <functional>
+#include <memory>
+
+#include "viscache/math/parallel.h"
+#include "viscache/render/eye_paths.h"
+#include "viscache/render/shared_lights.h"
+
+namespace viscache {
+
+/// Makes the oracle of one worker thread.
+using OracleFactory = std::function<std::unique_ptr<VisibilityOracle>()>;
+
+/// CPU seconds of the stages, summed over threads.
+struct StageSeconds {
+    double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
+    void merge(const StageSeconds& b) {
+        eye_paths += b.eye_paths, contributions += b.contributions, visibility += b.visibility, shading += b.shading;
+    }
+};
+
+struct FrameResult {
+    int width = 0, height = 0;
+    std::vector<Rgb> color;
+    std::vector<Rgb> emitted;
+    std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty where the group does not exist
+    std::vector<float> depth;
+    std::vector<Vec3> normal;
+    std::vector<Rgb> albedo;
+    Counters counters;
+    StageSeconds stages;
+    double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
+    size_t n_vpls = 0;
+    int tile_edge_px = 0;
+    int threads = 0;
+};
+
+/// The shared light groups of a frame: point, directional, VPL.
+std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
+                                             const IntegratorSettings& integrator, const FrameSettings& frame,
+                                             Control& control, Counters& counters);
+
+FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                         const IntegratorSettings& integrator, const FrameSettings& frame,
+                         const OracleFactory& make_oracle, Control& control);
+
+}  // namespace viscache

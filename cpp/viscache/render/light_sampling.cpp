@@ -1,0 +1,104 @@
+#include "viscache/render/light_sampling.h"
+
+#include "viscache/sampling/warp.h"
+
+namespace viscache {
+
+LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
+    const SceneDescription& d = scene.description();
+    std::vector<double> power;
+    auto add = [&](Kind kind, size_t index, double watts) {
+        if (watts > 0) entries_.push_back({kind, index}), power.push_back(watts);
+    };
+    const double disk = M_PI * double(scene.radius()) * scene.radius();
+    for (size_t i = 0; i < d.point_lights.size(); ++i)
+        add(Kind::kPoint, i, 4 * M_PI * luminance(d.point_lights[i].intensity));
+    for (size_t i = 0; i < d.directional_lights.size(); ++i)
+        add(Kind::kDirectional, i, disk * luminance(d.directional_lights[i].irradiance));
+    const AreaLights& area = scene.area_lights();
+    for (size_t i = 0; i < area.triangles.size(); ++i)
+        add(Kind::kTriangle, i,
+            M_PI * area.triangles[i].area * luminance(area.triangles[i].radiance) * (area.triangles[i].two_sided ? 2 : 1));
+    for (size_t i = 0; i < area.spheres.size(); ++i)
+        add(Kind::kSphere, i,
+            4 * M_PI * M_PI * double(area.spheres[i].radius) * area.spheres[i].radius * luminance(area.spheres[i].radiance));
+    if (scene.environment()) add(Kind::kEnvironment, 0, disk * scene.environment()->total_power());
+    if (!power.empty()) choice_ = Distribution1D(power);
+}
+
+std::optional<Emission> LightSampler::emit(Rng& rng) const {
+    const auto pick = choice_.sample(rng.next());
+    Emission e = emit_from(entries_[pick.index], rng);
+    e.flux = e.flux / float(pick.pmf);
+    if (!is_finite(e.flux) || !(max_component(e.flux) > 0)) return std::nullopt;
+    return e;
+}
+
+/// Parallel light: a ray from the disk that the bounding sphere casts.
+Emission LightSampler::emit_through_scene(Vec3 towards_light, Rgb irradiance, Rng& rng) const {
+    const float radius = scene_.radius() * 1.001f;
+    const Vec2 disk = square_to_disk_concentric(rng.next2());
+    const Frame3 frame = frame_around(towards_light);
+    const Vec3 start = scene_.center() + (frame.x * disk.x + frame.y * disk.y + towards_light) * radius;
+    return {{start, 0, -towards_light, kInfinity}, irradiance * (kPi * radius * radius)};
+}
+
+Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
+    const SceneDescription& d = scene_.description();
+    const AreaLights& area = scene_.area_lights();
+    const float extent = scene_.offset_extent();
+    auto from_surface = [&](Vec3 p, Vec3 n, Rgb radiance, float surface_area) {
+        const Vec3 local = square_to_cosine_hemisphere(rng.next2());
+        return Emission{{spawn(p, n, extent), 0, frame_around(n).to_world(local), kInfinity},
+                        radiance * (kPi * surface_area)};
+    };
+    switch (entry.kind) {
+        case Kind::kPoint: {
+            const PointLight& l = d.point_lights[entry.index];
+            return {{l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity}, l.intensity * (4 * kPi)};
+        }
+        case Kind::kDirectional: {
+            const DirectionalLight& l = d.directional_lights[entry.index];
+            return emit_through_scene(l.direction, l.irradiance, rng);
+        }
+        case Kind::kTriangle: {
+            const EmissiveTriangle& t = area.triangles[entry.index];
+            const Vec2 b = square_to_triangle(rng.next2());
+            const bool back = t.two_sided && rng.next() < 0.5f;
+            return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal, t.radiance,
+                                t.two_sided ? 2 * t.area : t.area);
+        }
+        case Kind::kSphere: {
+            const SphereLight& s = area.spheres[entry.index];
+            const Vec3 n = square_to_uniform_sphere(rng.next2());
+            return from_surface(s.center + n * s.radius, n, s.radiance, 4 * kPi * s.radius * s.radius);
+        }
+        case Kind::kEnvironment: {
+            const auto sample = scene_.environment()->sample(rng.next2());
+            return emit_through_scene(sample.wi, sample.radiance / sample.pdf, rng);
+        }
+    }
+    return {};
+}
+
+std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u) {
+    const AreaLights& lights = scene.area_lights();
+    const auto pick = lights.choice.sample(u_choice);
+    const float extent = scene.offset_extent();
+    if (pick.index < lights.triangles.size()) {
+        const EmissiveTriangle& t = lights.triangles[pick.index];
+        const Vec2 b = square_to_triangle(u);
+        const Vec3 p = t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y;
+        const bool behind = dot(t.normal, from - p) <= 0;
+        if (behind && !t.two_sided) return std::nullopt;
+        const Vec3 n = behind ? -t.normal : t.normal;
+        return AreaSample{p, n, spawn(p, n, extent), t.radiance, float(pick.pmf) / t.area};
+    }
+    const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
+    const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);
+    if (!on_sphere) return std::nullopt;
+    return AreaSample{on_sphere->p, on_sphere->n, spawn(on_sphere->p, on_sphere->n, extent), s.radiance,
+                      float(pick.pmf) * on_sphere->pdf_area};
+}
+
+}  // namespace viscache

@@ -1,0 +1,111 @@
+#include "viscache/render/local_samples.h"
+
+#include "viscache/render/light_sampling.h"
+#include "viscache/sampling/low_discrepancy.h"
+#include "viscache/sampling/rng.h"
+#include "viscache/sampling/warp.h"
+
+namespace viscache {
+
+void LocalQueries::add(const ShadowQuery& query, Rgb value, Counters& counters) {
+    if (!is_finite(value)) {
+        ++counters.non_finite;
+        return;
+    }
+    if (!(max_component(value) > 0)) return;
+    queries.push_back(query), contribution.push_back(value);
+}
+
+namespace {
+
+/// Two randomised (0,2)-sequences keyed by one eye point and purpose.
+struct EyeSamples {
+    uint32_t sx, sy, tx, ty;
+    EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
+        Rng rng(seed, purpose, stream, 0);
+        sx = rng.next_u32(), sy = rng.next_u32(), tx = rng.next_u32(), ty = rng.next_u32();
+    }
+    Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
+    float choice(int i) const { return sobol02(uint32_t(i), tx, ty).x; }
+};
+
+ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max = kInfinity) {
+    ShadowQuery q;
+    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(group);
+    q.far = direction, q.density = density, q.t_max = t_max;
+    return q;
+}
+
+}  // namespace
+
+void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings,
+                      uint64_t seed, LocalQueries& out, Counters& counters) {
+    const EyeSamples samples(seed, Purpose::kAreaLight, eyes.stream[eye]);
+    const ShadingPoint& sp = eyes.shading[eye];
+    const Vec3 x = eyes.block.position[eye];
+    const int n = settings.n_area;
+    for (int i = 0; i < n; ++i) {
+        const auto y = sample_area_light(scene, x, samples.choice(i), samples.position(i));
+        if (!y) continue;
+        const Vec3 d = y->point - x;
+        const float d2 = length2(d);
+        const Vec3 wi = d / std::sqrt(d2);
+        const float cos_x = dot(sp.ns, wi), cos_y = -dot(y->normal, wi);
+        if (!(cos_x > 0 && dot(sp.ng, wi) > 0 && cos_y > 0)) continue;
+        const Rgb value = eyes.throughput[eye] * eval_bsdf(sp, wi) * y->radiance *
+                          (cos_x * cos_y / (d2 * y->pdf_area * float(n)));
+        ShadowQuery q;
+        q.eye = eye, q.semantic = Semantic::kSurface, q.group = uint8_t(LightGroup::kArea);
+        q.far = y->point, q.far_normal = y->normal, q.ray_end = y->ray_end, q.density = y->pdf_area * float(n);
+        out.add(q, value, counters);
+    }
+}
+
+void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
+                             const IntegratorSettings& settings, uint64_t seed, LocalQueries& out,
+                             Counters& counters) {
+    const EnvironmentMap& env = *scene.environment();
+    const ShadingPoint& sp = eyes.shading[eye];
+    const Rgb throughput = eyes.throughput[eye];
+    const float n_light = float(settings.n_environment), n_brdf = float(settings.n_brdf);
+    // Balance heuristic: both techniques share f·cos·L / Σ_t n_t p_t, which is also the density of the light
+    // cells of the quantized cache (AQVC spec, section 5).
+    auto add = [&](Vec3 wi, Rgb radiance, float pdf_light, float pdf_brdf) {
+        const float cos = dot(sp.ns, wi);
+        if (!(cos > 0 && dot(sp.ng, wi) > 0)) return;
+        const float density = n_light * pdf_light + n_brdf * pdf_brdf;
+        out.add(towards(eye, wi, LightGroup::kEnvironment, density),
+                throughput * eval_bsdf(sp, wi) * radiance * (cos / density), counters);
+    };
+    const EyeSamples light(seed, Purpose::kEnvironmentLight, eyes.stream[eye]);
+    for (int i = 0; i < settings.n_environment; ++i) {
+        const auto s = env.sample(light.position(i));
+        if (!(s.pdf > 0)) continue;
+        add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f);
+    }
+    const EyeSamples brdf(seed, Purpose::kBrdf, eyes.stream[eye]);
+    for (int i = 0; i < settings.n_brdf; ++i) {
+        const auto s = sample_bsdf(sp, brdf.choice(i), brdf.position(i));
+        if (!s || !(s->pdf > 0)) continue;
+        add(s->wi, env.eval(s->wi), n_light > 0 ? env.pdf(s->wi) : 0.f, s->pdf);
+    }
+}
+
+void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
+                         LocalQueries& out) {
+    const EyeSamples samples(seed, Purpose::kAmbient, eyes.stream[eye]);
+    const Frame3 frame = frame_around(eyes.block.normal[eye]);
+    const float n = float(settings.n_ambient);
+    const float t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
+    for (int i = 0; i < settings.n_ambient; ++i) {
+        const Vec2 u = samples.position(i);
+        const Vec3 local = settings.ambient_cosine ? square_to_cosine_hemisphere(u) : square_to_uniform_hemisphere(u);
+        const float pdf = settings.ambient_cosine ? local.z / kPi : 0.5f / kPi;
+        const float weight = settings.ambient_cosine ? 1.f : 2 * local.z;
+        if (!(local.z > 0)) continue;
+        out.queries.push_back(towards(eye, frame.to_world(local), LightGroup::kAmbient, n * pdf, t_max));
+        out.contribution.push_back(eyes.throughput[eye] * (weight / n));
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,124 @@
+#include "viscache/render/shared_lights.h"
+
+#include "viscache/math/isa.h"
+
+#if VISCACHE_X86
+#include <immintrin.h>
+#endif
+
+namespace viscache {
+
+namespace portable {
+constexpr size_t kWidth = 4;
+typedef float F __attribute__((vector_size(16), aligned(4), may_alias));
+typedef int I __attribute__((vector_size(16)));
+inline F vec_sqrt(F v) { return F{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])}; }
+inline Word sign_bits(I m) { return Word((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+#include "shared_kernels.inc"
+}  // namespace portable
+
+#if VISCACHE_X86
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,popcnt")
+namespace avx2 {
+constexpr size_t kWidth = 8;
+typedef float F __attribute__((vector_size(32), aligned(4), may_alias));
+typedef int I __attribute__((vector_size(32)));
+inline F vec_sqrt(F v) { return (F)_mm256_sqrt_ps((__m256)v); }
+inline Word sign_bits(I m) { return Word(unsigned(_mm256_movemask_ps((__m256)m))); }
+#include "shared_kernels.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")
+namespace avx512 {
+constexpr size_t kWidth = 16;
+typedef float F __attribute__((vector_size(64), aligned(4), may_alias));
+typedef int I __attribute__((vector_size(64)));
+inline F vec_sqrt(F v) { return (F)_mm512_sqrt_ps((__m512)v); }
+inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
+#include "shared_kernels.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+#endif
+
+namespace {
+
+template <class Columns>
+Columns columns_of(const SharedLights& s) {
+    const FarEnds& e = s.ends;
+    return {e.x.data(), e.y.data(), e.z.data(), e.nx.data(), e.ny.data(), e.nz.data(),
+            s.r.data(), s.g.data(), s.b.data(), e.x.size(),  s.bound2};
+}
+
+}  // namespace
+
+uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, Word* row) {
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512: return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
+        case Isa::kAvx2: return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
+#endif
+        default: return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);
+    }
+}
+
+Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512: return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
+        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
+#endif
+        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);
+    }
+}
+
+namespace {
+
+/// g and unit direction of one column, by the kernels' formulas.
+float geometry_of(const SharedLights& s, const EyeShade& eye, size_t k, Vec3& wi) {
+    const FarEnds& e = s.ends;
+    const Vec3 far{e.x[k], e.y[k], e.z[k]};
+    if (e.semantic == Semantic::kDirection || e.semantic == Semantic::kSolidAngle) {
+        wi = far;
+        return std::max(0.f, dot(eye.ns, wi));
+    }
+    const Vec3 d = far - eye.position;
+    const float d2 = length2(d), distance = std::sqrt(d2), shading = std::max(0.f, dot(eye.ns, d));
+    wi = d / distance;
+    if (e.semantic == Semantic::kPoint) return shading / (d2 * distance);
+    const float far_cos = std::max(0.f, -dot({e.nx[k], e.ny[k], e.nz[k]}, d));
+    return shading * far_cos / (d2 * (d2 + s.bound2));
+}
+
+}  // namespace
+
+Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row) {
+    Rgb sum;
+    for_each_bit({row, row_words_for(s.ends.count)}, [&](size_t k) {
+        Vec3 wi;
+        const float g = geometry_of(s, eye, k, wi);
+        sum += eval_bsdf(brdf, wi) * Rgb{s.r[k], s.g[k], s.b[k]} * g;
+    });
+    return sum;
+}
+
+void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
+    FarEnds& e = ends;
+    e.x.push_back(p.x), e.y.push_back(p.y), e.z.push_back(p.z);
+    e.nx.push_back(n.x), e.ny.push_back(n.y), e.nz.push_back(n.z);
+    e.tx.push_back(end.x), e.ty.push_back(end.y), e.tz.push_back(end.z);
+    e.density.push_back(density);
+    r.push_back(value.x), g.push_back(value.y), b.push_back(value.z);
+    ++e.count;
+}
+
+void SharedLights::pad() {
+    const size_t padded = row_words_for(ends.count) * kWordBits;
+    for (auto* v : {&ends.x, &ends.y, &ends.z, &ends.nx, &ends.ny, &ends.nz, &ends.tx, &ends.ty, &ends.tz,
+                    &ends.density, &r, &g, &b})
+        v->resize(padded, 0.f);
+}
+
+}  // namespace viscache

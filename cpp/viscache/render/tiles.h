@@ -1,0 +1,43 @@
+#pragma once
+// Tiles: the unit of work, of reuse and of determinism. Cut from parameters and scene only, never from threads.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace viscache {
+
+struct Tile {
+    int x0, y0, x1, y1;  ///< pixels [x0, x1) × [y0, y1)
+};
+
+/// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp rounded to a power of two, ≥ 4.
+inline int tile_edge(int samples_edge, int spp) {
+    const double edge = samples_edge / std::sqrt(double(spp));
+    return std::max(4, int(std::exp2(std::round(std::log2(edge)))));
+}
+
+inline std::vector<Tile> cut_tiles(int width, int height, int edge) {
+    std::vector<Tile> tiles;
+    for (int y = 0; y < height; y += edge)
+        for (int x = 0; x < width; x += edge)
+            tiles.push_back({x, y, std::min(x + edge, width), std::min(y + edge, height)});
+    return tiles;
+}
+
+/// Pixels of a tile along a Morton curve, as (x, y) relative to its corner.
+inline std::vector<std::pair<uint16_t, uint16_t>> morton_pixels(int width, int height) {
+    const uint32_t side = std::bit_ceil(uint32_t(std::max({width, height, 1})));
+    std::vector<std::pair<uint16_t, uint16_t>> pixels;
+    pixels.reserve(size_t(width) * height);
+    for (uint64_t code = 0; code < uint64_t(side) * side; ++code) {
+        uint32_t x = 0, y = 0;
+        for (int bit = 0; bit < 16; ++bit)
+            x |= uint32_t(code >> (2 * bit) & 1) << bit, y |= uint32_t(code >> (2 * bit + 1) & 1) << bit;
+        if (int(x) < width && int(y) < height) pixels.emplace_back(uint16_t(x), uint16_t(y));
+    }
+    return pixels;
+}
+
+}  // namespace viscache

@@ -1,0 +1,204 @@
+#include "viscache/render/vpl.h"
+
+#include <numeric>
+
+#include "viscache/render/light_sampling.h"
+#include "viscache/sampling/rng.h"
+#include "viscache/sampling/warp.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr size_t kPathsPerChunk = 256;
+constexpr double kFloor = 0.1;          // share of the probability that follows flux alone
+constexpr float kCompatibleCos = 0.7f;  // normals within 45°
+
+/// A photon: position and direction of a light path with the flux it carries.
+struct Photon {
+    Ray ray;
+    Rgb flux;
+};
+
+/// Follows one light path and stores a VPL at every diffuse bounce.
+void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int max_depth, Rng& rng,
+                std::vector<Vpl>& out, Counters& counters) {
+    for (int depth = 0; depth < max_depth;) {
+        Hit hit;
+        caster.intersect({&photon.ray, 1}, {&hit, 1});
+        ++counters.light_rays;
+        if (!hit.valid()) return;
+        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle, hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        if (length2(s.ng) == 0) return;
+        const Material& material = scene.materials()[size_t(s.material)];
+        const bool front = dot(s.ng, photon.ray.d) < 0;
+        const Vec3 ng = front ? s.ng : -s.ng, ns = front ? s.ns : -s.ns;
+        const float extent = scene.offset_extent();
+        if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
+        if (material.kind == MaterialKind::kMirror) {
+            photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
+            photon.flux = photon.flux * material.specular;
+            ++depth;
+            continue;
+        }
+        if (material.kind == MaterialKind::kDielectric) {
+            const float fresnel = fresnel_dielectric(dot(s.ns, -photon.ray.d), material.eta);
+            const bool reflects = rng.next() < fresnel;
+            const auto transmitted = viscache::refract(-photon.ray.d, ns, front ? 1 / material.eta : material.eta);
+            if (reflects || !transmitted || dot(*transmitted, ng) >= 0)
+                photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
+            else
+                photon.ray = {spawn(s.position, -ng, extent), 0, *transmitted, kInfinity};
+            ++depth;
+            continue;
+        }
+        // The Lambertian part reflects; the glossy lobe is not carried by VPLs
+        const Rgb reflected = photon.flux * s.base_color;
+        if (!(max_component(reflected) > 0)) return;
+        out.push_back({s.position, ng, reflected / kPi});
+        ++depth;
+        // Go on with the probability of the albedo, in a cosine-distributed direction
+        const float survive = std::min(0.95f, max_component(s.base_color));
+        if (rng.next() >= survive) return;
+        const Vec3 local = square_to_cosine_hemisphere(rng.next2());
+        photon.ray = {spawn(s.position, ng, extent), 0, frame_around(ng).to_world(local), kInfinity};
+        photon.flux = reflected / survive;
+    }
+}
+
+}  // namespace
+
+std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t paths, int max_depth, uint64_t seed,
+                            int threads, Control& control, Counters& counters) {
+    const LightSampler lights(scene);
+    if (lights.empty() || paths == 0) return {};
+    const size_t chunks = (paths + kPathsPerChunk - 1) / kPathsPerChunk;
+    std::vector<std::vector<Vpl>> found(chunks);
+    std::vector<Counters> counted(chunks);
+    parallel_for(chunks, threads, [&](size_t chunk, int) {
+        control.check();
+        for (size_t i = chunk * kPathsPerChunk; i < std::min(paths, (chunk + 1) * kPathsPerChunk); ++i) {
+            Rng emission(seed, Purpose::kVplEmission, i, 0), bounce(seed, Purpose::kVplBounce, i, 0);
+            const auto emitted = lights.emit(emission);
+            if (!emitted) continue;
+            Photon photon{emitted->ray, emitted->flux / float(paths)};
+            trace_path(scene, caster, photon, max_depth, bounce, found[chunk], counted[chunk]);
+        }
+    });
+    std::vector<Vpl> all;
+    for (size_t c = 0; c < chunks; ++c) {
+        all.insert(all.end(), found[c].begin(), found[c].end());
+        counters.merge(counted[c]);
+    }
+    return all;
+}
+
+namespace {
+
+/// First diffuse or glossy hits of stratified camera samples: the judges of the candidates.
+std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film, int count,
+                                     uint64_t seed, std::vector<float>& albedo, Counters& counters) {
+    const int columns = std::max(1, int(std::lround(std::sqrt(double(count) * film.width / film.height))));
+    const int rows = std::max(1, (count + columns - 1) / columns);
+    std::vector<EyeShade> points;
+    for (int i = 0; i < rows * columns; ++i) {
+        Rng rng(seed, Purpose::kVplResampling, uint64_t(i), 1);
+        const Vec2 u = rng.next2();
+        const float x = (i % columns + u.x) / columns * film.width, y = (i / columns + u.y) / rows * film.height;
+        const Ray ray{film.camera.origin, 0, normalize(film.direction(x, y)), kInfinity};
+        Hit hit;
+        caster.intersect({&ray, 1}, {&hit, 1});
+        ++counters.light_rays;
+        if (!hit.valid()) continue;
+        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle, hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        if (length2(s.ng) == 0) continue;
+        const float side = dot(s.ng, ray.d) < 0 ? 1.f : -1.f;
+        points.push_back({s.position, s.ng * side, s.ns * side});
+        albedo.push_back(std::max(0.05f, luminance(s.base_color)));
+    }
+    return points;
+}
+
+/// Exact contribution of every candidate to the judging points.
+std::vector<double> judge(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
+                          const std::vector<float>& albedo, const Scene& scene, const RayCaster& caster, float bound2,
+                          Counters& counters) {
+    std::vector<double> value(candidates.size(), 0.0);
+    const float extent = scene.offset_extent();
+    std::vector<Ray> rays;
+    std::vector<size_t> who;
+    std::vector<float> what;
+    std::vector<uint8_t> blocked;
+    for (size_t e = 0; e < eyes.size(); ++e) {
+        rays.clear(), who.clear(), what.clear();
+        for (size_t i = 0; i < candidates.size(); ++i) {
+            const Vpl& v = candidates[i];
+            const Vec3 d = v.position - eyes[e].position;
+            const float d2 = length2(d), near_cos = dot(eyes[e].ng, d), far_cos = -dot(v.normal, d);
+            if (!(near_cos > 0 && far_cos > 0 && d2 > 0)) continue;
+            const float g = near_cos * far_cos / (d2 * (d2 + bound2)) * luminance(v.flux) * albedo[e];
+            if (!std::isfinite(g)) continue;
+            rays.push_back(segment_to_point(spawn(eyes[e].position, eyes[e].ng, extent),
+                                            spawn(v.position, v.normal, extent), extent));
+            who.push_back(i), what.push_back(g);
+        }
+        blocked.resize(rays.size());
+        caster.occluded(rays, blocked);
+        counters.light_rays += rays.size();
+        for (size_t j = 0; j < rays.size(); ++j)
+            if (!blocked[j]) value[who[j]] += what[j];
+    }
+    return value;
+}
+
+}  // namespace
+
+std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
+                               const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
+                               uint64_t seed, Counters& counters) {
+    if (candidates.empty() || wanted == 0) return {};
+    std::vector<float> albedo;
+    const auto eyes = judging_points(scene, caster, film, settings.vpl_eye_points, seed, albedo, counters);
+    const float bound = settings.vpl_bound * scene.bounds().diagonal();
+    // With an unbounded geometry term single pairs would dominate: judge with the default bound
+    const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
+    const auto value = judge(candidates, eyes, albedo, scene, caster, judge_bound * judge_bound, counters);
+    double total_value = 0, total_flux = 0;
+    for (size_t i = 0; i < candidates.size(); ++i)
+        total_value += value[i], total_flux += luminance(candidates[i].flux);
+    if (!(total_flux > 0)) return {};
+    // Systematic resampling: one random offset, `wanted` equal steps through the cumulative probability
+    std::vector<Vpl> kept;
+    const double offset = Rng(seed, Purpose::kVplResampling, 0, 0).next();
+    double cumulative = 0;
+    size_t next = 0;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        const double by_flux = luminance(candidates[i].flux) / total_flux;
+        const double q = total_value > 0 ? (1 - kFloor) * value[i] / total_value + kFloor * by_flux : by_flux;
+        cumulative += q * double(wanted);
+        size_t picks = 0;
+        while (next < wanted && double(next) + offset < cumulative) ++picks, ++next;
+        if (!picks) continue;
+        Vpl v = candidates[i];
+        v.flux = v.flux * float(double(picks) / (q * double(wanted)));
+        kept.push_back(v);
+    }
+    return kept;
+}
+
+std::vector<float> vpl_densities(const std::vector<Vpl>& vpls) {
+    std::vector<float> density(vpls.size(), 0.f), squares;
+    for (size_t i = 0; i < vpls.size(); ++i) {
+        squares.clear();
+        for (size_t j = 0; j < vpls.size(); ++j)
+            if (j != i && dot(vpls[i].normal, vpls[j].normal) > kCompatibleCos)
+                squares.push_back(length2(vpls[i].position - vpls[j].position));
+        if (squares.empty()) continue;
+        const size_t fourth = std::min<size_t>(3, squares.size() - 1);
+        std::nth_element(squares.begin(), squares.begin() + long(fourth), squares.end());
+        density[i] = squares[fourth] > 0 ? 4 / (kPi * squares[fourth]) : kInfinity;
+    }
+    return density;
+}
+
+}  // namespace viscache

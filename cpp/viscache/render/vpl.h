@@ -1,0 +1,33 @@
+#pragma once
+// Virtual point lights (instant radiosity, Keller 1997), resampled to a user's number by what they bring to
+// the camera (after Segovia et al. 2006 [SP06]). They carry indirect light only.
+#include "viscache/math/parallel.h"
+#include "viscache/render/film_camera.h"
+#include "viscache/render/settings.h"
+#include "viscache/render/shared_lights.h"
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/ray_caster.h"
+
+namespace viscache {
+
+struct Vpl {
+    Vec3 position;
+    Vec3 normal;  ///< unit geometric normal on the lit side
+    Rgb flux;     ///< reflected radiant exitance × area / π: contribution = f · flux · cos·cos'/(d² + bound²)
+};
+
+/// All VPLs of `paths` light paths; their sum estimates the indirect light, whatever their number.
+std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t paths, int max_depth, uint64_t seed,
+                            int threads, Control& control, Counters& counters);
+
+/// Keeps `wanted` of the candidates with probability by their exact contribution to camera points (with a floor
+/// of 10 % by flux, so that every light keeps a chance); the sum's expectation stays. Equal picks are merged.
+std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
+                               const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
+                               uint64_t seed, Counters& counters);
+
+/// D_l of VPLs, from the set itself: 4/(π r₄²), r₄ = distance to the fourth nearest with a compatible normal
+/// (AQVC spec, section 5).
+std::vector<float> vpl_densities(const std::vector<Vpl>& vpls);
+
+}  // namespace viscache

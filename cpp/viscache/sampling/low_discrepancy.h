@@ -1,0 +1,48 @@
+#pragma once
+// Randomised low-discrepancy points.
+#include <cstdint>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+inline uint32_t reverse_bits(uint32_t x) {
+    x = (x << 16) | (x >> 16);
+    x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+    x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+    x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+    return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+}
+
+/// Owen scrambling of the bits of x by a hash (Laine and Karras 2011, as improved by Vegdahl 2021).
+inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
+    x = reverse_bits(x);
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return reverse_bits(x);
+}
+
+/// The upper 24 bits as a number in [0, 1).
+inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
+
+/// Point `index` of the (0,2)-sequence (van der Corput and the second dimension of Sobol'), Owen-scrambled
+/// per dimension by two seeds; in [0, 1)².
+inline Vec2 sobol02(uint32_t index, uint32_t scramble_x, uint32_t scramble_y) {
+    uint32_t y = 0;
+    for (uint32_t bit = 1u << 31, rest = index; rest; rest >>= 1, bit ^= bit >> 1)
+        if (rest & 1) y ^= bit;
+    return {to_unit_float(owen_scramble(reverse_bits(index), scramble_x)),
+            to_unit_float(owen_scramble(y, scramble_y))};
+}
+
+/// Digits of i in `base` >= 2, mirrored at the radix point; in [0, 1).
+inline double radical_inverse(uint32_t base, uint64_t i) {
+    double result = 0, digit = 1.0 / base;
+    for (; i; i /= base, digit /= base) result += double(i % base) * digit;
+    return std::min(result, 0x1.fffffffffffffp-1);
+}
+
+}  // namespace viscache

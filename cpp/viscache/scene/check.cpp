@@ -1,0 +1,117 @@
+#include "viscache/scene/check.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace viscache {
+
+namespace {
+
+constexpr float kMaxVertex = 1e16f;  // beyond it ray tracing cannot work (visibility/query.h)
+
+template <class... Parts>
+[[noreturn]] void fail(const Parts&... parts) {
+    std::ostringstream s;
+    (s << ... << parts);
+    throw SceneError(s.str());
+}
+
+bool usable(Vec3 p) { return is_finite(p) && std::max(max_component(p), max_component(-p)) <= kMaxVertex; }
+bool usable_color(Rgb c) { return is_finite(c) && std::min({c.x, c.y, c.z}) >= 0; }
+std::string text(Vec3 p) {
+    std::ostringstream s;
+    s << "(" << p.x << ", " << p.y << ", " << p.z << ")";
+    return s.str();
+}
+
+void check_mesh(const Mesh& m, size_t index, size_t materials) {
+    const std::string name = "mesh " + std::to_string(index) + (m.name.empty() ? "" : " '" + m.name + "'");
+    if (m.vertices.size() >= (size_t{1} << 32)) fail(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
+    if (m.triangles.size() >= (size_t{1} << 31)) fail(name, ": at most 2^31 triangles, got ", m.triangles.size());
+    for (size_t i = 0; i < m.vertices.size(); ++i)
+        if (!usable(m.vertices[i]))
+            fail(name, ": vertex ", i, " must be finite and below 1e16 in size, got ", text(m.vertices[i]));
+    for (size_t i = 0; i < m.triangles.size(); ++i) {
+        const Vec3u t = m.triangles[i];
+        const uint32_t worst = std::max({t.x, t.y, t.z});
+        if (worst >= m.vertices.size())
+            fail(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(), " vertices");
+    }
+    if (!m.normals.empty() && m.normals.size() != m.vertices.size())
+        fail(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
+    if (!m.uvs.empty() && m.uvs.size() != m.vertices.size())
+        fail(name, ": uvs must be one per vertex (", m.vertices.size(), "), got ", m.uvs.size());
+    if (m.material < 0 || size_t(m.material) >= materials)
+        fail(name, ": material must be in [0, ", materials, "), got ", m.material);
+    if (!usable_color(m.emission)) fail(name, ": emission must be finite and >= 0, got ", text(m.emission));
+}
+
+void check_material(const Material& m, size_t index, size_t images) {
+    const std::string name = "material " + std::to_string(index);
+    for (Rgb c : {m.base_color, m.specular})
+        if (!usable_color(c) || max_component(c) > 1)
+            fail(name, ": base_color and specular must be in [0, 1], got ", text(c));
+    if (!(m.roughness >= 1e-3f && m.roughness <= 1)) fail(name, ": roughness must be in [0.001, 1], got ", m.roughness);
+    if (!(m.eta > 0.1f && m.eta < 10)) fail(name, ": eta must be in (0.1, 10), got ", m.eta);
+    for (int t : {m.base_texture, m.alpha_texture})
+        if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
+}
+
+void check_lights(const SceneDescription& d) {
+    for (size_t i = 0; i < d.point_lights.size(); ++i) {
+        const PointLight& l = d.point_lights[i];
+        if (!usable(l.position)) fail("point light ", i, ": position must be finite, got ", text(l.position));
+        if (!usable_color(l.intensity)) fail("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
+    }
+    for (size_t i = 0; i < d.directional_lights.size(); ++i) {
+        const DirectionalLight& l = d.directional_lights[i];
+        if (!(std::fabs(length(l.direction) - 1) < 1e-3f))
+            fail("directional light ", i, ": direction must not be zero or non-finite, got ", text(l.direction));
+        if (!usable_color(l.irradiance)) fail("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
+    }
+    for (size_t i = 0; i < d.sphere_lights.size(); ++i) {
+        const SphereLight& l = d.sphere_lights[i];
+        if (!usable(l.center)) fail("sphere light ", i, ": center must be finite, got ", text(l.center));
+        if (!(l.radius > 0 && l.radius < kMaxVertex)) fail("sphere light ", i, ": radius must be > 0, got ", l.radius);
+        if (!usable_color(l.radiance)) fail("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
+    }
+}
+
+}  // namespace
+
+void check_description(const SceneDescription& d) {
+    for (size_t i = 0; i < d.images.size(); ++i) {
+        const Image& image = d.images[i];
+        if (image.width <= 0)
+            fail("image ", i, " '", image.path, "' (", image.where, ") has not been decoded");
+        for (float v : image.pixels)
+            if (!std::isfinite(v)) fail("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
+    }
+    for (size_t i = 0; i < d.materials.size(); ++i) check_material(d.materials[i], i, d.images.size());
+    for (size_t i = 0; i < d.meshes.size(); ++i) check_mesh(d.meshes[i], i, d.materials.size());
+    for (size_t i = 0; i < d.instances.size(); ++i) {
+        for (int mesh : d.instances[i].meshes)
+            if (mesh < 0 || size_t(mesh) >= d.meshes.size())
+                fail("instance ", i, ": mesh must be in [0, ", d.meshes.size(), "), got ", mesh);
+        for (const auto& row : d.instances[i].to_world.m)
+            for (double v : row)
+                if (!(std::fabs(v) < kMaxVertex)) fail("instance ", i, ": to_world must be finite, got ", v);
+        if (d.instances[i].to_world.determinant() == 0) fail("instance ", i, ": to_world must be invertible");
+    }
+    check_lights(d);
+    if (d.environment) {
+        const Environment& e = *d.environment;
+        if (!usable_color(e.scale)) fail("environment: scale must be finite and >= 0, got ", text(e.scale));
+        if (e.image < -1 || e.image >= int(d.images.size()))
+            fail("environment: image must be -1 or in [0, ", d.images.size(), "), got ", e.image);
+    }
+    for (const Camera& c : d.cameras) {
+        if (!usable(c.origin)) fail("camera '", c.name, "': origin must be finite, got ", text(c.origin));
+        if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
+            fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ", c.fov_y_rad * 180 / kPi);
+        if (!is_finite(c.forward) || length(c.forward) < 0.5f)
+            fail("camera '", c.name, "': origin and target must differ");
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,200 @@
+#include "viscache/scene/scene.h"
+
+#include "viscache/scene/check.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr int kSphereRings = 24;  // tessellation of a sphere light: 2·24·48 triangles, inscribed
+
+/// Inscribed tessellation: no segment to a point of the analytic sphere crosses it from outside.
+Mesh tessellate(const SphereLight& light) {
+    Mesh mesh;
+    mesh.name = "sphere light";
+    mesh.emission = light.radiance;
+    const int rings = kSphereRings, sectors = 2 * kSphereRings;
+    for (int i = 0; i <= rings; ++i)
+        for (int j = 0; j < sectors; ++j) {
+            const double theta = M_PI * i / rings, phi = 2 * M_PI * j / sectors;
+            const Vec3 n{float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)),
+                         float(std::sin(theta) * std::sin(phi))};
+            mesh.vertices.push_back(light.center + n * (light.radius * 0.9999f));
+        }
+    auto at = [&](int i, int j) { return uint32_t(i * sectors + j % sectors); };
+    for (int i = 0; i < rings; ++i)
+        for (int j = 0; j < sectors; ++j) {
+            if (i > 0) mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+            if (i < rings - 1) mesh.triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
+        }
+    return mesh;
+}
+
+Vec3 facing(Vec3 n, Vec3 side) { return dot(n, side) < 0 ? -n : n; }
+
+float repeat(float x) { return x - std::floor(x); }
+
+}  // namespace
+
+std::shared_ptr<const Scene> Scene::freeze(SceneDescription description) {
+    if (description.materials.empty()) description.materials.push_back({});
+    check_description(description);
+    std::shared_ptr<Scene> scene(new Scene);
+    scene->d_ = std::move(description);
+    scene->described_meshes_ = scene->d_.meshes.size();
+    scene->measure();
+    scene->build_lights();
+    scene->add_sphere_light_meshes();
+    uint64_t first = 0;
+    for (const Mesh& mesh : scene->d_.meshes) {
+        scene->first_triangle_.push_back(first);
+        first += mesh.triangles.size();
+    }
+    return scene;
+}
+
+void Scene::measure() {
+    for (const Mesh& mesh : d_.meshes) {
+        unique_triangles_ += mesh.triangles.size();
+        memory_bytes_ += mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Vec3u) +
+                         mesh.normals.size() * sizeof(Vec3) + mesh.uvs.size() * sizeof(Vec2);
+        if (!mesh.in_world) continue;
+        placed_triangles_ += mesh.triangles.size();
+        for (Vec3u t : mesh.triangles)
+            for (uint32_t v : {t.x, t.y, t.z}) bounds_.add(mesh.vertices[v]);
+    }
+    for (const Instance& instance : d_.instances)
+        for (int index : instance.meshes) {
+            const Mesh& mesh = d_.meshes[size_t(index)];
+            placed_triangles_ += mesh.triangles.size();
+            for (Vec3 v : mesh.vertices) bounds_.add(instance.to_world.point(v));
+        }
+    if (!bounds_.empty() && bounds_.magnitude() > 1e16f)
+        throw SceneError("instances must stay below 1e16 in size, got " + std::to_string(bounds_.magnitude()));
+    for (const Image& image : d_.images) memory_bytes_ += image.pixels.size() * sizeof(float);
+    // Embree's BVH: about 100 bytes a unique triangle (measured 90–140), 600 an instance.
+    memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
+}
+
+void Scene::build_lights() {
+    std::vector<double> power;
+    auto add = [&](const Mesh& mesh, const Affine* to_world) {
+        if (!(max_component(mesh.emission) > 0)) return;
+        for (Vec3u t : mesh.triangles) {
+            Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
+            if (to_world)
+                for (Vec3& q : p) q = to_world->point(q);
+            Vec3 n = cross(p[1] - p[0], p[2] - p[0]);
+            if (to_world && to_world->determinant() < 0) n = -n;
+            const float area = 0.5f * length(n);
+            if (!(area > 0) || !std::isfinite(area)) continue;  // degenerate triangles emit nothing
+            area_lights_.triangles.push_back(
+                {p[0], p[1], p[2], normalize(n), mesh.emission, area, mesh.emits_two_sided});
+            power.push_back(double(area) * luminance(mesh.emission) * (mesh.emits_two_sided ? 2 : 1));
+        }
+    };
+    for (const Mesh& mesh : d_.meshes)
+        if (mesh.in_world) add(mesh, nullptr);
+    for (const Instance& instance : d_.instances)
+        for (int index : instance.meshes) add(d_.meshes[size_t(index)], &instance.to_world);
+    for (const SphereLight& light : d_.sphere_lights) {
+        if (!(max_component(light.radiance) > 0)) continue;
+        area_lights_.spheres.push_back(light);
+        power.push_back(4 * M_PI * double(light.radius) * light.radius * luminance(light.radiance));
+    }
+    if (!power.empty()) area_lights_.choice = Distribution1D(power);
+
+    if (!d_.environment || !(max_component(d_.environment->scale) > 0)) return;
+    const Environment& e = *d_.environment;
+    environment_ = std::make_unique<EnvironmentMap>(
+        e.image < 0 ? EnvironmentMap::constant(e.scale)
+                    : EnvironmentMap::from_latlong(d_.images[size_t(e.image)], e.scale, e.to_world));
+}
+
+void Scene::add_sphere_light_meshes() {
+    for (const SphereLight& light : d_.sphere_lights) d_.meshes.push_back(tessellate(light));
+}
+
+SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {
+    const Mesh& mesh = d_.meshes[mesh_index];
+    const Vec3u t = mesh.triangles[triangle];
+    const Affine* to_world = instance >= 0 ? &d_.instances[size_t(instance)].to_world : nullptr;
+    Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
+    if (to_world)
+        for (Vec3& q : p) q = to_world->point(q);
+    const float w = 1 - u - v;
+    SurfacePoint s;
+    s.position = p[0] * w + p[1] * u + p[2] * v;
+    s.edge1 = p[1] - p[0], s.edge2 = p[2] - p[0];
+    // Double: the cross product of float edges loses thin triangles to cancellation.
+    const double a[3] = {s.edge1.x, s.edge1.y, s.edge1.z}, b[3] = {s.edge2.x, s.edge2.y, s.edge2.z};
+    double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (norm > 0) s.ng = {float(n[0] / norm), float(n[1] / norm), float(n[2] / norm)};
+    if (to_world && to_world->determinant() < 0) s.ng = -s.ng;
+    s.ns = s.ng;
+    if (!mesh.normals.empty()) {
+        Vec3 ns[3] = {mesh.normals[t.x], mesh.normals[t.y], mesh.normals[t.z]};
+        if (to_world)
+            for (Vec3& q : ns) q = to_world->normal(q);
+        const Vec3 blended = ns[0] * w + ns[1] * u + ns[2] * v;
+        const float blended_length = length(blended);
+        if (blended_length > 1e-12f && std::isfinite(blended_length)) {
+            s.ns = facing(blended / blended_length, s.ng);
+            const float sign = dot(blended, s.ng) < 0 ? -1.f : 1.f;
+            s.dndu = (ns[1] - ns[0]) * (sign / blended_length), s.dndv = (ns[2] - ns[0]) * (sign / blended_length);
+        }
+    }
+    if (!mesh.uvs.empty()) {
+        const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
+        s.uv = {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v};
+    }
+    s.material = mesh.material;
+    const Material& material = d_.materials[size_t(mesh.material)];
+    s.base_color = material.base_color;
+    if (material.base_texture >= 0)
+        s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
+    s.emission = mesh.emission, s.emits_two_sided = mesh.emits_two_sided;
+    return s;
+}
+
+bool Scene::has_cutout(uint32_t mesh) const {
+    return d_.materials[size_t(d_.meshes[mesh].material)].alpha_texture >= 0;
+}
+
+bool Scene::solid_at(uint32_t mesh_index, uint32_t triangle, float u, float v) const {
+    const Mesh& mesh = d_.meshes[mesh_index];
+    const Material& material = d_.materials[size_t(mesh.material)];
+    if (material.alpha_texture < 0 || mesh.uvs.empty()) return true;
+    const Vec3u t = mesh.triangles[triangle];
+    const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
+    const float w = 1 - u - v;
+    const Image& image = d_.images[size_t(material.alpha_texture)];
+    const Rgba texel = sample_image(
+        image, {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v});
+    const bool has_alpha = image.channels == 2 || image.channels == 4;
+    return (has_alpha ? texel.a : texel.rgb.x) >= material.alpha_cutoff;
+}
+
+Rgba sample_image(const Image& image, Vec2 uv) {
+    if (image.width <= 0 || !std::isfinite(uv.x) || !std::isfinite(uv.y)) return {{0.5f, 0.5f, 0.5f}, 1};
+    const float x = repeat(uv.x) * image.width - 0.5f, y = (1 - repeat(uv.y)) * image.height - 0.5f;
+    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+    const float fx = x - x0, fy = y - y0;
+    float sum[4] = {};
+    for (int dy = 0; dy < 2; ++dy)
+        for (int dx = 0; dx < 2; ++dx) {
+            const int xi = (x0 + dx + image.width) % image.width, yi = (y0 + dy + image.height) % image.height;
+            const float weight = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy);
+            const float* texel = &image.pixels[(size_t(yi) * image.width + xi) * image.channels];
+            for (int c = 0; c < image.channels && c < 4; ++c) sum[c] += weight * texel[c];
+        }
+    switch (image.channels) {
+        case 1: return {{sum[0], sum[0], sum[0]}, 1};
+        case 2: return {{sum[0], sum[0], sum[0]}, sum[1]};
+        case 3: return {{sum[0], sum[1], sum[2]}, 1};
+        default: return {{sum[0], sum[1], sum[2]}, sum[3]};
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,72 @@
+#pragma once
+// The immutable scene: a validated description with what every ray needs computed once.
+#include <memory>
+
+#include "viscache/math/bounds.h"
+#include "viscache/scene/description.h"
+#include "viscache/scene/envmap.h"
+#include "viscache/scene/lights.h"
+#include "viscache/scene/surface.h"
+
+namespace viscache {
+
+class Scene {
+public:
+    /// Checks the description and freezes it. Throws SceneError that names what is wrong and where.
+    static std::shared_ptr<const Scene> freeze(SceneDescription description);
+
+    const SceneDescription& description() const { return d_; }
+    const std::vector<Mesh>& meshes() const { return d_.meshes; }
+    const std::vector<Material>& materials() const { return d_.materials; }
+    /// Number of meshes the description gave; those after it are tessellated sphere lights.
+    size_t described_meshes() const { return described_meshes_; }
+    /// Bounds of everything placed, without sphere lights.
+    const Bounds& bounds() const { return bounds_; }
+    /// Centre and radius of the bounding sphere: c and B_R of the quantized cache.
+    Vec3 center() const { return bounds_.empty() ? Vec3{} : bounds_.center(); }
+    float radius() const { return std::max(0.5f * bounds_.diagonal(), 1e-30f); }
+    /// What self-intersection offsets scale with beside |p| (visibility/query.h).
+    float offset_extent() const { return bounds_.diagonal(); }
+    /// Triangles placed, instances expanded, sphere lights not counted.
+    uint64_t placed_triangles() const { return placed_triangles_; }
+    uint64_t unique_triangles() const { return unique_triangles_; }
+    uint64_t memory_bytes() const { return memory_bytes_; }
+    const AreaLights& area_lights() const { return area_lights_; }
+    /// nullptr when the scene has none.
+    const EnvironmentMap* environment() const { return environment_.get(); }
+    /// Sphere light of a mesh, or -1.
+    int sphere_light_of(uint32_t mesh) const {
+        return mesh < described_meshes_ ? -1 : int(mesh - described_meshes_);
+    }
+    /// Index of the mesh's first triangle in the numbering over all meshes (`intersect`'s triangle ids).
+    uint64_t first_triangle(uint32_t mesh) const { return first_triangle_[mesh]; }
+
+    /// Surface at barycentrics (u, v) of a triangle; instance < 0 for meshes of the world.
+    SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v) const;
+    /// False where the material's alpha cuts a hole.
+    bool solid_at(uint32_t mesh, uint32_t triangle, float u, float v) const;
+    bool has_cutout(uint32_t mesh) const;
+
+private:
+    Scene() = default;
+    void build_lights();
+    void add_sphere_light_meshes();
+    void measure();
+
+    SceneDescription d_;
+    size_t described_meshes_ = 0;
+    Bounds bounds_;
+    uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
+    std::vector<uint64_t> first_triangle_;
+    AreaLights area_lights_;
+    std::unique_ptr<EnvironmentMap> environment_;
+};
+
+/// Bilinear look-up with repeat; row 0 of the image is v = 1. Returns RGBA; missing channels are grey or 1.
+struct Rgba {
+    Rgb rgb;
+    float a = 1;
+};
+Rgba sample_image(const Image& image, Vec2 uv);
+
+}  // namespace viscache

@@ -1,0 +1,76 @@
+"""Images a scene needs: EXR textures, environment light from files, arrays or constants."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache._core import SceneDescription, SceneError
+
+
+def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
+    """The colour of an EXR file, (H, W, 3) float32; a single channel is repeated.
+
+    Raises
+    ------
+    SceneError
+        Missing, not an EXR file, or without colour channels.
+    """
+    import OpenEXR
+
+    source = Path(path)
+    if not source.is_file():
+        raise SceneError(f"{source}: no such file")
+    with source.open("rb") as start:
+        if start.read(4) != b"v/1\x01":
+            raise SceneError(f"{source}: not an OpenEXR file")
+    try:
+        channels: dict[str, Any] = OpenEXR.File(str(source), separate_channels=True).channels()
+    except Exception as error:  # the library raises bare exceptions of several kinds
+        raise SceneError(f"{source}: {error}") from error
+    if all(c in channels for c in "RGB"):
+        planes = [channels[c].pixels for c in "RGB"]
+    elif "Y" in channels:
+        planes = [channels["Y"].pixels] * 3
+    else:
+        raise SceneError(f"{source}: must have channels R, G, B or Y, got {sorted(channels)}")
+    return np.ascontiguousarray(np.stack(planes, axis=-1), dtype=np.float32)
+
+
+def read_image(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
+    """A linear image, (H, W, C) float32, from .exr, .hdr, .png or .jpg."""
+    if str(path).lower().endswith(".exr"):
+        return read_exr(path)
+    return _core.read_image(os.fspath(path))
+
+
+def decode_images(description: SceneDescription, *, strict: bool) -> None:
+    """Decode the EXR images a loader left pending."""
+    for i, image in enumerate(description.images):
+        if image["width"] == 0:
+            try:
+                description.set_image(i, read_exr(image["path"]))
+            except SceneError as error:
+                raise SceneError(f"{image['where']}: {error}") from error
+
+
+def apply_environment(description: SceneDescription, env: Any) -> None:
+    """Replace the environment by an image (path or (H, W, 3) array) or by constant radiance."""
+    if isinstance(env, str | os.PathLike):
+        pixels = read_image(env)
+    else:
+        pixels = np.asarray(env, dtype=np.float32)
+    if pixels.ndim == 3:
+        description.set_environment((1.0, 1.0, 1.0), image=description.add_image(pixels))
+        return
+    if pixels.shape not in ((), (1,), (3,)):
+        raise ValueError(
+            f"env must be a path, a number, 3 numbers or (H, W, 3) pixels, got shape {pixels.shape}"
+        )
+    r, g, b = (float(v) for v in np.broadcast_to(pixels, (3,)))
+    description.set_environment((r, g, b))

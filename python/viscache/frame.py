@@ -1,0 +1,260 @@
+"""A rendered frame: layers, counters, timings, parameters, provenance; kept in one EXR file."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import tonemap
+from viscache.provenance import provenance as _provenance
+
+Layer = npt.NDArray[np.float32]
+
+_RECORDS = ("counters", "timings", "parameters", "provenance")
+_PREFIX = "viscache."  # of the header attributes
+
+
+@dataclass(eq=False, kw_only=True, slots=True)
+class Frame:
+    """What `viscache.render` returns.
+
+    Parameters
+    ----------
+    layers : dict of str to (H, W, C) float32
+        Scene-linear; the colour layer is named "color" and comes first. (H, W) becomes (H, W, 1).
+    counters : dict
+        Plain Python numbers; nested dicts per light group, lists per level.
+    timings : dict of str to float
+        Seconds: "total_s", "visibility_s", "shading_s", ...
+    parameters : dict
+        The settings the frame was made with, JSON-able.
+    provenance : dict
+        Versions, ISA variant, threads, date (`viscache.provenance.provenance`).
+    warnings : list of str
+        What the scene asked for that was not modelled, and what happened underway.
+
+    Raises
+    ------
+    ValueError
+        No "color" layer, layers of different sizes, or a record that JSON cannot hold.
+    """
+
+    layers: dict[str, Layer]
+    counters: dict[str, Any] = field(default_factory=dict)
+    timings: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=_provenance)
+    warnings: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if "color" not in self.layers:
+            raise ValueError(f'layers must have "color", got {sorted(self.layers)}')
+        ordered = {"color": self.layers["color"], **self.layers}
+        self.layers = {name: _as_layer(name, pixels) for name, pixels in ordered.items()}
+        sizes = {name: pixels.shape[:2] for name, pixels in self.layers.items()}
+        if len(set(sizes.values())) > 1:
+            raise ValueError(f"layers must all have one size, got {sizes}")
+        for name in _RECORDS:
+            setattr(self, name, _plain(getattr(self, name), name))
+
+    @property
+    def image(self) -> Layer:
+        """The colour layer, (H, W, C) float32, scene-linear."""
+        return self.layers["color"]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        height, width = self.image.shape[:2]
+        return (width, height)
+
+    @property
+    def sha256(self) -> str:
+        """Hex digest of the little-endian float32 pixels of the colour layer."""
+        return hashlib.sha256(np.ascontiguousarray(self.image, dtype="<f4").tobytes()).hexdigest()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a multi-layer EXR that tev shows; the records go into the header as JSON.
+
+        The colour layer is R, G, B at top level; the others `name.R/G/B`, `name.X/Y/Z` (position,
+        normal), `name.V` (one channel) or `name.0, name.1, ...`. The file appears whole or not.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+        """
+        import OpenEXR
+
+        target = Path(path)
+        channels: dict[str, Any] = {}
+        index: dict[str, list[str]] = {}
+        for name, pixels in self.layers.items():
+            index[name] = _channel_names(name, pixels.shape[2])
+            for i, channel in enumerate(index[name]):
+                channels[channel] = np.ascontiguousarray(pixels[:, :, i])
+        header: dict[str, Any] = {
+            "compression": OpenEXR.ZIP_COMPRESSION,
+            "type": OpenEXR.scanlineimage,
+            _PREFIX + "layers": json.dumps(index),
+            _PREFIX + "warnings": json.dumps(self.warnings),
+        }
+        for name in _RECORDS:
+            header[_PREFIX + name] = json.dumps(getattr(self, name))
+        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            OpenEXR.File(header, channels).write(str(partial))
+            partial.replace(target)
+        except (RuntimeError, OSError) as error:
+            partial.unlink(missing_ok=True)
+            raise OSError(f"cannot write {target}: {error}") from error
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Frame:
+        """Read an EXR: one that `save` wrote, or any other with R, G, B (or Y) at top level.
+
+        Raises
+        ------
+        FileNotFoundError
+            There is no such file.
+        ValueError
+            Not an EXR file, or one without a colour layer.
+        """
+        import OpenEXR
+
+        source = Path(path)
+        if not source.is_file():
+            raise FileNotFoundError(f"no such file: {source}")
+        with source.open("rb") as start:
+            if start.read(4) != b"v/1\x01":
+                raise ValueError(f"{source} is not an OpenEXR file")
+        try:
+            with OpenEXR.File(str(source), separate_channels=True) as file:
+                header = dict(file.header())
+                planes = {n: np.asarray(c.pixels, np.float32) for n, c in file.channels().items()}
+        except RuntimeError as error:
+            raise ValueError(f"{source} cannot be read: {error}") from error
+        records = {name: _json_attribute(header, name, {}, source) for name in _RECORDS}
+        index = _json_attribute(header, "layers", None, source) or _foreign_layers(planes, source)
+        missing = [c for names in index.values() for c in names if c not in planes]
+        if missing:
+            raise ValueError(f"{source} lacks the channels {missing} that its header names")
+        layers = {name: np.stack([planes[c] for c in names], 2) for name, names in index.items()}
+        warnings = _json_attribute(header, "warnings", [], source)
+        return cls(layers=layers, warnings=warnings, **records)
+
+    def summary(self) -> dict[str, Any]:
+        """What `viscache render --json` prints."""
+        return {
+            "counters": self.counters,
+            "timings": self.timings,
+            "parameters": self.parameters,
+            "sha256": self.sha256,
+            "warnings": list(self.warnings),
+        }
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<Frame {width}x{height} layers={list(self.layers)} sha256={self.sha256[:12]}>"
+
+    def _repr_html_(self) -> str:
+        png = tonemap.encode(tonemap.to_srgb8(self.image), max_width=640)
+        data = base64.b64encode(png).decode("ascii")
+        width, height = self.size
+        rows = [(k, v) for k, v in {**self.timings, **self.counters}.items() if _is_number(v)]
+        cells = "".join(
+            f"<tr><td>{html.escape(k)}</td><td style='text-align:right'>{_number(v)}</td></tr>"
+            for k, v in rows
+        )
+        return (
+            f"<div><img alt='{width}x{height} frame' src='data:image/png;base64,{data}'>"
+            f"<table>{cells}</table></div>"
+        )
+
+
+def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
+    layer = np.asarray(pixels)
+    if layer.ndim == 2:
+        layer = layer[:, :, None]
+    if layer.ndim != 3 or 0 in layer.shape:
+        raise ValueError(
+            f"layer {name} must have shape (H, W, C), none of them 0, got {layer.shape}"
+        )
+    if not name or "." in name:
+        raise ValueError(f"a layer's name must be non-empty and without a dot, got {name!r}")
+    return np.ascontiguousarray(layer, dtype=np.float32)
+
+
+def _plain(value: Any, where: str) -> Any:
+    """The value with numpy numbers and arrays as plain Python; refuses what JSON cannot hold."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v, f"{where}.{k}") for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v, f"{where}[{i}]") for i, v in enumerate(value)]
+    raise ValueError(f"{where} must be JSON-able, got {type(value).__name__}")
+
+
+def _channel_names(layer: str, count: int) -> list[str]:
+    if layer == "color":
+        top = {1: ["Y"], 3: ["R", "G", "B"], 4: ["R", "G", "B", "A"]}
+        return top.get(count, [f"color.{i}" for i in range(count)])
+    vector = layer in ("position", "normal", "shading_normal", "direction")
+    three = ["X", "Y", "Z"] if vector else ["R", "G", "B"]
+    parts = {1: ["V"], 2: ["X", "Y"], 3: three, 4: ["R", "G", "B", "A"]}
+    return [f"{layer}.{p}" for p in parts.get(count, [str(i) for i in range(count)])]
+
+
+def _foreign_layers(planes: Mapping[str, Any], source: Path) -> dict[str, list[str]]:
+    """Channels of a file that another program wrote, grouped by the name before the last dot."""
+    groups: dict[str, list[str]] = {}
+    for channel in sorted(planes, key=lambda c: ("RGBAXYZ".find(c.rpartition(".")[2]), c)):
+        groups.setdefault(channel.rpartition(".")[0].replace(".", "_"), []).append(channel)
+    top = groups.pop("", [])
+    layers: dict[str, list[str]]
+    if {"R", "G", "B"} <= set(top):
+        layers = {"color": ["R", "G", "B"]}
+    elif "Y" in top:
+        layers = {"color": ["Y"]}
+    elif "color" in groups:
+        layers = {"color": groups.pop("color")}
+    else:
+        raise ValueError(f"{source} has no R, G, B (or Y) channels, got {sorted(planes)}")
+    if "A" in top:
+        layers["alpha"] = ["A"]
+    return {**groups, **layers}
+
+
+def _json_attribute(header: Mapping[str, Any], name: str, default: Any, source: Path) -> Any:
+    text = header.get(_PREFIX + name)
+    if text is None:
+        return default
+    try:
+        return json.loads(text)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"{source}: header attribute {_PREFIX}{name} is not JSON: {error}"
+        ) from error
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _number(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else f"{value:.4g}"

@@ -1,0 +1,170 @@
+"""What a frame computes: settings of the integrators.
+
+The fields are the C++ struct `IntegratorSettings`; a test pins names and defaults together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Literal, TypeAlias
+
+from viscache import _core
+from viscache.checks import require
+
+__all__ = ["AmbientOcclusion", "Direct", "Integrator", "Whitted"]
+
+PMode: TypeAlias = Literal["last_vertex", "footprint"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Direct:
+    """Direct light: point, directional, area lights and environment.
+
+    Mirrors and glass show emitters and the environment after one bounce, nothing else.
+
+    Parameters
+    ----------
+    n_area : int >= 0
+        Samples per eye point over all area lights together, chosen by power.
+    n_environment : int >= 0
+        Samples per eye point of the environment by its radiance.
+    n_brdf : int >= 0
+        Samples per eye point of the environment by the BRDF; both are combined by the balance
+        heuristic.
+    p_mode : {"last_vertex", "footprint"}
+        Density of eye points: unfolded camera density, or ray differentials (AQVC Sec. 3.4).
+    cosmin : float in (0, 1]
+        Floor of the cosine in densities.
+    """
+
+    n_area: int = 16
+    n_environment: int = 16
+    n_brdf: int = 16
+    p_mode: PMode = "last_vertex"
+    cosmin: float = 0.05
+
+    def __post_init__(self) -> None:
+        _check_samples(self)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Whitted:
+    """Eye paths through mirrors and glass, direct light, and virtual point lights for the rest.
+
+    VPLs (instant radiosity, Keller 1997) are traced from the lights, resampled to `n_vpls` by what
+    they bring to the camera (after Segovia et al. 2006) and carry indirect light only.
+
+    Parameters
+    ----------
+    n_vpls : int >= 0
+        Virtual point lights kept (equal picks are merged, so the number used may be smaller).
+    max_depth : int >= 0
+        Mirror and glass bounces of an eye path.
+    vpl_max_depth : int >= 1
+        Bounces of a light path.
+    vpl_candidates : int >= 1
+        Light paths traced per VPL kept.
+    vpl_eye_points : int >= 1
+        Camera points that judge the candidates.
+    vpl_bound : float >= 0
+        Bounds the geometry term cos·cos/(d² + (vpl_bound · scene diagonal)²); 0 = unbounded.
+    n_area, n_environment, n_brdf, p_mode, cosmin
+        As in `Direct`.
+    """
+
+    n_vpls: int = 1024
+    max_depth: int = 8
+    vpl_max_depth: int = 4
+    vpl_candidates: int = 4
+    vpl_eye_points: int = 64
+    vpl_bound: float = 0.01
+    n_area: int = 16
+    n_environment: int = 16
+    n_brdf: int = 16
+    p_mode: PMode = "last_vertex"
+    cosmin: float = 0.05
+
+    def __post_init__(self) -> None:
+        _check_samples(self)
+        require(0 <= self.n_vpls <= 1 << 20, "n_vpls must be in [0, 2^20]", self.n_vpls)
+        require(0 <= self.max_depth <= 16, "max_depth must be in [0, 16]", self.max_depth)
+        require(1 <= self.vpl_max_depth <= 64, "vpl_max_depth must be in [1, 64]", self.vpl_max_depth)
+        require(
+            1 <= self.vpl_candidates <= 1024, "vpl_candidates must be in [1, 1024]", self.vpl_candidates
+        )
+        require(
+            1 <= self.vpl_eye_points <= 1 << 16,
+            "vpl_eye_points must be in [1, 65536]",
+            self.vpl_eye_points,
+        )
+        require(0 <= self.vpl_bound <= 1, "vpl_bound must be in [0, 1]", self.vpl_bound)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AmbientOcclusion:
+    """The visible share of the hemisphere, in [0, 1].
+
+    Parameters
+    ----------
+    n_samples : int >= 1
+        Directions per eye point.
+    distribution : {"cosine", "uniform"}
+        How directions are drawn; both give the cosine-weighted share.
+    max_distance : float >= 0
+        Blockers farther away do not count, in scene units; 0 = unlimited.
+    p_mode, cosmin
+        As in `Direct`.
+    """
+
+    n_samples: int = 64
+    distribution: Literal["cosine", "uniform"] = "cosine"
+    max_distance: float = 0.0
+    p_mode: PMode = "last_vertex"
+    cosmin: float = 0.05
+
+    def __post_init__(self) -> None:
+        require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
+        require(
+            self.distribution in ("cosine", "uniform"),
+            'distribution must be "cosine" or "uniform"',
+            self.distribution,
+        )
+        require(
+            0 <= self.max_distance < float("inf"), "max_distance must be >= 0 and finite", self.max_distance
+        )
+        _check_density(self)
+
+
+Integrator: TypeAlias = Direct | Whitted | AmbientOcclusion
+
+
+def _check_density(s: Integrator) -> None:
+    require(
+        s.p_mode in ("last_vertex", "footprint"), 'p_mode must be "last_vertex" or "footprint"', s.p_mode
+    )
+    require(0 < s.cosmin <= 1, "cosmin must be in (0, 1]", s.cosmin)
+
+
+def _check_samples(s: Direct | Whitted) -> None:
+    for name in ("n_area", "n_environment", "n_brdf"):
+        value = getattr(s, name)
+        require(0 <= value <= 1 << 16, f"{name} must be in [0, 65536]", value)
+    _check_density(s)
+
+
+def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
+    """The C++ struct of an integrator's settings."""
+    core = _core.IntegratorSettings()
+    core.p_mode = _core.PMode[integrator.p_mode.upper()]
+    core.cosmin = integrator.cosmin
+    if isinstance(integrator, AmbientOcclusion):
+        core.direct, core.ambient, core.max_depth = False, True, 0
+        core.n_ambient = integrator.n_samples
+        core.ambient_cosine = integrator.distribution == "cosine"
+        core.ambient_max_distance = integrator.max_distance
+        return core
+    for field in fields(integrator):
+        if field.name != "p_mode":
+            setattr(core, field.name, getattr(integrator, field.name))
+    core.shade_after_specular = isinstance(integrator, Whitted)
+    return core

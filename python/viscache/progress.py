@@ -1,0 +1,34 @@
+"""Progress of long calls: a bar in terminal and notebook, or a callable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+@contextmanager
+def progress_bar(
+    progress: bool | Callable[[int, int], None], unit: str = "tile"
+) -> Iterator[Callable[[int, int], None] | None]:
+    """A function of (done, total) for the core, or None."""
+    if callable(progress):
+        yield progress
+        return
+    if not progress:
+        yield None
+        return
+    from tqdm.auto import tqdm
+
+    with tqdm(unit=unit, leave=False) as bar:
+
+        def report(done: int, total: int) -> None:
+            _advance(bar, done, total)
+
+        yield report
+
+
+def _advance(bar: Any, done: int, total: int) -> None:
+    if bar.total != total:
+        bar.reset(total)
+    bar.update(done - bar.n)

@@ -1,0 +1,74 @@
+"""What made a frame: versions and settings, nothing about whose machine it was."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import platform
+from functools import cache
+from importlib import metadata
+from typing import Any
+
+
+def version() -> str:
+    """The version of viscache: of the installed package, else what the core was built as."""
+    try:
+        return metadata.version("viscache")
+    except metadata.PackageNotFoundError:
+        return str(getattr(_core(), "__version__", "") or "0+unknown")
+
+
+def _core() -> Any:
+    try:
+        from viscache import _core as core  # type: ignore[attr-defined,unused-ignore]
+    except ImportError:
+        return None
+    return core
+
+
+def embree_version() -> str:
+    """Version of the Embree library in use, "unknown" where the core does not say."""
+    value = getattr(_core(), "embree_version", None)
+    return str(value() if callable(value) else value) if value is not None else "unknown"
+
+
+def isa() -> tuple[str, str]:
+    """(variant of the kernels in use, best variant this CPU has)."""
+    core = _core()
+    if core is None:
+        return ("unknown", "unknown")
+    return (str(core.active_isa()), str(core.best_isa()))
+
+
+def thread_count(threads: int | None = None) -> int:
+    """`threads`, or the number of processors this process may use."""
+    return threads if threads else len(os.sched_getaffinity(0))
+
+
+@cache
+def cpu_model() -> str:
+    """Name of the processor, "unknown" where the system does not say."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:  # noqa: PTH123
+            for line in lines:
+                if line.startswith("model name"):
+                    return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown"
+
+
+def provenance(threads: int | None = None) -> dict[str, Any]:
+    """Versions, ISA variant, threads and date of a frame made now; JSON-able."""
+    import numpy
+
+    return {
+        "viscache": version(),
+        "numpy": numpy.__version__,
+        "python": platform.python_version(),
+        "embree": embree_version(),
+        "isa": isa()[0],
+        "cpu": cpu_model(),
+        "threads": thread_count(threads),
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+    }

@@ -1,0 +1,20 @@
+"""Which rays hit, and where: settings of the exact ray casters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Embree"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Embree:
+    """Rays by Embree.
+
+    Parameters
+    ----------
+    robust : bool
+        Watertight edges and the same answer from every instruction set; costs 15–35 % speed.
+    """
+
+    robust: bool = True

@@ -1,0 +1,168 @@
+"""Rendering: one call, every combination of integrator, rays and visibility."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any, Literal, TypeAlias
+
+from viscache import _core
+from viscache.checks import require
+from viscache.environments import apply_environment
+from viscache.frame import Frame
+from viscache.integrators import AmbientOcclusion, Integrator, core_settings
+from viscache.progress import progress_bar
+from viscache.provenance import provenance
+from viscache.rays import Embree
+from viscache.scene import Env, Scene
+from viscache.visibility import Aqvc, Exact, Visibility
+
+__all__ = ["render"]
+
+Progress: TypeAlias = bool | Callable[[int, int], None]
+
+
+def render(
+    scene: Scene,
+    integrator: Integrator,
+    *,
+    rays: Embree | None = None,
+    visibility: Visibility | None = None,
+    use: Literal["replace", "correct"] | None = None,
+    size: tuple[int, int] | None = None,
+    spp: int = 1,
+    seed: int = 0,
+    threads: int | None = None,
+    camera: str | int | _core.Camera | None = None,
+    env: Env | None = None,
+    progress: Progress = False,
+) -> Frame:
+    """Render a frame.
+
+    Parameters
+    ----------
+    scene : Scene
+    integrator : Direct, Whitted or AmbientOcclusion
+    rays : Embree, optional
+        The ray caster.
+    visibility : Exact or Aqvc, optional
+        Who answers "does x see y?"; exact by default.
+    use : {"replace"}, optional
+        How an approximation is used; "correct" comes with the caches that offer it.
+    size : (width, height), optional
+        Pixels; the camera's own by default.
+    spp : int >= 1
+        Eye paths per pixel, box filter.
+    seed : int >= 0
+        Same seed, same bytes, whatever the number of threads.
+    threads : int >= 1, optional
+        All cores by default.
+    camera : str, int or Camera, optional
+        Name or index of one of the scene's cameras; the first by default. A scene without a
+        camera is seen whole from a corner above.
+    env : path, float, (3,) or (H, W, 3), optional
+        Environment light instead of the scene's.
+    progress : bool or callable
+        True shows a bar; a callable gets (done, total).
+
+    Returns
+    -------
+    Frame
+        Layers "color", "emitted", one per light group, "depth", "normal", "albedo"; counters,
+        timings, parameters, provenance.
+
+    Raises
+    ------
+    ValueError
+        A parameter out of range; the message says what must hold.
+    KeyboardInterrupt
+        Within half a second of Ctrl-C.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
+    (20, 32, 3)
+    """
+    rays = rays or Embree()
+    visibility = visibility or Exact()
+    require(use in (None, "replace"), 'use must be "replace"', use)
+    if env is not None:
+        scene = scene.with_environment(env)
+    view = _camera(scene, camera)
+    frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
+    core = core_settings(integrator)
+
+    start, cpu = time.perf_counter(), time.process_time()
+    caster = scene.caster(rays.robust)
+    build_s = time.perf_counter() - start
+    with progress_bar(progress) as report:
+        parts = (scene._core, caster, view, core, frame)
+        if isinstance(visibility, Aqvc):
+            result = _core.render_aqvc(*parts, visibility.core(), progress=report)
+        else:
+            order, coherent = visibility.core()
+            result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
+    total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
+
+    timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
+    timings.update(result["timings"])
+    # Shares of the wall time: CPU seconds of the stage over the threads that ran
+    for stage in ("visibility", "shading"):
+        timings[f"{stage}_s"] = timings[f"{stage}_cpu_s"] / result["threads"]
+    return Frame(
+        layers=result["layers"],
+        counters=result["counters"],
+        timings=timings,
+        parameters={
+            "scene": scene.spec or scene.name,
+            "scene_hash": scene.content_hash,
+            "integrator": {"name": type(integrator).__name__, **asdict(integrator)},
+            "rays": {"name": type(rays).__name__, **asdict(rays)},
+            "visibility": {"name": type(visibility).__name__, **visibility.parameters()},
+            "size": [frame.width, frame.height],
+            "spp": spp,
+            "seed": seed,
+            "camera": view.name,
+            "tile_edge_px": result["tile_edge_px"],
+        },
+        provenance={**provenance(), "threads": result["threads"]},
+        warnings=_warnings(scene, integrator),
+    )
+
+
+def _warnings(scene: Scene, integrator: Integrator) -> list[str]:
+    if isinstance(integrator, AmbientOcclusion):
+        return [w for w in scene.warnings if "no light" not in w]
+    return list(scene.warnings)
+
+
+def _frame_settings(
+    size: tuple[int, int], spp: int, seed: int, threads: int | None
+) -> _core.FrameSettings:
+    width, height = (int(v) for v in size)
+    require(1 <= width <= 1 << 16 and 1 <= height <= 1 << 16, "size must be in [1, 65536]", size)
+    require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
+    require(0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
+    require(threads is None or 1 <= threads <= 1024, "threads must be in [1, 1024]", threads)
+    frame = _core.FrameSettings()
+    frame.width, frame.height, frame.spp, frame.seed = width, height, spp, seed
+    frame.threads = threads or len(os.sched_getaffinity(0))
+    return frame
+
+
+def _camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
+    if isinstance(wish, _core.Camera):
+        return wish
+    cameras = scene.cameras
+    if wish is None:
+        return cameras[0] if cameras else scene.overview_camera()
+    if isinstance(wish, int):
+        require(0 <= wish < len(cameras), f"camera must be in [0, {len(cameras)})", wish)
+        return cameras[wish]
+    names = [c.name for c in cameras]
+    require(wish in names, f"camera must be one of {names}", wish)
+    return cameras[names.index(wish)]

@@ -1,0 +1,301 @@
+"""Scenes: loaded from files, made from arrays, asked for exact visibility."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache._core import SceneDescription, SceneError
+from viscache.environments import apply_environment, decode_images
+
+__all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
+
+Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
+
+
+class Intersection(NamedTuple):
+    """Nearest hits of N rays.
+
+    Attributes
+    ----------
+    t : (N,) float32
+        Distance in units of the direction's length; inf where nothing is hit.
+    triangle : (N,) int64
+        Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
+    barycentrics : (N, 2) float32
+        Weights of the triangle's vertices 1 and 2; NaN for a miss.
+    instance : (N,) int64
+        Index of the instance; -1 for a miss or a mesh that is not instanced.
+    """
+
+    t: npt.NDArray[np.float32]
+    triangle: npt.NDArray[np.int64]
+    barycentrics: npt.NDArray[np.float32]
+    instance: npt.NDArray[np.int64]
+
+
+class Scene:
+    """An immutable scene.
+
+    Made by `load_scene`, `Scene.from_arrays`, a function of `viscache.scenes`, or
+    `Scene.from_description`.
+    """
+
+    def __init__(self, core: _core.Scene, spec: str | None = None) -> None:
+        self._core = core
+        #: What the scene was made from: a path or `room?triangles=…`; None for arrays.
+        self.spec = spec
+        self._casters: dict[bool, _core.EmbreeCaster] = {}
+
+    @classmethod
+    def from_description(cls, description: SceneDescription, *, spec: str | None = None) -> Scene:
+        """Freeze a description.
+
+        Raises
+        ------
+        SceneError
+            Something in it cannot be used; the message says what and where.
+        """
+        return cls(_core.Scene.freeze(description), spec)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        vertices: npt.ArrayLike,
+        triangles: npt.ArrayLike,
+        *,
+        normals: npt.ArrayLike | None = None,
+        base_color: Sequence[float] = (0.5, 0.5, 0.5),
+        env: Env | None = None,
+    ) -> Scene:
+        """One diffuse, two-sided mesh.
+
+        Parameters
+        ----------
+        vertices : (V, 3) float
+            Positions; finite, at most 1e16 in size.
+        triangles : (T, 3) int
+            Vertex indices in [0, V).
+        normals : (V, 3) float, optional
+            Shading normals.
+        base_color : (3,) float in [0, 1]
+            Albedo.
+        env : path, float, (3,) or (H, W, 3), optional
+            Environment light: a lat-long image or constant radiance.
+
+        Raises
+        ------
+        SceneError
+            An index out of range or a vertex that is not finite.
+
+        Examples
+        --------
+        >>> import viscache as vc
+        >>> scene = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> scene.visible([[0.2, 0.2, 1.0]], [[0.2, 0.2, -1.0]])
+        array([False])
+        """
+        indices = np.asarray(triangles)
+        if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
+            low, high = indices.min(), indices.max()
+            raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
+        description = SceneDescription()
+        material = description.add_material(base_color=_rgb(base_color, "base_color"))
+        description.add_mesh(vertices, indices.astype(np.uint32), material=material, normals=normals)
+        if env is not None:
+            apply_environment(description, env)
+        return cls.from_description(description)
+
+    # What it is
+
+    @property
+    def name(self) -> str:
+        """Name given by the file or the built-in scene."""
+        return self._core.name
+
+    @property
+    def triangles(self) -> int:
+        """Placed triangles: instances expanded, emitting spheres not counted."""
+        return self._core.triangles
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float32]:
+        """(2, 3): lowest and highest corner of everything placed."""
+        return np.array(self._core.bounds, dtype=np.float32)
+
+    @property
+    def cameras(self) -> list[_core.Camera]:
+        """Cameras of the file, in order."""
+        return _core.scene_cameras(self._core)
+
+    @property
+    def lights(self) -> list[dict[str, Any]]:
+        """One dict per light: its kind and its values."""
+        return _core.scene_lights(self._core)
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What the file asked for that is not modelled, each with its place; and a scene without light."""
+        texts = [f"{where}: {text}" if where else text for where, text in _core.scene_warnings(self._core)]
+        if not self.lights:
+            texts.append("the scene has no light; give it one with env=")
+        return texts
+
+    @cached_property
+    def content_hash(self) -> str:
+        """Hash of everything that decides how the scene looks."""
+        return _core.scene_hash(self._core)
+
+    def meshes(self) -> list[dict[str, Any]]:
+        """Arrays of every mesh: vertices, triangles, normals, material, emission."""
+        return [_core.scene_mesh(self._core, i) for i in range(_core.scene_mesh_count(self._core))]
+
+    def info(self) -> dict[str, Any]:
+        """What `viscache info --json` prints."""
+        bounds = self.bounds.astype(float)
+        return {
+            "name": self.name,
+            "triangles": self.triangles,
+            "unique_triangles": self._core.unique_triangles,
+            "instances": self._core.instances,
+            "bounds": [[float(v) for v in corner] for corner in bounds],
+            "lights": self.lights,
+            "cameras": [
+                {
+                    "name": c.name,
+                    "origin": list(c.origin),
+                    "forward": list(c.forward),
+                    "size": [c.width, c.height],
+                }
+                for c in self.cameras
+            ],
+            "memory_bytes": self._core.memory_bytes,
+            "content_hash": self.content_hash,
+            "warnings": self.warnings,
+        }
+
+    def with_environment(self, env: Env) -> Scene:
+        """The same scene under another environment light."""
+        description = _core.description_of(self._core)
+        apply_environment(description, env)
+        return Scene.from_description(description, spec=self.spec)
+
+    def overview_camera(self) -> _core.Camera:
+        """A camera that sees the whole scene from a corner above."""
+        center, radius = np.array(self._core.center), self._core.radius
+        origin = center + radius * np.array([1.2, 0.9, 1.6])
+        up = (0.0, 1.0, 0.0)
+        return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), up, 55.0)
+
+    # What it answers
+
+    def caster(self, robust: bool = True) -> _core.EmbreeCaster:
+        """Embree's structure over the scene, built on first use."""
+        if robust not in self._casters:
+            self._casters[robust] = _core.EmbreeCaster(self._core, robust=robust)
+        return self._casters[robust]
+
+    def visible(
+        self, x: npt.ArrayLike, y: npt.ArrayLike, *, threads: int | None = None
+    ) -> npt.NDArray[np.bool_]:
+        """Does x see y?
+
+        Parameters
+        ----------
+        x, y : (N, 3) float
+            End points, in scene units. The segment is shortened at both ends by 32 units in the
+            last place of the larger coordinate, so that surfaces at the ends do not block it.
+        threads : int, optional
+            All cores by default.
+
+        Returns
+        -------
+        (N,) bool
+
+        Raises
+        ------
+        ValueError
+            Wrong shapes, or coordinates that are not finite or above 1e16.
+        """
+        return self.caster().visible(_points(x, "x"), _points(y, "y"), threads or 0)
+
+    def occluded(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        t_max: float | npt.ArrayLike = np.inf,
+        *,
+        threads: int | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Does a ray hit anything in [0, t_max]?
+
+        Parameters
+        ----------
+        origins, directions : (N, 3) float
+            Directions of any length; a zero direction hits nothing.
+        t_max : float or (N,) float, >= 0
+            In units of the direction's length.
+
+        Returns
+        -------
+        (N,) bool
+        """
+        o, d = _points(origins, "origins"), _points(directions, "directions")
+        return self.caster().occluded(o, d, t_max, threads or 0)
+
+    def intersect(
+        self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
+    ) -> Intersection:
+        """Nearest hits of (N, 3) rays; see `Intersection`."""
+        o, d = _points(origins, "origins"), _points(directions, "directions")
+        return Intersection(*self.caster().intersect(o, d, threads or 0))
+
+    def __repr__(self) -> str:
+        return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
+
+
+def load_scene(path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None) -> Scene:
+    """Load a scene file.
+
+    Parameters
+    ----------
+    path : path
+        `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
+    strict : bool
+        Make what viscache does not model an error; by default it is skipped and named in
+        `Scene.warnings`.
+    env : path, float, (3,) or (H, W, 3), optional
+        Environment light that replaces the file's.
+
+    Raises
+    ------
+    SceneError
+        A missing, malformed or inconsistent file; names file and place.
+    """
+    description = _core.load_scene_file(os.fspath(path), strict=strict)
+    decode_images(description, strict=strict)
+    if env is not None:
+        apply_environment(description, env)
+    return Scene.from_description(description, spec=str(Path(path)))
+
+
+def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:
+    rgb = tuple(float(v) for v in value)
+    if len(rgb) != 3:
+        raise ValueError(f"{name} must have 3 values, got {len(rgb)}")
+    return rgb
+
+
+def _points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
+    with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
+        return np.ascontiguousarray(array, dtype=np.float32)

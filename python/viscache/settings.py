@@ -1,0 +1,174 @@
+"""Settings by name: "whitted", "aqvc", `c_e=8` → the dataclasses that `viscache.render` takes."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import difflib
+import importlib
+import json
+import typing
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, TypeAlias
+
+Role: TypeAlias = Literal["integrator", "rays", "visibility"]
+
+#: What the command line and sweep files call the settings: name → class of `viscache`.
+NAMES: dict[Role, dict[str, str]] = {
+    "integrator": {
+        "direct": "Direct",
+        "whitted": "Whitted",
+        "bdpt": "Bdpt",
+        "ao": "AmbientOcclusion",
+    },
+    "rays": {"embree": "Embree", "vlf": "Vlf", "bsp": "Bsp"},
+    "visibility": {
+        "exact": "Exact",
+        "aqvc": "Aqvc",
+        "vismap": "VisMaps",
+        "shadow_map": "ShadowMap",
+    },
+}
+ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")
+#: `--visibility vlf` is short for `--rays vlf --visibility exact`.
+RAYS_AS_VISIBILITY = ("vlf", "bsp")
+
+
+class NotThereYetError(ValueError):
+    """A setting or sub-command that has a name but no implementation yet."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """'; did you mean "x"?' or '; known: ...': the end of a message about an unknown name."""
+    names = list(known)
+    close = difflib.get_close_matches(name, names, 1, cutoff=0.5)
+    return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(names)}"
+
+
+def settings_class(role: Role, name: str) -> type[Any]:
+    """The dataclass of a name.
+
+    Raises
+    ------
+    ValueError
+        An unknown name; the message has the nearest known one.
+    NotThereYetError
+        A known name whose class viscache does not have yet.
+    """
+    if name not in NAMES[role]:
+        raise ValueError(f"unknown {role} {name!r}{nearest(name, NAMES[role])}")
+    cls = getattr(importlib.import_module("viscache"), NAMES[role][name], None)
+    if cls is None:
+        raise NotThereYetError(f"{role} {name} is not there yet in this version of viscache")
+    return typing.cast("type[Any]", cls)
+
+
+def name_of(role: Role, settings: Any) -> str:
+    """The short name of a settings object: `Whitted(...)` → "whitted"."""
+    cls = type(settings).__name__
+    return next((n for n, known in NAMES[role].items() if known == cls), cls.lower())
+
+
+def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
+    """Settings from a name, or from a table `{name = "whitted", n_vpls = 1024}`.
+
+    A table's `preset` is given to the class method `preset`, the rest replaces its values.
+    """
+    table = {"name": spec} if isinstance(spec, str) else dict(spec)
+    name = table.pop("name", None)
+    if not isinstance(name, str):
+        raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
+    cls = settings_class(role, name)
+    preset = table.pop("preset", None)
+    if preset is None:
+        base = cls()
+    elif hasattr(cls, "preset"):
+        base = cls.preset(preset)
+    else:
+        raise ValueError(f"{role} {name} has no presets, got preset = {preset!r}")
+    return replaced(base, table, role)
+
+
+def parameters(settings: Any) -> dict[str, Any]:
+    """Field names and values of a settings object."""
+    return {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+
+
+def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
+    """The settings with some values replaced; unknown names are refused with the nearest one."""
+    known = parameters(settings)
+    for name in values:
+        if name not in known:
+            raise ValueError(
+                f"{what} {type(settings).__name__} has no parameter {name!r}{nearest(name, known)}"
+            )
+    kept = {n: tuple(v) if isinstance(v, list) else v for n, v in values.items()}
+    return dataclasses.replace(settings, **kept) if kept else settings
+
+
+def described(role: Role, settings: Any) -> dict[str, Any]:
+    """`{"name": ..., parameter: value, ...}`, JSON-able: the inverse of `make`."""
+    plain = json.loads(json.dumps(parameters(settings), default=str))
+    return {"name": name_of(role, settings), **plain}
+
+
+def literal(text: str) -> Any:
+    """The value of `--set name=text`: a Python literal, true/false/none, else the text itself."""
+    words = {"true": True, "false": False, "none": None, "inf": float("inf")}
+    if text.lower() in words:
+        return words[text.lower()]
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        return text
+
+
+def assign(
+    settings: Mapping[Role, Any], assignments: Iterable[str], *, bare: tuple[Role, ...] = ROLES
+) -> dict[Role, Any]:
+    """Apply `name=value` assignments of the command line.
+
+    `visibility.c_e=8`, `integrator.n_vpls=64`, `rays.n_tiles=32` say whose parameter is meant; a
+    bare name must belong to exactly one of the roles in `bare`.
+    """
+    result = dict(settings)
+    for assignment in assignments:
+        name, equals, text = assignment.partition("=")
+        if not equals or not name:
+            raise ValueError(f"--set must be name=value, got {assignment!r}")
+        role, parameter = owner(name.strip(), result, bare)
+        result[role] = replaced(result[role], {parameter: literal(text.strip())}, role)
+    return result
+
+
+def owner(
+    name: str, settings: Mapping[Role, Any], bare: tuple[Role, ...] = ROLES
+) -> tuple[Role, str]:
+    """Whose parameter a bare or dotted name is: (role, parameter)."""
+    prefix, dot, parameter = name.partition(".")
+    if dot:
+        for role in ROLES:
+            if prefix == role:
+                check_parameter(settings[role], parameter, role)
+                return role, parameter
+        raise ValueError(f"{name!r} must start with one of {', '.join(ROLES)}")
+    owners = [role for role in bare if name in parameters(settings[role])]
+    if len(owners) == 1:
+        return owners[0], name
+    if owners:
+        raise ValueError(
+            f"{name!r} is ambiguous: write {' or '.join(f'{r}.{name}' for r in owners)}"
+        )
+    known = [parameter for role in bare for parameter in parameters(settings[role])]
+    whose = " or ".join(f"{role} {type(settings[role]).__name__}" for role in bare)
+    raise ValueError(f"unknown parameter {name!r} of {whose}{nearest(name, known)}")
+
+
+def check_parameter(settings: Any, parameter: str, role: str) -> None:
+    """ValueError with the nearest known name where `settings` has no such parameter."""
+    known = parameters(settings)
+    if parameter not in known:
+        raise ValueError(
+            f"{role} {type(settings).__name__} has no parameter {parameter!r}"
+            f"{nearest(parameter, known)}"
+        )

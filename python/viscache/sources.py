@@ -1,0 +1,41 @@
+"""What SCENE means on the command line and in sweep files: a file, or a built-in name."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from pathlib import Path
+from typing import Any
+
+
+def is_builtin(spec: str) -> bool:
+    """Whether a spec names a built-in scene: `room`, `room?triangles=200000&lights=24`.
+
+    A name without a dot or slash before its `?` that is no file either.
+    """
+    name = spec.partition("?")[0]
+    return bool(name) and not set("./\\") & set(name) and not Path(spec).is_file()
+
+
+def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
+    """The spec with a relative path resolved against a folder; built-in names stay."""
+    if relative_to is None or is_builtin(spec):
+        return spec
+    return str(Path(relative_to) / spec)
+
+
+def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Any:
+    """The scene of a spec.
+
+    Raises
+    ------
+    SceneError
+        The file is missing or malformed.
+    ValueError
+        An unknown built-in scene or parameter.
+    """
+    vc: Any = importlib.import_module("viscache")
+
+    if is_builtin(spec):
+        return vc.scenes.build(spec)
+    return vc.load_scene(spec, strict=strict, env=env)

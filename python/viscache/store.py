@@ -1,0 +1,236 @@
+"""The store of a sweep: SQLite beside the pictures, safe for several processes.
+
+A directory holds `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`
+and, once written, `report.html`. A frame's key is the content hash of everything that decides its
+pixels, so an interrupted sweep repeats nothing, and a changed one repeats only what changed.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+import socket
+import sqlite3
+import threading
+import time
+import uuid
+import weakref
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from viscache.frame import Frame
+
+#: A claim of another machine is taken over after this long without an answer.
+CLAIM_EXPIRES_S = 3600.0
+
+#: Owners at work in this process.
+_OPEN: weakref.WeakValueDictionary[str, Store] = weakref.WeakValueDictionary()
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS sweep (
+    id INTEGER PRIMARY KEY CHECK (id = 0), definition TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS frames (
+    key TEXT PRIMARY KEY, spec TEXT NOT NULL, counters TEXT NOT NULL, timings TEXT NOT NULL,
+    parameters TEXT NOT NULL, provenance TEXT NOT NULL, sha256 TEXT NOT NULL, file TEXT NOT NULL,
+    finished REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS comparisons (
+    key TEXT NOT NULL, reference TEXT NOT NULL, metric TEXT NOT NULL, value REAL,
+    PRIMARY KEY (key, reference, metric));
+CREATE TABLE IF NOT EXISTS claims (key TEXT PRIMARY KEY, owner TEXT NOT NULL, at REAL NOT NULL);
+"""
+
+
+def content_key(spec: Mapping[str, Any]) -> str:
+    """Hex digest of a JSON-able description, whatever the order of its names."""
+    text = json.dumps(spec, sort_keys=True, separators=(",", ":"), allow_nan=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Record:
+    """A finished frame without its pixels."""
+
+    key: str
+    spec: dict[str, Any]
+    counters: dict[str, Any]
+    timings: dict[str, float]
+    parameters: dict[str, Any]
+    provenance: dict[str, Any]
+    sha256: str
+    file: str
+
+
+class Store:
+    """Finished frames and their comparisons; every method is one atomic transaction.
+
+    Parameters
+    ----------
+    directory : path, optional
+        Made where it is missing. None keeps everything in memory and ends with the object.
+
+    Raises
+    ------
+    ValueError
+        The directory's store cannot be read.
+    """
+
+    def __init__(self, directory: str | os.PathLike[str] | None) -> None:
+        self.directory = None if directory is None else Path(directory)
+        self._memory: dict[str, Frame] = {}
+        self._lock = threading.RLock()
+        self._owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex}"
+        _OPEN[self._owner] = self
+        if self.directory is not None:
+            (self.directory / "frames").mkdir(parents=True, exist_ok=True)
+        where = ":memory:" if self.directory is None else str(self.directory / "sweep.sqlite")
+        try:
+            self._db = sqlite3.connect(
+                where, timeout=60.0, isolation_level=None, check_same_thread=False
+            )
+            self._db.execute("PRAGMA journal_mode=WAL")
+            self._db.execute("PRAGMA synchronous=NORMAL")
+            self._db.executescript(_SCHEMA)
+        except sqlite3.DatabaseError as error:
+            raise ValueError(f"{where} is not a sweep's store: {error}") from error
+
+    @staticmethod
+    def exists(directory: str | os.PathLike[str]) -> bool:
+        """Whether a sweep ran in this directory."""
+        return (Path(directory) / "sweep.sqlite").is_file()
+
+    def close(self) -> None:
+        """Give back this store's claims and close it."""
+        with self._lock:
+            self._db.execute("DELETE FROM claims WHERE owner = ?", (self._owner,))
+            self._db.close()
+        _OPEN.pop(self._owner, None)
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def define(self, definition: Mapping[str, Any]) -> None:
+        """Remember what the sweep is about; the newest definition counts."""
+        with self._lock:
+            self._db.execute(
+                "INSERT OR REPLACE INTO sweep VALUES (0, ?)", (json.dumps(definition),)
+            )
+
+    def definition(self) -> dict[str, Any]:
+        """What `define` was given last; ValueError where no sweep ran."""
+        with self._lock:
+            row = self._db.execute("SELECT definition FROM sweep").fetchone()
+        if row is None:
+            raise ValueError(f"{self.directory} holds no sweep")
+        return dict(json.loads(row[0]))
+
+    def get(self, key: str) -> Record | None:
+        """The finished frame of a key whose picture is there, else None."""
+        columns = "spec, counters, timings, parameters, provenance, sha256, file"
+        with self._lock:
+            row = self._db.execute(f"SELECT {columns} FROM frames WHERE key = ?", (key,)).fetchone()
+        if row is None or (self.directory is not None and not (self.directory / row[6]).is_file()):
+            return None
+        parts = [json.loads(text) for text in row[:5]]
+        return Record(
+            key=key, spec=parts[0], counters=parts[1], timings=parts[2], parameters=parts[3],
+            provenance=parts[4], sha256=row[5], file=row[6],
+        )  # fmt: skip
+
+    def frame(self, key: str) -> Frame:
+        """The frame of a key; KeyError where it is not finished."""
+        from viscache.frame import Frame
+
+        if key in self._memory:
+            return self._memory[key]
+        record = self.get(key)
+        if record is None or self.directory is None:
+            raise KeyError(key)
+        return Frame.load(self.directory / record.file)
+
+    def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
+        """Keep a finished frame: first the picture, whole, then its row."""
+        file = f"frames/{key[:20]}.exr"
+        if self.directory is None:
+            self._memory[key] = frame
+        else:
+            frame.save(self.directory / file)
+        records = (spec, frame.counters, frame.timings, frame.parameters, frame.provenance)
+        row = (key, *(json.dumps(r) for r in records), frame.sha256, file, time.time())
+        with self._lock, self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 9)})", row)
+            self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
+            self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
+
+    def forget_pixels(self, key: str) -> None:
+        """Let go of a picture that only memory holds; its record stays."""
+        self._memory.pop(key, None)
+
+    def compared(self, key: str, reference: str) -> dict[str, float | None]:
+        """The metrics already known of a frame against a reference."""
+        query = "SELECT metric, value FROM comparisons WHERE key = ? AND reference = ?"
+        with self._lock:
+            return dict(self._db.execute(query, (key, reference)).fetchall())
+
+    def put_comparison(self, key: str, reference: str, values: Mapping[str, float | None]) -> None:
+        """Keep metrics of a frame against a reference."""
+        rows = [(key, reference, metric, value) for metric, value in values.items()]
+        with self._lock, self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            self._db.executemany("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?, ?)", rows)
+
+    def claim(self, key: str) -> bool:
+        """Take a point, so that no other process renders it too; False where one has it.
+
+        The claim of a process that ended without giving it back is taken over.
+        """
+        with self._lock, self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            row = self._db.execute("SELECT owner, at FROM claims WHERE key = ?", (key,)).fetchone()
+            if row is not None and row[0] != self._owner and _alive(*row):
+                return False
+            self._db.execute(
+                "INSERT OR REPLACE INTO claims VALUES (?, ?, ?)", (key, self._owner, time.time())
+            )
+        return True
+
+    def release(self, key: str) -> None:
+        """Give a claim back without a result."""
+        with self._lock:
+            self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
+
+    def write_csv(self, rows: Sequence[Mapping[str, Any]], columns: Iterable[str]) -> None:
+        """Rewrite `table.csv` as a whole; nothing in memory. Undefined values are empty cells."""
+        if self.directory is None:
+            return
+        target = self.directory / "table.csv"
+        partial = target.with_name(f".table.csv.{os.getpid()}.{threading.get_ident()}.part")
+        with partial.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(columns), restval="", extrasaction="ignore")
+            writer.writeheader()
+            writer.writerows(rows)
+        partial.replace(target)
+
+
+def _alive(owner: str, at: float) -> bool:
+    """Whether a claim's owner may still be at work."""
+    host, pid, _ = owner.rsplit(":", 2)
+    if host != socket.gethostname():
+        return time.time() - at < CLAIM_EXPIRES_S
+    if int(pid) == os.getpid():
+        return owner in _OPEN
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

@@ -1,0 +1,260 @@
+"""Sweeps: render over a grid of parameters, measure every frame against its references.
+
+Two references per point. *Paired*: the same integrator, seed and samples with exact visibility, so
+that the difference is the cache's own error. *Converged* (optional): another seed, many samples;
+the total error. Both are rendered once and kept in the store by content hash.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from viscache import metrics as _metrics
+from viscache import settings, sources
+from viscache.store import Store
+from viscache.sweep_plan import Over, checked_size, definition_of, make_plan, positive
+from viscache.sweep_run import Progress, Run
+from viscache.sweep_table import to_dataset, write_netcdf
+
+if TYPE_CHECKING:
+    import xarray
+
+DEFAULT_METRICS = ("rel_l1", "rmse", "energy", "flip", "ssim")
+
+
+def sweep(
+    scene: Any,
+    integrator: Any,
+    *,
+    visibility: Any = None,
+    over: Over,
+    repeats: int = 1,
+    seed: int = 0,
+    size: tuple[int, int] = (640, 400),
+    spp: int = 1,
+    converged: Mapping[str, int] | None = None,
+    metrics: Iterable[str] = DEFAULT_METRICS,
+    directory: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    progress: Progress = False,
+    threads: int | None = None,
+    rays: Any = None,
+    use: str | None = None,
+    camera: str | None = None,
+    env: str | None = None,
+) -> xarray.Dataset:
+    """Render every setting of a grid and measure it against its references.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A string is a file or a built-in name (`room?triangles=200000`).
+    integrator : settings or str
+        `vc.Whitted(...)` or "whitted".
+    visibility : settings or str, optional
+        The one whose parameters are swept; `vc.Aqvc()` by default.
+    over : mapping of name to values, or a list of points
+        A grid `{"c_e": [4, 8], "integrator.n_vpls": [256, 1024]}`, or points
+        `[{"c_e": 4, "c_n": 8}, ...]` that all have the same names. A bare name is the visibility's
+        parameter (`visibility.c_e` is the same); `integrator.` and `rays.` reach the others.
+    repeats, seed : int
+        Repeat i uses seed + i. 1 <= repeats.
+    size : (width, height)
+        Pixels.
+    spp : int
+        Samples per pixel.
+    converged : {"spp": ..., "seed": ...}, optional
+        Asks for the second reference.
+    metrics : iterable of str
+        Names of `viscache.metrics.METRICS`.
+    directory : path, optional
+        Where the store lies; an interrupted sweep resumes there and repeats nothing. Without it
+        nothing is kept but the table.
+    executor : concurrent.futures.Executor, optional
+        Renders frames; this process measures and stores them. Frames that share a machine disturb
+        each other's timings. Give `scene` as a string, so that workers load it themselves.
+    progress : bool or callable
+        A bar with the time left on standard error, or a function of (done, total).
+    threads : int, optional
+        Of each frame.
+    rays, use, camera, env
+        As `viscache.render` takes them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dims: the swept names (last part of the dotted name; `point` for a list of points) and
+        `repeat`. Variables: the metrics against the paired reference, `converged_*` against the
+        converged one, rays, queries, ray_reduction, total_s, visibility_s, cpu_s, exact_total_s,
+        speedup (against the paired exact frame), and `*_by_group` on `group`.
+
+    Raises
+    ------
+    ValueError
+        Unknown names (the message has the nearest known one), empty lists, bad values.
+    KeyboardInterrupt
+        Ctrl-C; what was finished is kept.
+    """
+    resolved = {
+        "integrator": _settings("integrator", integrator),
+        "rays": _settings("rays", "embree" if rays is None else rays),
+        "visibility": _settings("visibility", "aqvc" if visibility is None else visibility),
+    }
+    opened = sources.open_scene(scene) if isinstance(scene, str) else scene
+    common = {
+        "scene": scene, "use": use, "camera": camera, "env": env, "threads": threads,
+        "size": checked_size(size), "spp": positive("spp", spp),
+    }  # fmt: skip
+    plan = make_plan(
+        opened, resolved, common, over=over, repeats=positive("repeats", repeats), seed=int(seed),
+        converged=converged, metrics=_metrics.check_names(metrics),
+    )  # fmt: skip
+    with Store(directory) as store:
+        store.define(definition_of(plan, opened, scene, resolved, common, converged))
+        run = Run(plan, store, opened, progress)
+        run.go(executor)
+        dataset = to_dataset(plan.names, store)
+        if store.directory is not None:
+            write_netcdf(dataset, store.directory / "table.nc")
+    return dataset
+
+
+def _settings(role: settings.Role, value: Any) -> Any:
+    return settings.make(role, value) if isinstance(value, (str, Mapping)) else value
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SweepFile:
+    """A sweep written down in TOML.
+
+    Parameters
+    ----------
+    scene : str
+        A built-in name, or a path relative to the file.
+    over : grid or list of points
+        `[over]`, or `points = [{c_e = 4, c_n = 8}, ...]`; exactly one of the two.
+    integrator, visibility, rays : str or table
+        A name, or a table with fixed parameters: `{name = "whitted", n_vpls = 1024}`; a `preset` in
+        a table is applied first.
+    preset : str, optional
+        Preset of the visibility, where it is only a name.
+    folder : path, optional
+        What a relative scene or environment is relative to.
+    title, use, camera, env, size, spp, repeats, seed, converged, metrics, threads
+        As `sweep` takes them.
+    """
+
+    scene: str
+    over: Over
+    integrator: str | Mapping[str, Any] = "whitted"
+    visibility: str | Mapping[str, Any] = "aqvc"
+    rays: str | Mapping[str, Any] = "embree"
+    preset: str | None = None
+    title: str = ""
+    use: str | None = None
+    camera: str | None = None
+    env: str | None = None
+    size: Sequence[int] = (640, 400)
+    spp: int = 1
+    repeats: int = 1
+    seed: int = 0
+    converged: Mapping[str, int] | None = None
+    metrics: Sequence[str] = DEFAULT_METRICS
+    threads: int | None = None
+    folder: Path | None = field(default=None, repr=False)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> SweepFile:
+        """Read a file; ValueError names the file and what is wrong, with the nearest known name."""
+        if sys.version_info >= (3, 11):
+            import tomllib
+        else:
+            import tomli as tomllib
+
+        source = Path(path)
+        try:
+            with source.open("rb") as file:
+                table = tomllib.load(file)
+        except FileNotFoundError as error:
+            raise ValueError(f"no such sweep file: {source}") from error
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise ValueError(f"{source}: {error}") from error
+        try:
+            return cls.from_table(table, folder=source.parent)
+        except ValueError as error:
+            raise ValueError(f"{source}: {error}") from error
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], *, folder: Path | None = None) -> SweepFile:
+        """From what TOML holds; unknown keys are refused with the nearest known one."""
+        known = [f.name for f in fields(cls) if f.name != "folder"] + ["points"]
+        for name in table:
+            if name not in known:
+                raise ValueError(f"unknown key {name!r}{settings.nearest(name, known)}")
+        if "scene" not in table:
+            raise ValueError("a sweep must name a scene")
+        if ("over" in table) == ("points" in table):
+            raise ValueError("a sweep must have either [over] or points")
+        rest = {name: value for name, value in table.items() if name != "points"}
+        rest["over"] = table.get("over", table.get("points"))
+        _check_types(rest)
+        if isinstance(rest["over"], Mapping):
+            rest["over"] = _flat(rest["over"])
+        return cls(**rest, folder=folder)
+
+    def run(
+        self,
+        directory: str | os.PathLike[str] | None,
+        *,
+        executor: Executor | None = None,
+        progress: Progress = False,
+    ) -> xarray.Dataset:
+        """Run or resume the sweep in a directory; see `sweep`."""
+        visibility = self.visibility
+        if self.preset is not None:
+            table = {"name": visibility} if isinstance(visibility, str) else dict(visibility)
+            visibility = {"preset": self.preset, **table}
+        env = None if self.env is None else sources.absolute(self.env, self.folder)
+        return sweep(
+            sources.absolute(self.scene, self.folder), self.integrator, visibility=visibility,
+            rays=self.rays, use=self.use, over=self.over, repeats=self.repeats, seed=self.seed,
+            size=checked_size(self.size), spp=self.spp, converged=self.converged,
+            metrics=self.metrics, directory=directory, executor=executor, progress=progress,
+            threads=self.threads, camera=self.camera, env=env,
+        )  # fmt: skip
+
+
+_TYPES: dict[str, tuple[type, ...]] = {
+    "scene": (str,), "integrator": (str, Mapping), "visibility": (str, Mapping),
+    "rays": (str, Mapping), "preset": (str,), "title": (str,), "use": (str,), "camera": (str,),
+    "env": (str,), "size": (list,), "spp": (int,), "repeats": (int,), "seed": (int,),
+    "converged": (Mapping,), "metrics": (list,), "threads": (int,), "over": (Mapping, list),
+}  # fmt: skip
+
+
+def _check_types(table: Mapping[str, Any]) -> None:
+    words = {str: "a string", Mapping: "a table", list: "a list", int: "an integer"}
+    for name, value in table.items():
+        if not isinstance(value, _TYPES[name]) or isinstance(value, bool):
+            what = " or ".join(words[t] for t in _TYPES[name])
+            raise ValueError(f"{name} must be {what}, got {value!r}")
+    points = table["over"]
+    if isinstance(points, list) and not all(isinstance(p, Mapping) for p in points):
+        raise ValueError(f"points must be a list of tables, got {points!r}")
+
+
+def _flat(over: Mapping[str, Any]) -> dict[str, Any]:
+    """TOML reads the bare key `integrator.n_vpls` as a table in a table; both are meant."""
+    flat: dict[str, Any] = {}
+    for name, value in over.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{name}.{inner}": values for inner, values in value.items()}
+        else:
+            flat[name] = value
+    return flat

@@ -1,0 +1,226 @@
+"""What a sweep will render: every setting named and validated before the first ray."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from viscache import settings
+from viscache.provenance import provenance, version
+from viscache.store import content_key
+
+Over: TypeAlias = "Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]"
+RESERVED = ("repeat", "seed", "group", "point", "reference")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Task:
+    """One frame to render; travels to the executor's workers."""
+
+    scene: Any  # a spec, or a Scene
+    integrator: Any
+    rays: Any
+    visibility: Any
+    use: str | None
+    camera: str | None
+    env: str | None
+    size: tuple[int, int]
+    spp: int
+    seed: int
+    threads: int | None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Point:
+    """One row of the table: a setting and a repeat."""
+
+    index: tuple[int, ...]
+    values: dict[str, Any]
+    repeat: int
+    seed: int
+    key: str
+    paired: str
+    converged: str | None
+
+
+@dataclass(kw_only=True, slots=True)
+class Plan:
+    """Everything a sweep will render, known before the first ray."""
+
+    names: list[str]  # of the columns: last parts of the dotted names
+    dims: list[str]
+    coords: dict[str, tuple[str, list[Any]]]
+    points: list[Point] = field(default_factory=list)
+    tasks: dict[str, Task] = field(default_factory=dict)
+    specs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    metrics: list[str] = field(default_factory=list)
+    repeats: int = 1
+    seed: int = 0
+
+    def order(self) -> list[str]:
+        """Keys, each point's references first."""
+        keys = (k for p in self.points for k in (p.paired, p.converged, p.key) if k is not None)
+        return list(dict.fromkeys(keys))
+
+
+def make_plan(
+    scene: Any,
+    resolved: Mapping[str, Any],
+    common: Mapping[str, Any],
+    *,
+    over: Over,
+    repeats: int,
+    seed: int,
+    converged: Mapping[str, int] | None,
+    metrics: list[str],
+) -> Plan:
+    """The frames of a sweep, every setting validated; renders nothing."""
+    owners, dims, coords, combinations = _grid(over, resolved)
+    plan = Plan(
+        names=[o[1] for o in owners], dims=dims, coords=coords, metrics=metrics, repeats=repeats,
+        seed=seed,
+    )  # fmt: skip
+    second = _converged(converged)
+    exact = settings.make("visibility", "exact")
+    for index, values in combinations:
+        changed: dict[str, Any] = dict(resolved)
+        for (role, name), value in zip(owners, values, strict=True):
+            changed[role] = settings.replaced(changed[role], {name: value}, role)
+        reference = {**changed, "visibility": exact}
+        last = (
+            _add(plan, scene, reference, common, seed=second[0], spp=second[1]) if second else None
+        )
+        for repeat in range(repeats):
+            paired = _add(plan, scene, reference, common, seed=seed + repeat)
+            key = _add(plan, scene, changed, common, seed=seed + repeat)
+            row = dict(zip(plan.names, values, strict=True))
+            plan.points.append(
+                Point(index=(*index, repeat), values=row, repeat=repeat, seed=seed + repeat,
+                      key=key, paired=paired, converged=last)
+            )  # fmt: skip
+    return plan
+
+
+def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
+    list[tuple[settings.Role, str]], list[str], dict[str, tuple[str, list[Any]]],
+    list[tuple[tuple[int, ...], tuple[Any, ...]]],
+]:  # fmt: skip
+    """(whose parameters, dims, coords, [(index, values)]) of a grid or of a list of points."""
+    if not over:
+        raise ValueError("over must name at least one parameter, got nothing")
+    if isinstance(over, Mapping):
+        columns = {name: _values(name, values) for name, values in over.items()}
+    else:
+        names = list(over[0])
+        for number, point in enumerate(over):
+            if set(point) != set(names):
+                raise ValueError(
+                    f"points must all have the names {names}, got {list(point)} at point {number}"
+                )
+        columns = {name: [point[name] for point in over] for name in names}
+    kinds: dict[settings.Role, Any] = {role: resolved[role] for role in settings.ROLES}
+    owners = [settings.owner(name, kinds, bare=("visibility",)) for name in columns]
+    short = [name for _, name in owners]
+    for name in short:
+        if short.count(name) > 1 or name in RESERVED:
+            raise ValueError(f"over must have distinct last names, none of {RESERVED}, got {short}")
+    lists = list(columns.values())
+    if isinstance(over, Mapping):
+        indices: list[tuple[int, ...]] = [()]
+        for values in lists:
+            indices = [(*i, j) for i in indices for j in range(len(values))]
+        picked = [tuple(v[i] for v, i in zip(lists, index, strict=True)) for index in indices]
+        coords = {name: (name, values) for name, values in zip(short, lists, strict=True)}
+        return owners, short, coords, list(zip(indices, picked, strict=True))
+    rows: list[tuple[tuple[int, ...], tuple[Any, ...]]] = [
+        ((i,), values) for i, values in enumerate(zip(*lists, strict=True))
+    ]
+    coords = {name: ("point", values) for name, values in zip(short, lists, strict=True)}
+    return owners, ["point"], coords, rows
+
+
+def _values(name: str, values: Any) -> list[Any]:
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise ValueError(f"over {name} must be a list of values, got {values!r}")
+    kept = [v.item() if hasattr(v, "item") else v for v in values]
+    if not kept or len({repr(v) for v in kept}) < len(kept):
+        raise ValueError(f"over {name} must have at least one value and none twice, got {kept}")
+    return kept
+
+
+def _add(
+    plan: Plan, scene: Any, chosen: Mapping[str, Any], common: Mapping[str, Any], *, seed: int,
+    spp: int | None = None,
+) -> str:  # fmt: skip
+    """Put a frame on the plan; returns its key."""
+    exact = settings.name_of("visibility", chosen["visibility"]) == "exact"
+    roles: dict[str, Any] = {role: chosen[role] for role in settings.ROLES}
+    rest: dict[str, Any] = {**common, "use": None if exact else common["use"], "seed": seed}
+    merged: dict[str, Any] = {**rest, **roles, "spp": spp or common["spp"]}
+    task = Task(**merged)
+    spec: dict[str, Any] = {
+        "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
+        "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
+        "env": _file_hash(task.env),
+    }  # fmt: skip
+    for role in settings.ROLES:
+        spec[role] = settings.described(role, chosen[role])
+    key = content_key(spec)
+    plan.tasks[key] = task
+    plan.specs[key] = spec
+    return key
+
+
+def definition_of(
+    plan: Plan, scene: Any, source: Any, resolved: Mapping[str, Any], common: Mapping[str, Any],
+    converged: Mapping[str, int] | None,
+) -> dict[str, Any]:  # fmt: skip
+    """What the store remembers of a sweep: enough for its tables and its report."""
+    return {
+        "scene": source if isinstance(source, str) else str(getattr(scene, "name", "scene")),
+        "scene_hash": str(scene.content_hash),
+        "triangles": int(getattr(scene, "triangles", 0)),
+        **{r: settings.described(r, resolved[r]) for r in settings.ROLES},
+        "size": list(common["size"]), "spp": common["spp"], "use": common["use"],
+        "camera": common["camera"], "seed": plan.seed, "repeats": plan.repeats,
+        "converged": dict(converged) if converged else None, "metrics": plan.metrics,
+        "names": plan.names, "dims": plan.dims,
+        "coords": {name: [dim, values] for name, (dim, values) in plan.coords.items()},
+        "points": [
+            {"index": p.index, "values": p.values, "repeat": p.repeat, "seed": p.seed,
+             "key": p.key, "paired": p.paired, "converged": p.converged}
+            for p in plan.points
+        ],
+        "provenance": provenance(common["threads"]),
+    }  # fmt: skip
+
+
+def checked_size(size: Sequence[int]) -> tuple[int, int]:
+    if len(size) != 2 or not all(isinstance(v, int) and v >= 1 for v in size):
+        raise ValueError(f"size must be (width, height), both >= 1, got {size!r}")
+    return (int(size[0]), int(size[1]))
+
+
+def positive(name: str, value: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError(f"{name} must be an integer >= 1, got {value!r}")
+    return value
+
+
+def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
+    """(seed, spp) of the converged reference."""
+    if converged is None:
+        return None
+    for name in converged:
+        if name not in ("spp", "seed"):
+            raise ValueError(f"converged has no {name!r}{settings.nearest(name, ('spp', 'seed'))}")
+    if "spp" not in converged:
+        raise ValueError(f"converged must name spp, got {dict(converged)}")
+    return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))
+
+
+def _file_hash(path: str | None) -> str | None:
+    return None if path is None else hashlib.sha256(Path(path).read_bytes()).hexdigest()

@@ -1,0 +1,205 @@
+"""Who answers "does x see y?": settings of the visibility oracles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal, TypeAlias
+
+from viscache import _core
+from viscache.checks import require
+
+__all__ = ["Aqvc", "Exact", "Visibility"]
+
+LIGHT_GROUPS = ("point", "directional", "area", "environment", "vpl", "ambient")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Exact:
+    """One ray per question.
+
+    Parameters
+    ----------
+    order : {"by_light", "by_pixel"}
+        Which rays share a packet: 16 neighbouring eye points towards one light (the fastest), or
+        one eye point towards 16 lights. Never changes an answer.
+    coherent : bool
+        Embree's traversal flag for the packets of "by_light". Never changes an answer.
+    """
+
+    order: Literal["by_light", "by_pixel"] = "by_light"
+    coherent: bool = True
+
+    def __post_init__(self) -> None:
+        require(
+            self.order in ("by_light", "by_pixel"), 'order must be "by_light" or "by_pixel"', self.order
+        )
+
+    def core(self) -> tuple[_core.PacketOrder, bool]:
+        """The C++ settings."""
+        return _core.PacketOrder[self.order.upper()], self.coherent
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values."""
+        return {"order": self.order, "coherent": self.coherent}
+
+
+#: What the presets change of the C++ defaults (docs/deviations.md tells why).
+PRESETS: dict[str, dict[str, Any]] = {
+    "default": {},
+    "paper": {
+        "c_z": 8.0,
+        "level_rule": "log2",
+        "level_step": 2.0,
+        "vpl_key": "surface",
+        "refinement": "on",
+        "form": "pairs",
+        "batch": 1,
+    },
+}
+PRESETS["as_printed"] = PRESETS["paper"] | {
+    "normal_mode": "floor",
+    "grid_offset": False,
+    "tangent_neighbours": False,
+    "hash": "scheme1",
+    "env_rule": "printed",
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Aqvc:
+    """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
+
+    Every parameter but `preset` and `c_e` may be None: the preset's value. What is given wins.
+
+    Parameters
+    ----------
+    preset : {"default", "paper", "as_printed"}
+        "paper": the paper's parameters with our corrections, one query at a time through the hash
+        table. "as_printed": with its slips too (docs/deviations.md).
+    c_e : float > 0
+        C_E: a cluster spans about C_E × C_E eye samples. The error knob.
+    c_e_groups : mapping of light group to float > 0
+        C_E of single groups: point, directional, area, environment, vpl, ambient.
+    c_n : int in [1, 64]
+        C_N: normal bins per axis (Eq. 4). 8.
+    c_z : float in [0.01, 1024]
+        C_Z: cells are this much thinner along the normal. 4; the paper: 8.
+    c_r : float in [1.001, 16]
+        C_R: ratio of the ladder of resolutions (Eq. 8). 1.2.
+    normal_mode : {"round", "floor"}
+        Normals to the nearest bin, or down (the paper).
+    grid_offset : bool
+        Shift the grids by irrational amounts, so that no plane lies on a cell face.
+    grid_seed : int >= 0
+        Another shift per number.
+    tangent_neighbours : bool
+        Neighbour cells follow the tangent plane instead of keeping v_z.
+    res_rule : {"eq7", "eq6"}
+        Cells of surface–surface connections.
+    env_rule : {"derived", "printed"}
+        Eq. 9 with 4π on the right side, or as printed.
+    vpl_key : {"point", "surface"}
+        One column per VPL, or VPLs quantised as surface points.
+    refinement : {"auto", "on", "off"}
+        Alg. 2. Auto: for point, directional and VPL groups unless C_E² <= spp.
+    level_rule : {"finest", "log2"}
+        Levels C_E, C_E/level_step … down to c_finest, or max(1, ceil(log2 C_E)) of them.
+    level_step, c_finest : float
+        See level_rule. 4 and 4.
+    max_levels : int >= 0
+        Cuts the list of levels; 0 = no limit.
+    hash : {"scheme2", "scheme1", "scheme1_mixed"}
+        Hash of the table (Eq. 10). Scheme 1 collides on point lights; kept to show that.
+    digest_bits : int in [1, 31]
+        Bits of the digest beside the visibility bit.
+    table_bytes : int
+        Size of the table of one tile.
+    order : {"hm", "scanline", "random"}
+        Processing order of `pairs` and rows: Halton–Morton (Sec. 4.3) or comparisons.
+    c_pg : float
+        C_PG: growth of the order's segments. 3.7.
+    form : {"waves", "rows", "pairs"}
+        How groups of shared lights run: level waves, rows in pixel order, one query at a time.
+    storage : {"table", "exact"}
+        The lossy table of Sec. 4.1, or a map of full keys.
+    batch : int >= 0
+        Eye points that are processed together; 0 = the form's own, 1 = one query at a time.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> vc.Aqvc(c_e=8).resolved()["c_z"], vc.Aqvc(preset="paper").resolved()["c_z"]
+    (4.0, 8.0)
+    """
+
+    preset: Literal["default", "paper", "as_printed"] = "default"
+    c_e: float = 12.0
+    c_e_groups: Mapping[str, float] = field(default_factory=dict, hash=False)
+    c_n: int | None = None
+    c_z: float | None = None
+    c_r: float | None = None
+    normal_mode: Literal["round", "floor"] | None = None
+    grid_offset: bool | None = None
+    grid_seed: int | None = None
+    tangent_neighbours: bool | None = None
+    res_rule: Literal["eq7", "eq6"] | None = None
+    env_rule: Literal["derived", "printed"] | None = None
+    vpl_key: Literal["point", "surface"] | None = None
+    refinement: Literal["auto", "on", "off"] | None = None
+    level_rule: Literal["finest", "log2"] | None = None
+    level_step: float | None = None
+    c_finest: float | None = None
+    max_levels: int | None = None
+    hash: Literal["scheme2", "scheme1", "scheme1_mixed"] | None = None
+    digest_bits: int | None = None
+    table_bytes: int | None = None
+    order: Literal["hm", "scanline", "random"] | None = None
+    c_pg: float | None = None
+    form: Literal["waves", "rows", "pairs"] | None = None
+    storage: Literal["table", "exact"] | None = None
+    batch: int | None = None
+
+    def __post_init__(self) -> None:
+        require(self.preset in PRESETS, f"preset must be one of {sorted(PRESETS)}", self.preset)
+        for group, value in self.c_e_groups.items():
+            require(group in LIGHT_GROUPS, f"c_e_groups must name {', '.join(LIGHT_GROUPS)}", group)
+            require(0 < value < float("inf"), f"c_e_groups[{group!r}] must be > 0 and finite", value)
+        self.core()
+
+    def core(self) -> _core.aqvc.AqvcParameters:
+        """The C++ struct with the preset and what was given.
+
+        Raises
+        ------
+        ValueError
+            A value out of range.
+        """
+        values = dict(PRESETS[self.preset])
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if f.name not in ("preset", "c_e_groups") and value is not None:
+                values[f.name] = value
+        core = _core.aqvc.AqvcParameters()
+        for name, value in values.items():
+            try:
+                setattr(core, name, value)
+            except TypeError as error:
+                kind = type(getattr(core, name)).__name__
+                raise ValueError(f"{name} must be a {kind}, got {value!r}") from error
+        core.c_e_group = [float(self.c_e_groups.get(g, 0.0)) for g in LIGHT_GROUPS]
+        core.validate()
+        return core
+
+    def resolved(self) -> dict[str, Any]:
+        """Every parameter's value, the preset's filled in."""
+        core = self.core()
+        given = {"preset": self.preset, "c_e_groups": dict(self.c_e_groups)}
+        return given | {f.name: getattr(core, f.name) for f in fields(self) if f.name not in given}
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values as used: `resolved`."""
+        return self.resolved()
+
+
+Visibility: TypeAlias = Exact | Aqvc

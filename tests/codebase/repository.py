@@ -1,0 +1,42 @@
+"""The repository as its own tests see it: the files that git tracks or would track."""
+
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILT = {"build", "out", ".venv", "__pycache__", ".git"}
+
+
+def paths(*suffixes: str, under: str = "") -> list[str]:
+    """Sorted paths, relative to the root, of files with one of the suffixes (all when none)."""
+    try:
+        listed = subprocess.run(
+            ["git", "ls-files", "-co", "--exclude-standard"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()
+    except (OSError, subprocess.CalledProcessError):  # a source archive without git
+        listed = [
+            path.relative_to(ROOT).as_posix()
+            for path in ROOT.rglob("*")
+            if not BUILT.intersection(path.relative_to(ROOT).parts)
+        ]
+    return sorted(
+        path
+        for path in listed
+        if path.startswith(under)
+        and (not suffixes or path.endswith(suffixes))
+        and (ROOT / path).is_file()
+    )
+
+
+def text(path: str) -> str:
+    """Text of one file of the repository."""
+    return (ROOT / path).read_text(encoding="utf-8")
+
+
+def sources(*suffixes: str, under: str = "") -> dict[str, str]:
+    """Texts by path."""
+    return {path: text(path) for path in paths(*suffixes, under=under)}

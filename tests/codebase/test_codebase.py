@@ -1,0 +1,142 @@
+"""Rules of the house that a machine can hold."""
+
+import inspect
+import json
+import re
+from pathlib import PurePosixPath
+
+import pytest
+
+import viscache
+from codebase.repository import ROOT, paths, sources, text
+
+CODE = (".py", ".h", ".cpp", ".txt", ".toml")
+SCRIPTS = ("scripts/", ".ci/")
+MAX_LINES = 500
+# Written in pieces, so that this file does not contain what it forbids.
+FORBIDDEN = {
+    "a path of one machine": r"(?<![\w./-])/(?:wo"
+    + r"rk|ro"
+    + r"ot|fa"
+    + r"rm|ho"
+    + r"me|tmp/\w+)\b",
+    "a host of a package registry": r"\b(?:py" + r"pi\.org|pythonho" + r"sted|deb\.deb" + r"ian)",
+    "unsafe floating point": r"-ff" + r"ast-math|-Of" + r"ast\b|-funsafe-m" + r"ath",
+    "work left for later": r"\b(?:TO" + r"DO|FIX" + r"ME|XX" + r"X|HA" + r"CK)\b",
+}
+
+
+def code() -> dict[str, str]:
+    scripts = {path: text(path) for path in paths() if path.startswith(SCRIPTS)}
+    return sources(*CODE) | scripts
+
+
+def offences(files: dict[str, str], pattern: str) -> list[str]:
+    return [
+        f"{path}:{number}: {line.strip()}"
+        for path, source in files.items()
+        for number, line in enumerate(source.splitlines(), 1)
+        if re.search(pattern, line)
+    ]
+
+
+def test_files_have_at_most_500_lines() -> None:
+    files = {path: source for path, source in code().items() if "_core/" not in path}
+    assert [path for path, source in files.items() if source.count("\n") > MAX_LINES] == []
+
+
+@pytest.mark.parametrize("what", FORBIDDEN)
+def test_nothing_forbidden_is_committed(what: str) -> None:
+    files = code() | sources(".md", ".cff", ".yaml", ".yml", ".json", ".ipynb", ".pyi")
+    assert len(files) > 10
+    assert offences(files, FORBIDDEN[what]) == []
+
+
+@pytest.mark.parametrize(
+    ("what", "line"),
+    [
+        ("a path of one machine", "data = '/ro" + "ot/data'"),
+        ("a path of one machine", "cd /tmp" + "/scene"),
+        ("a host of a package registry", "https://py" + "pi.org/simple"),
+        ("unsafe floating point", "add_compile_options(-ffa" + "st-math)"),
+        ("work left for later", "// TO" + "DO: later"),
+    ],
+)
+def test_a_forbidden_line_is_found(what: str, line: str) -> None:
+    assert offences({"made_up": line}, FORBIDDEN[what])
+
+
+def test_every_folder_of_the_core_has_tests() -> None:
+    folders = {PurePosixPath(path).parts[2] for path in paths(".h", ".cpp", under="cpp/viscache/")}
+    python = {path.split("/")[1] for path in paths(".py", under="tests/") if "/test_" in path}
+    native = "".join(sources(".cpp", under="tests/cpp/").values())
+    assert folders - python - set(re.findall(r'#include "viscache/(\w+)/', native)) == set()
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    def find(path: str, pattern: str) -> str:
+        match = re.search(pattern, text(path), re.M)
+        assert match, f"{path} must hold {pattern}"
+        return match[1]
+
+    version = find("pyproject.toml", r'^version = "(.+)"$')
+    assert find("CITATION.cff", r'^version: "?([^"\n]+)') == version
+    assert find("CHANGELOG.md", r"^## (\d\S*)") == version
+    assert viscache.__version__ == version
+
+
+def undocumented(module: object, names: list[str]) -> list[str]:
+    """Names of functions and classes without a docstring of their own."""
+    missing = []
+    for name in names:
+        found = getattr(module, name)
+        if not (inspect.isclass(found) or inspect.isroutine(found) or inspect.ismodule(found)):
+            continue
+        doc = inspect.getdoc(found) or ""
+        # A dataclass without a docstring shows its signature.
+        if not doc.strip() or doc.startswith(f"{name}("):
+            missing.append(name)
+    return missing
+
+
+def test_public_names_have_docstrings() -> None:
+    assert viscache.__all__
+    assert undocumented(viscache, list(viscache.__all__)) == []
+
+
+def test_a_missing_docstring_is_found() -> None:
+    class Module:
+        documented = staticmethod(undocumented)
+        bare = staticmethod(lambda: None)
+
+    assert undocumented(Module, ["documented", "bare"]) == ["bare"]
+
+
+def test_notebooks_hold_no_outputs() -> None:
+    kept = [
+        path
+        for path, source in sources(".ipynb").items()
+        for cell in json.loads(source)["cells"]
+        if cell.get("outputs") or cell.get("execution_count") is not None
+    ]
+    assert kept == []
+
+
+def broken_links(path: str, source: str) -> list[str]:
+    """Targets of relative links and pictures that are not there."""
+    folder = (ROOT / path).parent
+    targets = re.findall(r"\]\(([^)\s]+)[^)]*\)|(?:src|href)=\"([^\"]+)\"", source)
+    local = [a or b for a, b in targets if not re.match(r"[a-z]+:|#", a or b)]
+    return [f"{path}: {t}" for t in local if not (folder / t.partition("#")[0]).exists()]
+
+
+def test_links_between_documents_resolve() -> None:
+    files = sources(".md")
+    assert "README.md" in files
+    assert [link for path, source in files.items() for link in broken_links(path, source)] == []
+
+
+def test_a_broken_link_is_found() -> None:
+    assert broken_links("docs/a.md", "see [this](../README.md) and [that](missing.md#part)") == [
+        "docs/a.md: missing.md#part"
+    ]

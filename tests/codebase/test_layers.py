@@ -1,0 +1,108 @@
+"""The layer rule of docs/design.md, held by scanning #include lines."""
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import PurePosixPath
+
+import pytest
+
+from codebase.repository import sources
+
+# A folder may include itself and folders of a lower rank; the methods never include each other.
+RANKS = {
+    "math": 0,
+    "sampling": 1,
+    "scene": 2,
+    "visibility": 3,
+    "aqvc": 4,
+    "vlf": 4,
+    "vismap": 4,
+    "correlation": 4,
+    "render": 5,
+}
+# The header that hides Embree's versions belongs to the one file that uses Embree.
+EMBREE_HOME = "cpp/viscache/visibility/embree_caster.cpp"
+EMBREE_VERSIONS = "cpp/viscache/visibility/embree.h"
+INCLUDE = re.compile(r"""^\s*#\s*include\s*(["<])([^">]+)[">]""", re.M)
+
+
+def violations(files: Mapping[str, str]) -> Iterator[str]:
+    for path, text in files.items():
+        parts = PurePosixPath(path).parts
+        folder = parts[2] if parts[:2] == ("cpp", "viscache") else None
+        if folder is not None and (folder not in RANKS or len(parts) != 4):
+            yield f"{path}: folders of the core are {', '.join(RANKS)}, one level deep"
+            continue
+        for quote, included in INCLUDE.findall(text):
+            outside = PurePosixPath(included).parts
+            if re.search(r"^embree\d*/|rtcore", included):
+                if path not in (EMBREE_HOME, EMBREE_VERSIONS):
+                    yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
+            elif f"cpp/{included}" == EMBREE_VERSIONS and path != EMBREE_HOME:
+                yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
+            if re.search(r"^pybind11/|^Python\.h$", included) and parts[:2] != ("cpp", "bindings"):
+                yield f"{path}: only cpp/bindings includes pybind11, got {included}"
+            if folder is None:
+                continue
+            if outside[0] == "viscache":
+                target = outside[1]
+                if target not in RANKS:
+                    yield f"{path}: there is no folder {target}"
+                elif target != folder and RANKS[target] >= RANKS[folder]:
+                    yield f"{path}: {folder} must not include {target}, got {included}"
+            elif quote == '"' and not included.endswith(".inc"):  # a body compiled once per ISA
+                yield f'{path}: own headers are included as "viscache/<folder>/…", got {included}'
+
+
+def test_the_core_keeps_its_layers() -> None:
+    files = sources(".h", ".cpp", under="cpp/")
+    assert any(path.startswith("cpp/viscache/") for path in files)
+    assert list(violations(files)) == []
+
+
+def test_every_rank_has_its_folder() -> None:
+    present = {PurePosixPath(path).parts[2] for path in sources(".h", under="cpp/viscache/")}
+    assert present <= set(RANKS)
+    assert {"math", "scene", "visibility"} <= present
+
+
+@pytest.mark.parametrize(
+    ("path", "line", "expected"),
+    [
+        ("cpp/viscache/math/a.h", '#include "viscache/scene/b.h"', "math must not include scene"),
+        ("cpp/viscache/scene/a.h", '#  include "viscache/aqvc/b.h"', "scene must not include aqvc"),
+        ("cpp/viscache/aqvc/a.h", '#include "viscache/vlf/b.h"', "aqvc must not include vlf"),
+        ("cpp/viscache/vismap/a.h", '#include "viscache/render/b.h"', "must not include render"),
+        ("cpp/viscache/utils/a.h", "", "folders of the core are"),
+        ("cpp/viscache/math/deep/a.h", "", "one level deep"),
+        ("cpp/viscache/math/a.h", '#include "vec.h"', "own headers are included as"),
+        (
+            "cpp/viscache/render/a.cpp",
+            "#include <embree3/rtcore.h>",
+            "only cpp/viscache/visibility",
+        ),
+        ("cpp/viscache/render/a.h", '#include "viscache/visibility/embree.h"', "includes Embree"),
+        ("cpp/viscache/math/a.h", "#include <pybind11/numpy.h>", "only cpp/bindings"),
+        ("tests/cpp/a.cpp", "#include <embree4/rtcore.h>", "includes Embree"),
+        ("cpp/viscache/math/a.h", '#include "viscache/utils/b.h"', "there is no folder utils"),
+    ],
+)
+def test_a_broken_rule_is_found(path: str, line: str, expected: str) -> None:
+    found = list(violations({path: line + "\n"}))
+    assert len(found) == 1
+    assert expected in found[0]
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("cpp/viscache/render/a.cpp", '#include "viscache/aqvc/b.h"'),
+        ("cpp/viscache/aqvc/a.cpp", '#include "viscache/aqvc/b.h"'),
+        (EMBREE_HOME, '#include "viscache/visibility/embree.h"'),
+        (EMBREE_VERSIONS, "#include <embree4/rtcore.h>"),
+        ("cpp/bindings/bind_a.cpp", "#include <pybind11/pybind11.h>"),
+        ("cpp/viscache/math/a.h", "#include <vector>"),
+    ],
+)
+def test_what_the_rule_allows_is_not_reported(path: str, line: str) -> None:
+    assert list(violations({path: line + "\n"})) == []

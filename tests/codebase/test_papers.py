@@ -1,0 +1,161 @@
+"""docs/papers.md is true: the table and the tagged homes in the C++ agree both ways."""
+
+import pkgutil
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import pytest
+
+from codebase.repository import paths, sources, text
+
+STATES = ("here", "later", "text")
+# Everything that bears a number in the papers. The VLF paper numbers no equations.
+NUMBERED = {
+    "AQVC": {"Eq.": 12, "Alg.": 2, "Fig.": 8},
+    "VLF": {"Fig.": 8, "Table": 1},
+    "VisMap": {"Eq.": 12, "Fig.": 14, "Table": 3},
+}
+TAG = re.compile(r"\[((?:AQVC|VLF|VisMap) (?:Eq\.|Alg\.) \d+)\]")
+NOTHING = "–"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    item: str
+    what: str
+    home: str
+    python: str
+    test: str
+    state: str
+
+
+def rows(table: str) -> list[Row]:
+    """Rows of the tables of docs/papers.md; an item is written as its tag, `AQVC Eq. 8`."""
+    found: list[Row] = []
+    for line in table.splitlines():
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if line.startswith("|") and re.match(r"(AQVC|VLF|VisMap) ", cells[0]):
+            item, what, *rest, state = cells
+            home, python, test = (re.sub(r"`", "", cell) for cell in rest)
+            row = Row(
+                item=item, what=what, home=home, python=python, test=test, state=state.strip("*")
+            )
+            found.append(row)
+    return found
+
+
+def homes(files: Mapping[str, str]) -> dict[str, list[str]]:
+    """Where each tag stands, `path:line`."""
+    found: dict[str, list[str]] = {}
+    for path, source in files.items():
+        for number, line in enumerate(source.splitlines(), 1):
+            for tag in TAG.findall(line):
+                found.setdefault(tag, []).append(f"{path}:{number}")
+    return found
+
+
+def disagreements(table: list[Row], files: Mapping[str, str]) -> Iterator[str]:
+    tagged = homes(files)
+    items = {row.item: row for row in table}
+    for tag, places in tagged.items():
+        if tag not in items:
+            yield f"{tag} is tagged in {', '.join(places)} and has no row in docs/papers.md"
+        elif items[tag].state != "here":
+            state = items[tag].state
+            yield f"{tag} is tagged in {', '.join(places)}: set it to here, not {state}"
+        if len(places) > 1:
+            yield f"{tag} must have one home, has {', '.join(places)}"
+    for row in table:
+        if row.state not in STATES:
+            yield f"{row.item}: state must be one of {', '.join(STATES)}, got {row.state!r}"
+        if row.state != "here":
+            continue
+        places = tagged.get(row.item, [])
+        if TAG.match(f"[{row.item}]") and not any(p.rpartition(":")[0] == row.home for p in places):
+            found = ", ".join(places) or "no file"
+            yield f"{row.item}: {row.home} must hold the tag [{row.item}], found it in {found}"
+
+
+def test_every_numbered_item_of_the_papers_has_one_row() -> None:
+    listed = [row.item for row in rows(text("docs/papers.md"))]
+    expected = {
+        f"{paper} {kind} {number}"
+        for paper, kinds in NUMBERED.items()
+        for kind, count in kinds.items()
+        for number in range(1, count + 1)
+    }
+    assert sorted(item for item in listed if "Sec." not in item) == sorted(expected)
+    assert len(listed) == len(set(listed))
+
+
+def test_table_and_tags_agree_both_ways() -> None:
+    table = rows(text("docs/papers.md"))
+    assert list(disagreements(table, sources(".h", ".cpp", under="cpp/"))) == []
+
+
+def test_tags_open_the_doc_comment_of_their_home() -> None:
+    stray = [
+        f"{path}: {line.strip()}"
+        for path, source in sources(".h", ".cpp", under="cpp/").items()
+        for line in source.splitlines()
+        if TAG.search(line) and not re.match(r"\s*/// \[", line)
+    ]
+    assert stray == []
+
+
+def built_rows() -> list[Row]:
+    return [row for row in rows(text("docs/papers.md")) if row.state == "here"]
+
+
+def test_what_is_built_names_an_existing_file() -> None:
+    known = {NOTHING, *paths(".h", ".cpp", under="cpp/")}
+    assert [f"{row.item}: {row.home}" for row in built_rows() if row.home not in known] == []
+
+
+def test_what_is_built_names_an_existing_test() -> None:
+    known = set(paths(".py", ".cpp", under="tests/"))
+    missing = []
+    for row in built_rows():
+        path, _, name = row.test.partition("::")
+        if path not in known or name not in text(path):
+            missing.append(f"{row.item}: the test must exist, got {row.test}")
+    assert missing == []
+
+
+def test_what_is_built_names_an_existing_python_object() -> None:
+    missing = []
+    for row in built_rows():
+        if row.python == NOTHING:
+            continue
+        try:
+            pkgutil.resolve_name(row.python)
+        except (ImportError, AttributeError):
+            missing.append(f"{row.item}: there is no {row.python}")
+    assert missing == []
+
+
+LATER = Row(item="AQVC Eq. 8", what="", home="", python=NOTHING, test="", state="later")
+MADE_UP = replace(LATER, home="cpp/viscache/aqvc/a.h", state="here")
+HOME = {"cpp/viscache/aqvc/a.h": "/// [AQVC Eq. 8] The ladder.\n"}
+
+
+def test_a_true_table_is_not_reported() -> None:
+    assert list(disagreements([MADE_UP], HOME)) == []
+    assert list(disagreements([LATER], {})) == []
+
+
+@pytest.mark.parametrize(
+    ("table", "files", "expected"),
+    [
+        ([MADE_UP], {}, "must hold the tag"),
+        ([MADE_UP], {"cpp/viscache/aqvc/b.h": "/// [AQVC Eq. 8] Moved.\n"}, "must hold the tag"),
+        ([MADE_UP], {**HOME, "cpp/viscache/aqvc/b.h": "/// [AQVC Eq. 8] Again.\n"}, "one home"),
+        ([LATER], HOME, "set it to here"),
+        ([], HOME, "no row in docs/papers.md"),
+    ],
+)
+def test_a_false_table_is_reported(table: list[Row], files: dict[str, str], expected: str) -> None:
+    found = list(disagreements(table, files))
+    assert len(found) == 1
+    assert expected in found[0]

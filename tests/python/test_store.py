@@ -1,0 +1,114 @@
+"""The store: atomic, shared between processes, nothing lost and nothing repeated."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from viscache.frame import Frame
+from viscache.store import Store, content_key
+
+
+def frame(value: float = 1.0) -> Frame:
+    return Frame(layers={"color": np.full((3, 4, 3), value)}, counters={"rays": 5})
+
+
+def test_the_key_is_of_the_content_not_of_the_order() -> None:
+    assert content_key({"a": 1, "b": [2.5]}) == content_key({"b": [2.5], "a": 1})
+    assert content_key({"a": 1}) != content_key({"a": 2})
+
+
+def test_a_finished_frame_is_there_after_reopening(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        assert store.get("k" * 64) is None
+        store.put("k" * 64, {"seed": 3}, frame(2.0))
+    with Store(tmp_path) as store:
+        record = store.get("k" * 64)
+        assert record is not None and record.spec == {"seed": 3} and record.counters == {"rays": 5}
+        assert store.frame("k" * 64).sha256 == record.sha256 == frame(2.0).sha256
+
+
+def test_a_frame_whose_picture_was_deleted_counts_as_missing(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.put("k" * 64, {}, frame())
+        (tmp_path / store.get("k" * 64).file).unlink()
+        assert store.get("k" * 64) is None
+
+
+def test_a_new_picture_forgets_comparisons_of_the_old_one(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.put("a", {}, frame())
+        store.put_comparison("a", "b", {"rmse": 1.0, "flip": None})
+        assert store.compared("a", "b") == {"rmse": 1.0, "flip": None}
+        store.put("a", {}, frame(3.0))
+        assert store.compared("a", "b") == {}
+
+
+def test_only_one_of_two_stores_gets_a_claim(tmp_path: Path) -> None:
+    with Store(tmp_path) as one, Store(tmp_path) as two:
+        assert one.claim("k") and one.claim("k")
+        assert not two.claim("k")
+        one.release("k")
+        assert two.claim("k") and not one.claim("k")
+        two.put("k", {}, frame())
+        assert one.get("k") is not None
+
+
+def test_the_claim_of_a_process_that_died_is_taken_over(tmp_path: Path) -> None:
+    code = "import sys, os\nfrom viscache.store import Store\n"
+    code += "assert Store(sys.argv[1]).claim('k')\nos._exit(9)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=environment, check=False)
+    assert done.returncode == 9
+    with Store(tmp_path) as store:
+        assert store._db.execute("SELECT count(*) FROM claims").fetchone() == (1,)
+        assert store.claim("k")
+
+
+def test_a_claim_of_another_machine_holds_until_it_expires(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        insert = "INSERT OR REPLACE INTO claims VALUES ('k', 'elsewhere:1:ab', ?)"
+        store._db.execute(insert, (4e9,))
+        assert not store.claim("k")
+        store._db.execute(insert, (0.0,))
+        assert store.claim("k")
+
+
+def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) -> None:
+    code = (
+        "import sys, numpy as np\nfrom viscache.store import Store\n"
+        "from viscache.frame import Frame\n"
+        "with Store(sys.argv[1]) as s:\n"
+        "    for i in range(12):\n"
+        "        if s.claim(f'k{i}') and s.get(f'k{i}') is None:\n"
+        "            s.put(f'k{i}', {'by': sys.argv[2]},"
+        " Frame(layers={'color': np.full((4, 4, 3), float(i))}))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    workers = [
+        subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(n)], env=environment)
+        for n in range(2)
+    ]
+    assert [w.wait(60) for w in workers] == [0, 0]
+    with Store(tmp_path) as store:
+        for i in range(12):
+            assert store.frame(f"k{i}").image[0, 0, 0] == i
+
+
+def test_a_file_that_is_no_store_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "sweep.sqlite").write_text("not a database, but long enough to be looked at" * 9)
+    with pytest.raises(ValueError, match=r"sweep\.sqlite is not a sweep's store"):
+        Store(tmp_path)
+    assert Store.exists(tmp_path)
+
+
+def test_the_store_uses_a_write_ahead_log(tmp_path: Path) -> None:
+    Store(tmp_path).close()
+    with sqlite3.connect(tmp_path / "sweep.sqlite") as db:
+        assert db.execute("PRAGMA journal_mode").fetchone() == ("wal",)
+    db.close()
