@@ -46,7 +46,9 @@ def test_a_concave_polygon_is_covered_exactly_once(tmp_path):
 
 
 def test_normals_and_uvs_follow_their_own_indices(tmp_path):
-    text = SQUARE + "vt 0 0\nvt 1 0.25\nvn 0 0 1\nvn 0 1 0\nf 1/2/1 2/1/2 3/1/1\nf 1/1/1 3/1/1 4/1/1\n"
+    text = (
+        SQUARE + "vt 0 0\nvt 1 0.25\nvn 0 0 1\nvn 0 1 0\nf 1/2/1 2/1/2 3/1/1\nf 1/1/1 3/1/1 4/1/1\n"
+    )
     scene = load(tmp_path, text)
     mesh = scene.mesh_arrays(0)
     first = mesh["triangles"][0]
@@ -92,8 +94,13 @@ def test_materials_of_an_mtl_become_the_nearest_kinds(tmp_path):
     assert set(by_name) == set(names)
     kinds = {n: by_name[n][1]["kind"] for n in names}
     K = core.MaterialKind
-    assert kinds == {"red": K.DIFFUSE, "lamp": K.DIFFUSE, "mirror": K.MIRROR, "glass": K.DIELECTRIC,
-                     "shiny": K.GLOSSY}
+    assert kinds == {
+        "red": K.DIFFUSE,
+        "lamp": K.DIFFUSE,
+        "mirror": K.MIRROR,
+        "glass": K.DIELECTRIC,
+        "shiny": K.GLOSSY,
+    }
     assert by_name["red"][1]["base_color"] == pytest.approx([0.8, 0.1, 0.05])
     assert by_name["lamp"][0]["emission"] == pytest.approx([5, 4, 3])
     assert by_name["mirror"][1]["specular"] == pytest.approx([0.9, 0.8, 0.7])
@@ -120,7 +127,7 @@ def test_a_missing_texture_is_named_and_dropped_or_refused_when_strict(tmp_path)
     scene = load(tmp_path, text, m_mtl=mtl)
     assert scene.materials[0]["base_texture"] == -1 and scene.images == []
     assert any("gone.png" in what and "does not exist" in what for _, what in scene.warnings)
-    with pytest.raises(core.SceneError, match="gone.png"):
+    with pytest.raises(core.SceneError, match=r"gone\.png"):
         load(tmp_path, text, strict=True)
 
 

@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (scene texts stay on their lines)
 """PLY files, ascii and little-endian binary."""
 
 from __future__ import annotations
@@ -25,11 +26,13 @@ def test_an_ascii_file_with_a_quad_and_a_triangle_gives_three_triangles(tmp_path
 
 
 def test_binary_properties_of_any_type_and_order_are_read(tmp_path):
-    header = ("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar red\n"
-              "property double z\nproperty double y\nproperty double x\nproperty float s\n"
-              "property float t\nproperty float nx\nproperty float ny\nproperty float nz\n"
-              "element edge 1\nproperty int a\nproperty list uchar short more\n"
-              "element face 1\nproperty uchar flag\nproperty list ushort uint vertex_index\nend_header\n")
+    header = (
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar red\n"
+        "property double z\nproperty double y\nproperty double x\nproperty float s\n"
+        "property float t\nproperty float nx\nproperty float ny\nproperty float nz\n"
+        "element edge 1\nproperty int a\nproperty list uchar short more\n"
+        "element face 1\nproperty uchar flag\nproperty list ushort uint vertex_index\nend_header\n"
+    )
     data = b""
     for i in range(3):
         data += struct.pack("<B3d5f", 9, 3 + i, 2, 1 + i, 0.25, 0.5, 0, 0, 1)

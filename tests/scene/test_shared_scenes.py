@@ -51,8 +51,13 @@ def test_a_shared_scene_has_the_triangles_and_the_box_of_the_readme(
 
 @pytest.mark.parametrize(
     "name",
-    ["scans/stanford_bunny.ply", "scans/happy_buddha_30k.ply", "gltf-pine/scene.gltf",
-     "gltf-balloon/scene.gltf", "cornell-box-obj/meshes/cbox_largebox.obj"],
+    [
+        "scans/stanford_bunny.ply",
+        "scans/happy_buddha_30k.ply",
+        "gltf-pine/scene.gltf",
+        "gltf-balloon/scene.gltf",
+        "cornell-box-obj/meshes/cbox_largebox.obj",
+    ],
 )
 def test_a_shared_model_has_the_box_that_trimesh_reads(shared_scenes: Path, name):
     path = shared_scenes / name
@@ -60,7 +65,8 @@ def test_a_shared_model_has_the_box_that_trimesh_reads(shared_scenes: Path, name
     scene = core.load_scene_file(str(path))
     np.testing.assert_allclose(scene.bounds(), oracle.bounds, rtol=1e-6, atol=1e-4)
     assert scene.triangle_count == sum(
-        len(oracle.geometry[g].faces) for _, g in (oracle.graph[n] for n in oracle.graph.nodes_geometry)
+        len(oracle.geometry[g].faces)
+        for _, g in (oracle.graph[n] for n in oracle.graph.nodes_geometry)
     )
 
 
@@ -100,7 +106,7 @@ def test_the_same_courtyard_comes_from_mitsuba_and_from_pbrt(shared_scenes: Path
         left, right = a.mesh_arrays(i), b.mesh_arrays(i)
         assert np.array_equal(left["vertices"], right["vertices"])
         assert np.array_equal(left["triangles"], right["triangles"])
-    # The mirrored pbrt camera: its right and up cross to backwards, as in every right-handed picture.
+    # The mirrored pbrt camera: its right and up cross to backwards, as in any right-handed one.
     camera = b.cameras[0]
     np.testing.assert_allclose(
         np.cross(camera["right"], camera["up"]), -np.array(camera["forward"]), atol=1e-6

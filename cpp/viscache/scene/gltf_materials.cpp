@@ -20,8 +20,10 @@ std::string url_decoded(const std::string& uri) {
     for (size_t i = 0; i < uri.size(); ++i) {
         const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
         const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
-        if (low >= 0) out += char(high * 16 + low), i += 2;
-        else out += uri[i];
+        if (low >= 0)
+            out += char(high * 16 + low), i += 2;
+        else
+            out += uri[i];
     }
     return out;
 }
@@ -34,10 +36,12 @@ Rgb rgb(const std::vector<double>& v, Rgb fallback) {
 
 int GltfReader::image_source(int texture, const std::string& where) const {
     if (texture < 0 || size_t(texture) >= model_.textures.size())
-        fail(where, "texture " + std::to_string(texture) + ", the file has " + std::to_string(model_.textures.size()));
+        fail(where, "texture " + std::to_string(texture) + ", the file has " +
+                        std::to_string(model_.textures.size()));
     const int source = model_.textures[size_t(texture)].source;
     if (source >= 0 && size_t(source) >= model_.images.size())
-        fail(where, "image " + std::to_string(source) + ", the file has " + std::to_string(model_.images.size()));
+        fail(where,
+             "image " + std::to_string(source) + ", the file has " + std::to_string(model_.images.size()));
     return source;
 }
 
@@ -50,12 +54,16 @@ std::string GltfReader::image_bytes(int source, const std::string& where) const 
     const tinygltf::Image& image = model_.images[size_t(source)];
     if (!image.image.empty()) return {image.image.begin(), image.image.end()};
     if (image.bufferView < 0) return read_file(image_path(source), where);
-    if (size_t(image.bufferView) >= model_.bufferViews.size()) fail(where, "the image's buffer view does not exist");
+    if (size_t(image.bufferView) >= model_.bufferViews.size())
+        fail(where, "the image's buffer view does not exist");
     const tinygltf::BufferView& view = model_.bufferViews[size_t(image.bufferView)];
-    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size()) fail(where, "the image's buffer does not exist");
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(where, "the image's buffer does not exist");
     const auto& data = model_.buffers[size_t(view.buffer)].data;
-    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) fail(where, "the image does not fit into its buffer");
-    return {data.begin() + std::ptrdiff_t(view.byteOffset), data.begin() + std::ptrdiff_t(view.byteOffset + view.byteLength)};
+    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+        fail(where, "the image does not fit into its buffer");
+    return {data.begin() + std::ptrdiff_t(view.byteOffset),
+            data.begin() + std::ptrdiff_t(view.byteOffset + view.byteLength)};
 }
 
 /// A decoded copy, for means and channels; nothing when it cannot be read and that is not an error.
@@ -76,7 +84,8 @@ int GltfReader::add_texture(int texture, const std::string& where) {
         loading_.warn(where, "a texture without an image is left out");
         return -1;
     }
-    if (const std::string path = image_path(source); !path.empty()) return loading_.add_image(path, where, true);
+    if (const std::string path = image_path(source); !path.empty())
+        return loading_.add_image(path, where, true);
     const auto [found, is_new] = embedded_.try_emplace(source, -1);
     if (is_new)
         if (auto image = decoded(texture, true, where)) {
@@ -86,9 +95,11 @@ int GltfReader::add_texture(int texture, const std::string& where) {
     return found->second;
 }
 
-double GltfReader::extension_number(const tinygltf::Material& in, const char* extension, const char* name, double fallback) {
+double GltfReader::extension_number(const tinygltf::Material& in, const char* extension, const char* name,
+                                    double fallback) {
     const auto found = in.extensions.find(extension);
-    if (found == in.extensions.end() || !found->second.IsObject() || !found->second.Has(name)) return fallback;
+    if (found == in.extensions.end() || !found->second.IsObject() || !found->second.Has(name))
+        return fallback;
     const tinygltf::Value& value = found->second.Get(name);
     return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
 }
@@ -98,7 +109,8 @@ void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, cons
     const auto& pbr = in.pbrMetallicRoughness;
     const double factor = pbr.baseColorFactor.size() == 4 ? pbr.baseColorFactor[3] : 1;
     const double cutoff = in.alphaMode == "MASK" ? in.alphaCutoff : 0.5;
-    if (in.alphaMode != "MASK") loading_.warn(where, "alpha mode '" + in.alphaMode + "' is not modelled; a cut-out at 0.5 is used");
+    if (in.alphaMode != "MASK")
+        loading_.warn(where, "alpha mode '" + in.alphaMode + "' is not modelled; a cut-out at 0.5 is used");
     const auto image = m.base_texture >= 0 ? decoded(pbr.baseColorTexture.index, true, where) : std::nullopt;
     if (image && (image->channels == 2 || image->channels == 4)) {
         m.alpha_texture = m.base_texture;
@@ -133,7 +145,8 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
         m.base_texture = add_texture(pbr.baseColorTexture.index, where);
         // A metal's colour is one colour here.
         if (metallic > 0)
-            if (const auto image = decoded(pbr.baseColorTexture.index, true, where)) metal = base * mean_of(*image).color;
+            if (const auto image = decoded(pbr.baseColorTexture.index, true, where))
+                metal = base * mean_of(*image).color;
     }
     const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
     m.kind = MaterialKind::kGlossy;
@@ -166,7 +179,9 @@ const GltfReader::Look& GltfReader::look(int index) {
     look.material = loading_.add_material(surface(in, where));
     look.emission = emission(in, where);
     look.two_sided = in.doubleSided;
-    look.texcoord = in.pbrMetallicRoughness.baseColorTexture.index >= 0 ? in.pbrMetallicRoughness.baseColorTexture.texCoord : 0;
+    look.texcoord = in.pbrMetallicRoughness.baseColorTexture.index >= 0
+                        ? in.pbrMetallicRoughness.baseColorTexture.texCoord
+                        : 0;
     return look;
 }
 

@@ -23,7 +23,8 @@ std::string count_text(int index, const char* what, size_t count) {
 }  // namespace
 
 double GltfReader::Elements::get(size_t element, int c) const {
-    const unsigned char* p = data + element * stride + size_t(c) * size_t(tinygltf::GetComponentSizeInBytes(uint32_t(component)));
+    const unsigned char* p =
+        data + element * stride + size_t(c) * size_t(tinygltf::GetComponentSizeInBytes(uint32_t(component)));
     switch (component) {
         case TINYGLTF_COMPONENT_TYPE_BYTE: return value_at<int8_t>(p, normalized);
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return value_at<uint8_t>(p, normalized);
@@ -35,17 +36,21 @@ double GltfReader::Elements::get(size_t element, int c) const {
 }
 
 GltfReader::Elements GltfReader::elements(int index, const std::string& where) const {
-    if (index < 0 || size_t(index) >= model_.accessors.size()) fail(where, count_text(index, "accessor", model_.accessors.size()));
+    if (index < 0 || size_t(index) >= model_.accessors.size())
+        fail(where, count_text(index, "accessor", model_.accessors.size()));
     const tinygltf::Accessor& a = model_.accessors[size_t(index)];
     const std::string place = where + ": accessor " + std::to_string(index);
     if (a.sparse.isSparse) fail(place, "sparse accessors are not read");
-    if (a.bufferView < 0 || size_t(a.bufferView) >= model_.bufferViews.size()) fail(place, count_text(a.bufferView, "buffer view", model_.bufferViews.size()));
+    if (a.bufferView < 0 || size_t(a.bufferView) >= model_.bufferViews.size())
+        fail(place, count_text(a.bufferView, "buffer view", model_.bufferViews.size()));
     const tinygltf::BufferView& view = model_.bufferViews[size_t(a.bufferView)];
-    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size()) fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(place, count_text(view.buffer, "buffer", model_.buffers.size()));
     const auto& data = model_.buffers[size_t(view.buffer)].data;
     const int n = tinygltf::GetNumComponentsInType(uint32_t(a.type));
     const int size = tinygltf::GetComponentSizeInBytes(uint32_t(a.componentType));
-    if (n <= 0 || size <= 0 || a.componentType == TINYGLTF_COMPONENT_TYPE_INT || a.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE)
+    if (n <= 0 || size <= 0 || a.componentType == TINYGLTF_COMPONENT_TYPE_INT ||
+        a.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE)
         fail(place, "unknown component type " + std::to_string(a.componentType));
 
     // Everything must lie inside of the view, and the view inside of its buffer.
@@ -54,15 +59,20 @@ GltfReader::Elements GltfReader::elements(int index, const std::string& where) c
     const bool fits = view_fits && stride >= element && a.count > 0 && a.byteOffset <= view.byteLength &&
                       element <= view.byteLength - a.byteOffset &&
                       (a.count - 1) <= (view.byteLength - a.byteOffset - element) / stride;
-    if (!fits) fail(place, std::to_string(a.count) + " elements of " + std::to_string(element) + " bytes do not fit into the buffer of " + std::to_string(data.size()) + " bytes");
+    if (!fits)
+        fail(place, std::to_string(a.count) + " elements of " + std::to_string(element) +
+                        " bytes do not fit into the buffer of " + std::to_string(data.size()) + " bytes");
     return {data.data() + view.byteOffset + a.byteOffset, a.count, stride, a.componentType, n, a.normalized};
 }
 
 std::vector<Vec3> GltfReader::vec3s(int accessor, const std::string& where) const {
     const Elements e = elements(accessor, where);
-    if (e.n != 3) fail(where, "accessor " + std::to_string(accessor) + " must hold 3 components, it holds " + std::to_string(e.n));
+    if (e.n != 3)
+        fail(where, "accessor " + std::to_string(accessor) + " must hold 3 components, it holds " +
+                        std::to_string(e.n));
     std::vector<Vec3> out(e.count);
-    for (size_t i = 0; i < e.count; ++i) out[i] = {float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))};
+    for (size_t i = 0; i < e.count; ++i)
+        out[i] = {float(e.get(i, 0)), float(e.get(i, 1)), float(e.get(i, 2))};
     return out;
 }
 
@@ -71,11 +81,13 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
     const size_t n = mesh.vertices.size();
     if (p.indices >= 0) {
         const Elements e = elements(p.indices, where);
-        if (e.n != 1 || e.component == TINYGLTF_COMPONENT_TYPE_FLOAT) fail(where, "indices must be unsigned integers");
+        if (e.n != 1 || e.component == TINYGLTF_COMPONENT_TYPE_FLOAT)
+            fail(where, "indices must be unsigned integers");
         for (size_t i = 0; i < e.count; ++i) {
             const double x = e.get(i, 0);
             if (!(x >= 0 && x < double(n)))
-                fail(where, "index " + std::to_string(int64_t(x)) + ", the primitive has " + std::to_string(n) + " vertices");
+                fail(where, "index " + std::to_string(int64_t(x)) + ", the primitive has " +
+                                std::to_string(n) + " vertices");
             corners.push_back(uint32_t(x));
         }
     } else {
@@ -84,7 +96,8 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
     const size_t m = corners.size();
     if (p.mode == TINYGLTF_MODE_TRIANGLES) {
         if (m % 3) fail(where, std::to_string(m) + " indices are not whole triangles");
-        for (size_t i = 0; i + 2 < m; i += 3) mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+        for (size_t i = 0; i + 2 < m; i += 3)
+            mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
     } else {
         const bool strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP;
         for (size_t i = 0; i + 2 < m; ++i)
@@ -93,9 +106,11 @@ void GltfReader::add_triangles(viscache::Mesh& mesh, const tinygltf::Primitive& 
     }
 }
 
-std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primitive& p, const std::string& where) {
+std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primitive& p,
+                                                         const std::string& where) {
     const int mode = p.mode < 0 ? TINYGLTF_MODE_TRIANGLES : p.mode;
-    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP && mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+    if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+        mode != TINYGLTF_MODE_TRIANGLE_FAN) {
         loading_.warn(where, "points and lines are not modelled; skipped");
         return {};
     }
@@ -108,8 +123,10 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
     viscache::Mesh mesh;
     mesh.vertices = vec3s(position->second, where);
     const Look& seen = look(p.material);
-    if (const auto normal = p.attributes.find("NORMAL"); normal != p.attributes.end()) mesh.normals = vec3s(normal->second, where);
-    if (const auto uv = p.attributes.find("TEXCOORD_" + std::to_string(seen.texcoord)); uv != p.attributes.end()) {
+    if (const auto normal = p.attributes.find("NORMAL"); normal != p.attributes.end())
+        mesh.normals = vec3s(normal->second, where);
+    if (const auto uv = p.attributes.find("TEXCOORD_" + std::to_string(seen.texcoord));
+        uv != p.attributes.end()) {
         const Elements e = elements(uv->second, where);
         if (e.n != 2) fail(where, "texture coordinates must hold 2 components");
         // Row 0 of an image is v = 0 in glTF.
@@ -127,7 +144,8 @@ std::vector<viscache::Mesh> GltfReader::meshes_of(int index) {
     const tinygltf::Mesh& in = model_.meshes[size_t(index)];
     std::vector<viscache::Mesh> out;
     for (size_t i = 0; i < in.primitives.size(); ++i) {
-        const std::string where = path_ + ": mesh " + std::to_string(index) + " primitive " + std::to_string(i);
+        const std::string where =
+            path_ + ": mesh " + std::to_string(index) + " primitive " + std::to_string(i);
         if (auto mesh = primitive_mesh(in.primitives[i], where)) {
             mesh->name = in.name;
             out.push_back(std::move(*mesh));

@@ -57,7 +57,8 @@ private:
     viscache::Material surface(const tinygltf::Material& in, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
     Rgb emission(const tinygltf::Material& in, const std::string& where);
-    double extension_number(const tinygltf::Material& in, const char* extension, const char* name, double fallback);
+    double extension_number(const tinygltf::Material& in, const char* extension, const char* name,
+                            double fallback);
     int image_source(int texture, const std::string& where) const;
     std::string image_bytes(int source, const std::string& where) const;
     std::string image_path(int source) const;

@@ -25,21 +25,25 @@ Reader reader_for(const std::string& path) {
 
 void check_lights(const SceneDescription& s, const std::string& path) {
     for (const PointLight& l : s.point_lights)
-        if (!is_finite(l.position) || !is_finite(l.intensity)) loading::fail(path, "a point light is not finite");
+        if (!is_finite(l.position) || !is_finite(l.intensity))
+            loading::fail(path, "a point light is not finite");
     for (const DirectionalLight& l : s.directional_lights)
         if (!is_finite(l.direction) || !is_finite(l.irradiance) || length2(l.direction) == 0)
             loading::fail(path, "a directional light is not finite or has no direction");
     for (const SphereLight& l : s.sphere_lights)
         if (!is_finite(l.center) || !is_finite(l.radiance) || !(l.radius > 0) || !std::isfinite(l.radius))
             loading::fail(path, "a sphere light is not finite or has no radius");
-    if (s.environment && !is_finite(s.environment->scale)) loading::fail(path, "the environment is not finite");
+    if (s.environment && !is_finite(s.environment->scale))
+        loading::fail(path, "the environment is not finite");
 }
 
 void check_cameras(const SceneDescription& s, const std::string& path) {
     for (const Camera& c : s.cameras) {
-        const bool ok = is_finite(c.origin) && is_finite(c.right) && is_finite(c.up) && is_finite(c.forward) &&
-                        c.fov_y_rad > 0 && c.fov_y_rad < kPi;
-        if (!ok) loading::fail(path, "camera '" + c.name + "' is not finite or its field of view is not in (0, 180)");
+        const bool ok = is_finite(c.origin) && is_finite(c.right) && is_finite(c.up) &&
+                        is_finite(c.forward) && c.fov_y_rad > 0 && c.fov_y_rad < kPi;
+        if (!ok)
+            loading::fail(path,
+                          "camera '" + c.name + "' is not finite or its field of view is not in (0, 180)");
         if (c.width < 1 || c.height < 1 || c.width > 1 << 16 || c.height > 1 << 16)
             loading::fail(path, "camera '" + c.name + "' asks for " + std::to_string(c.width) + " x " +
                                     std::to_string(c.height) + " pixels; both must be in [1, 65536]");

@@ -46,18 +46,22 @@ tinygltf::FsCallbacks file_callbacks() {
         out->assign(bytes.begin(), bytes.end());
         return true;
     };
-    fs.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; };
+    fs.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+        return false;
+    };
     return fs;
 }
 
 /// Keeps the bytes of data URIs; images in buffers are read later, with checked bounds.
-bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
-                void*) {
+bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                int size, void*) {
     if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
     return true;
 }
 
-std::string first_line(const std::string& text) { return text.substr(0, std::min(text.find('\n'), size_t(300))); }
+std::string first_line(const std::string& text) {
+    return text.substr(0, std::min(text.find('\n'), size_t(300)));
+}
 
 }  // namespace
 
@@ -67,7 +71,9 @@ void GltfReader::parse() {
     const bool binary = bytes.starts_with("glTF");
     uint32_t json_bytes = 0;
     if (binary && bytes.size() >= 20) std::memcpy(&json_bytes, bytes.data() + 12, 4);
-    check_depth(binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes, path_);
+    check_depth(
+        binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes,
+        path_);
 
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks(file_callbacks());
@@ -75,23 +81,29 @@ void GltfReader::parse() {
     const std::string folder = std::filesystem::path(path_).parent_path().string();
     std::string error, warning;
     const auto size = static_cast<unsigned>(bytes.size());
-    const bool ok = binary ? reader.LoadBinaryFromMemory(&model_, &error, &warning,
-                                                         reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
-                           : reader.LoadASCIIFromString(&model_, &error, &warning, bytes.data(), size, folder);
+    const bool ok =
+        binary
+            ? reader.LoadBinaryFromMemory(&model_, &error, &warning,
+                                          reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
+            : reader.LoadASCIIFromString(&model_, &error, &warning, bytes.data(), size, folder);
     if (!ok) fail(path_, error.empty() ? "not a glTF 2.0 file" : first_line(error));
-    if (!model_.asset.version.starts_with("2")) fail(path_, "glTF version " + model_.asset.version + "; 2.x is read");
+    if (!model_.asset.version.starts_with("2"))
+        fail(path_, "glTF version " + model_.asset.version + "; 2.x is read");
 }
 
 void GltfReader::check_extensions() {
     const auto known = [](const std::string& name) {
         return name == "KHR_lights_punctual" || name == "KHR_materials_emissive_strength" ||
-               name == "KHR_materials_ior" || name == "KHR_materials_transmission" || name == "KHR_mesh_quantization";
+               name == "KHR_materials_ior" || name == "KHR_materials_transmission" ||
+               name == "KHR_mesh_quantization";
     };
     for (const std::string& name : model_.extensionsRequired)
-        if (!known(name)) fail(path_, "the file requires the extension '" + name + "', which is not modelled");
+        if (!known(name))
+            fail(path_, "the file requires the extension '" + name + "', which is not modelled");
     for (const std::string& name : model_.extensionsUsed)
         if (!known(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
-    if (!model_.animations.empty()) loading_.warn(path_, "animations are not modelled; the scene at rest is used");
+    if (!model_.animations.empty())
+        loading_.warn(path_, "animations are not modelled; the scene at rest is used");
 }
 
 Affine GltfReader::local_transform(const tinygltf::Node& node, const std::string& where) {
@@ -101,7 +113,8 @@ Affine GltfReader::local_transform(const tinygltf::Node& node, const std::string
             for (int j = 0; j < 4; ++j) t.m[i][j] = node.matrix[size_t(j * 4 + i)];
     } else {
         const auto& q = node.rotation;
-        if (node.translation.size() == 3) t = translation(node.translation[0], node.translation[1], node.translation[2]);
+        if (node.translation.size() == 3)
+            t = translation(node.translation[0], node.translation[1], node.translation[2]);
         if (q.size() == 4) {
             const double s = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
             t = t * rotation(2 * std::atan2(s, q[3]) * 180 / 3.14159265358979323846, q[0], q[1], q[2]);
@@ -114,9 +127,11 @@ Affine GltfReader::local_transform(const tinygltf::Node& node, const std::string
 
 void GltfReader::add_camera(int index, const Affine& t, const std::string& where) {
     if (index < 0 || size_t(index) >= model_.cameras.size())
-        fail(where, "camera " + std::to_string(index) + ", the file has " + std::to_string(model_.cameras.size()));
+        fail(where,
+             "camera " + std::to_string(index) + ", the file has " + std::to_string(model_.cameras.size()));
     const tinygltf::Camera& in = model_.cameras[size_t(index)];
-    if (in.type != "perspective") return loading_.warn(where, "camera type '" + in.type + "' is not modelled; skipped");
+    if (in.type != "perspective")
+        return loading_.warn(where, "camera type '" + in.type + "' is not modelled; skipped");
     Camera c;
     if (!in.name.empty()) c.name = in.name;
     c.origin = t.point({0, 0, 0});
@@ -139,10 +154,13 @@ void GltfReader::add_light(const tinygltf::Node& node, const Affine& t, const st
     const tinygltf::Value& value = found->second.Get("light");
     const int index = value.IsInt() ? value.GetNumberAsInt() : -1;
     if (index < 0 || size_t(index) >= model_.lights.size())
-        fail(where, "light " + std::to_string(index) + ", the file has " + std::to_string(model_.lights.size()));
+        fail(where,
+             "light " + std::to_string(index) + ", the file has " + std::to_string(model_.lights.size()));
     const tinygltf::Light& in = model_.lights[size_t(index)];
     const float i = float(in.intensity);
-    const Rgb color = in.color.size() == 3 ? Rgb{float(in.color[0]), float(in.color[1]), float(in.color[2])} * i : Rgb{i, i, i};
+    const Rgb color = in.color.size() == 3
+                          ? Rgb{float(in.color[0]), float(in.color[1]), float(in.color[2])} * i
+                          : Rgb{i, i, i};
     // Candela and lux are taken as W/sr and W/m².
     if (in.type == "point") {
         loading_.scene.point_lights.push_back({t.point({0, 0, 0}), color});
@@ -165,7 +183,8 @@ void GltfReader::visit(int index, const Affine& parent, int depth) {
     if (!is_finite(t)) fail(where, "the node's transform is not finite");
     if (node.mesh >= 0) {
         if (size_t(node.mesh) >= model_.meshes.size())
-            fail(where, "mesh " + std::to_string(node.mesh) + ", the file has " + std::to_string(model_.meshes.size()));
+            fail(where, "mesh " + std::to_string(node.mesh) + ", the file has " +
+                            std::to_string(model_.meshes.size()));
         if (node.skin >= 0) loading_.warn(where, "skins are not modelled; the mesh at rest is used");
         placed_.push_back({node.mesh, t});
     }
@@ -221,7 +240,8 @@ void GltfReader::read_scene() {
     } else {
         const int chosen = std::max(model_.defaultScene, 0);
         if (size_t(chosen) >= model_.scenes.size())
-            fail(path_, "scene " + std::to_string(chosen) + ", the file has " + std::to_string(model_.scenes.size()));
+            fail(path_, "scene " + std::to_string(chosen) + ", the file has " +
+                            std::to_string(model_.scenes.size()));
         for (int root : model_.scenes[size_t(chosen)].nodes) visit(root, Affine{}, 0);
     }
     place_all();
