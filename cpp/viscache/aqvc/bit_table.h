@@ -35,6 +35,12 @@ public:
         : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu)), 0), scheme_(scheme), digest_bits_(digest_bits),
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
 
+    KeyHead head(const std::array<int32_t, 8>& slots) const {
+        return {slots, hash_slots(hash_seed(scheme_), slots, scheme_)};
+    }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        return get_hashed(hash_end(hash_slots(head.state, far.slots, scheme_), scheme_));
+    }
     std::optional<bool> get(const FullKey& key) const { return get_hashed(hash_key(key, scheme_)); }
     void put(const FullKey& key, bool visible, TableCounts& counts) { put_hashed(hash_key(key, scheme_), visible, counts); }
 
@@ -75,6 +81,10 @@ private:
 /// Exact map of full keys.
 class ExactTable {
 public:
+    KeyHead head(const std::array<int32_t, 8>& slots) const { return {slots, {}}; }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        return get(CellGrid::full_key(head.slots, far));
+    }
     std::optional<bool> get(const FullKey& key) const {
         const auto found = map_.find(key);
         return found == map_.end() ? std::nullopt : std::optional(found->second);

@@ -118,13 +118,19 @@ public:
     void write_cell(const Cell& c, int32_t* slots) const;
     /// Key of the far end, or valid = false where it has none (not finite, no normal).
     bool far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key, ClampCounts& clamps) const;
-    FullKey full_key(const Cell& eye, const FarKey& far) const {
-        FullKey k{};
-        k[0] = int32_t(far.semantic);
-        write_cell(eye, &k[1]);
+    /// Slots 0–7 of a key.
+    std::array<int32_t, 8> head_slots(Semantic s, const Cell& eye) const {
+        std::array<int32_t, 8> head{int32_t(s)};
+        write_cell(eye, &head[1]);
+        return head;
+    }
+    static FullKey full_key(const std::array<int32_t, 8>& head, const FarKey& far) {
+        FullKey k;
+        for (size_t i = 0; i < 8; ++i) k[i] = head[i];
         for (size_t i = 0; i < 7; ++i) k[8 + i] = far.slots[i];
         return k;
     }
+    FullKey full_key(const Cell& eye, const FarKey& far) const { return full_key(head_slots(far.semantic, eye), far); }
 
 private:
     struct Axes {

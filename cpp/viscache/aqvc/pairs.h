@@ -56,7 +56,8 @@ private:
     void look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
                  std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     /// Cells and far keys of a query; false if it has none.
-    bool key_query(const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
+    template <class Table>
+    bool key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
     void trace(const PairContext& c, std::span<const ShadowQuery> queries);
     uint32_t pending_with(const FullKey& key);
 
@@ -64,7 +65,7 @@ private:
     std::optional<ExactTable> exact_;
     std::array<EyeCells, kLightGroups> eye_cells_;
     CellLevels paired_cells_;     ///< Eq. 6: cells of one query
-    const CellLevels* cells_ = nullptr;
+    CellLevels* cells_ = nullptr;
     std::vector<FarKey> fars_;
     std::vector<PendingRay> rays_;
     std::vector<uint8_t> ray_visible_;
