@@ -285,8 +285,8 @@ def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
 
 @pytest.mark.parametrize(
     ("c_e", "levels"),
-    [(64, [64, 16, 4]), (36, [36, 9, 4]), (24, [24, 6]), (20, [20, 5]), (16, [16, 4]), (12, [12, 4]),
-     (10, [10, 4]), (8, [8, 4]), (7.9, [7.9]), (0.02, [0.02])],
+    [(64, [64, 16, 4]), (36, [36, 9, 4]), (24, [24, 6]), (20, [20, 5]), (16, [16, 4]),
+     (12, [12, 4]), (10, [10, 4]), (8, [8, 4]), (7.9, [7.9]), (0.02, [0.02])],
 )  # fmt: skip
 def test_levels_descend_to_four_eye_samples(c_e, levels):
     """The default list of C_E."""

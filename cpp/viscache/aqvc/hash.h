@@ -39,9 +39,10 @@ inline HashState hash_seed(HashScheme scheme) {
     return {scheme == HashScheme::kScheme2 ? 88172645463325252ull : uint64_t{12345} << 32 | 67890, 0};
 }
 
-/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants are ours.
-// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so lights at
-// (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
+/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants
+/// are ours.
+// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so
+// lights at (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
 inline HashState hash_slots(HashState state, std::span<const int32_t> slots, HashScheme scheme) {
     using namespace detail;
     if (scheme == HashScheme::kScheme2) {
@@ -50,7 +51,8 @@ inline HashState hash_slots(HashState state, std::span<const int32_t> slots, Has
     }
     uint32_t kappa = uint32_t(state.bits >> 32), c = uint32_t(state.bits);
     for (int32_t slot : slots) {
-        const uint32_t j = scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + state.salt);
+        const uint32_t j =
+            scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + state.salt);
         kappa = lcg1(kappa) ^ j, c = lcg2(c) + j, state.salt += 0x9e3779b9u;
     }
     state.bits = uint64_t{kappa} << 32 | c;

@@ -10,12 +10,13 @@
 
 namespace viscache {
 
-/// The cells of one point at every level of C_E, coarse to fine; a level whose cell equals the one before is left out.
+/// The cells of one point at every level of C_E, coarse to fine; a level whose cell equals the one before is
+/// left out.
 struct CellLevels {
     struct Level {
         PlacedCell placed;
-        int level = 0;            ///< index into the list of C_E
-        bool probed = false;      ///< the heads of the neighbours are made when first needed
+        int level = 0;        ///< index into the list of C_E
+        bool probed = false;  ///< the heads of the neighbours are made when first needed
         KeyHead own{};
         std::array<KeyHead, 4> neighbours{};
     };
@@ -49,8 +50,9 @@ struct Walk {
     FullKey key{};         ///< of that cell, if not known
 };
 
-/// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is the query's
-/// own segment. A value on which the four neighbour clusters agree (nil agrees) ends it too; the finest is taken as it is.
+/// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is
+/// the query's own segment. A value on which the four neighbour clusters agree (nil agrees) ends it too; the
+/// finest is taken as it is.
 // Differs: nothing is probed at the finest level, where the paper's loop ends whatever the neighbours say.
 // `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
 template <class Table>
