@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import metrics
+from viscache import metrics, scenes
 from viscache._core import SceneDescription, look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Whitted
@@ -29,5 +29,6 @@ __all__ = [
     "look_at",
     "metrics",
     "render",
+    "scenes",
     "sweep",
 ]

@@ -7,9 +7,8 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 
 from __future__ import annotations
 
-from typing import Any
-
-from viscache import _core
+from viscache._core import SceneDescription
+from viscache.scene import Scene
 from viscache.scenes.apartment import apartment
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
@@ -52,5 +51,5 @@ __all__ = [
 ]
 
 
-def _finish(description: _core.SceneDescription) -> Any:
-    return description
+def _finish(description: SceneDescription, spec: str) -> Scene:
+    return Scene.from_description(description, spec=spec)

@@ -48,10 +48,13 @@ def scene(
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
             from viscache import scenes
 
-            return scenes._finish(function(*args, **kwargs).description)
+            given = signature.bind(*args, **kwargs).arguments
+            spec = name + "?" * bool(given) + "&".join(f"{k}={v}" for k, v in given.items())
+            return scenes._finish(function(*args, **kwargs).description, spec)
 
         name = function.__name__
-        defaults = {p.name: p.default for p in inspect.signature(function).parameters.values()}
+        signature = inspect.signature(function)
+        defaults = {p.name: p.default for p in signature.parameters.values()}
         SCENES[name] = SceneInfo(
             name=name,
             function=make,
@@ -118,6 +121,8 @@ TRUE, FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 def _value(name: str, text: str, hint: Any) -> Any:
     kinds = [k for k in typing.get_args(hint) or (hint,) if k is not type(None)]
     kind = kinds[0]
+    if text == "None" and kind is not hint:
+        return None
     if kind is bool:
         if text.lower() not in TRUE + FALSE:
             raise ValueError(f"{name} must be true or false, got {text!r}")
