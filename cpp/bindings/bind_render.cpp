@@ -122,7 +122,8 @@ void bind_render(py::module_& m) {
           [](std::array<float, 3> origin, std::array<float, 3> target, std::array<float, 3> up, float fov_deg) {
               return look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180);
           },
-          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"));
+          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"),
+          "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
     m.def("render_exact",
           [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
              const FrameSettings& frame, PacketOrder order, bool coherent, const py::object& progress) {
