@@ -59,11 +59,12 @@ def bumpy_spheres(triangles: int = 15_000, spheres: int = 36) -> Builder:
     Parameters
     ----------
     triangles : int
-        Placed triangles; the scene has this many to 1.25 times as many.
+        Placed triangles; the scene has this many to 1.25 times as many. At least 200;
+        below about 500 there are fewer spheres.
     spheres : int
         Number of spheres, on the smallest square grid that holds them.
     """
-    at_least("triangles", triangles, 100)
+    at_least("triangles", triangles, 200)
     at_least("spheres", spheres, 1)
     b = Builder("bumpy_spheres")
     g = int(np.ceil(np.sqrt(spheres)))
