@@ -6,11 +6,14 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
 void bind_description(py::module_& m);
+void bind_light_and_reflection(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
 void bind_render(py::module_& m);
+void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_warp(py::module_& m);
 }  // namespace viscache::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -18,9 +21,12 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
     bind_aqvc(m);
     bind_description(m);
+    bind_light_and_reflection(m);
     bind_loaders(m);
     bind_math(m);
+    bind_sampling(m);
     bind_scene(m);
     bind_scene_info(m);
     bind_render(m);
+    bind_warp(m);
 }

@@ -6,9 +6,9 @@ namespace viscache {
 
 inline float sign_not_zero(float v) { return v < 0 ? -1.f : 1.f; }
 
-/// Octahedral map [ED08]: direction → [0, 1]².
+/// Octahedral map of a direction of any length [ED08] into [0, 1]²; the zero vector gives the centre.
 inline Vec2 direction_to_octahedral(Vec3 d) {
-    const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+    const float l = std::max(std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z), 0x1p-126f);
     float x = d.x / l, y = d.y / l;
     if (d.z < 0) {
         const float fold = (1 - std::fabs(y)) * sign_not_zero(x);
@@ -16,6 +16,7 @@ inline Vec2 direction_to_octahedral(Vec3 d) {
     }
     return {0.5f * x + 0.5f, 0.5f * y + 0.5f};
 }
+/// Its inverse; unit.
 inline Vec3 octahedral_to_direction(Vec2 p) {
     float x = 2 * p.x - 1, y = 2 * p.y - 1;
     const float z = 1 - std::fabs(x) - std::fabs(y);
@@ -26,26 +27,28 @@ inline Vec3 octahedral_to_direction(Vec2 p) {
     return normalize({x, y, z});
 }
 
-/// Equal-area octahedral map (Clarberg 2008): equal areas of the square are equal solid angles.
+/// Equal-area octahedral map (Clarberg 2008): equal areas of [0, 1]² are equal solid angles; unit.
 inline Vec3 equal_area_to_direction(Vec2 p) {
-    const double u = 2.0 * p.x - 1, v = 2.0 * p.y - 1, au = std::fabs(u), av = std::fabs(v);
-    const double signed_distance = 1 - (au + av), d = std::fabs(signed_distance), r = 1 - d;
+    const double u = 2.0 * p.x - 1, v = 2.0 * p.y - 1, au = std::abs(u), av = std::abs(v);
+    const double signed_distance = 1 - (au + av), r = 1 - std::abs(signed_distance);
     const double phi = (r == 0 ? 1 : (av - au) / r + 1) * M_PI / 4;
     const double z = std::copysign(1 - r * r, signed_distance);
     const double s = r * std::sqrt(std::max(0.0, 2 - r * r));
     return {float(std::copysign(std::cos(phi) * s, u)), float(std::copysign(std::sin(phi) * s, v)), float(z)};
 }
+/// Its inverse, for unit directions.
 inline Vec2 direction_to_equal_area(Vec3 d) {
-    const double x = std::fabs(double(d.x)), y = std::fabs(double(d.y)), z = std::fabs(double(d.z));
-    const double r = std::sqrt(std::max(0.0, 1 - z));
-    const double phi = (x == 0 && y == 0) ? 0 : std::atan2(y, x) * 2 / M_PI;
+    const double x = std::abs(double(d.x)), y = std::abs(double(d.y)), z = std::abs(double(d.z));
+    // r = √(1 − |z|), from the sine, which keeps its digits near the poles
+    const double r = std::min(1.0, std::sqrt((x * x + y * y) / (1 + z)));
+    const double phi = x == 0 && y == 0 ? 0 : std::atan2(y, x) * 2 / M_PI;
     double v = phi * r, u = r - v;
     if (d.z < 0) {
         const double fold = 1 - v;
         v = 1 - u, u = fold;
     }
     u = std::copysign(u, double(d.x)), v = std::copysign(v, double(d.y));
-    return {float(std::clamp(u * 0.5 + 0.5, 0.0, 1.0)), float(std::clamp(v * 0.5 + 0.5, 0.0, 1.0))};
+    return {float(0.5 * u + 0.5), float(0.5 * v + 0.5)};
 }
 
 }  // namespace viscache

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,7 @@
 
 namespace viscache {
 
+/// Piecewise constant over indices.
 class Distribution1D {
 public:
     struct Pick {
@@ -30,14 +32,27 @@ public:
         }
         if (!(total() > 0) || !std::isfinite(total()))
             throw std::invalid_argument("weights must have a positive, finite sum, got " + std::to_string(total()));
+        // guide_[j] = first index whose cumulative weight exceeds j/n of the total
+        const size_t n = size();
+        guide_.resize(n + 1);
+        for (size_t j = 0, i = 0; j <= n; ++j) {
+            while (i + 1 < n && cumulative_[i + 1] <= total() * (double(j) / double(n))) ++i;
+            guide_[j] = uint32_t(i);
+        }
     }
     size_t size() const { return cumulative_.empty() ? 0 : cumulative_.size() - 1; }
     double total() const { return cumulative_.empty() ? 0 : cumulative_.back(); }
     double pmf(size_t i) const { return (cumulative_[i + 1] - cumulative_[i]) / total(); }
-    /// Index with probability pmf; never one of weight zero.
+    /// Index with probability pmf, for u in [0, 1); never one of weight zero.
     Pick sample(double u) const {
         const double x = u * total();
-        auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end(), x);
+        // The guide narrows the search to a few entries: one jump instead of a walk through a large table
+        const size_t cell = std::min(size_t(u * double(guide_.size() - 1)), guide_.size() - 2);
+        const auto first = cumulative_.begin() + 1 + guide_[cell];
+        const auto last = cumulative_.begin() + 1 + std::min<size_t>(guide_[cell + 1] + 1, size());
+        auto above = std::upper_bound(first, last, x);
+        if (above == last) above = std::upper_bound(last, cumulative_.end(), x);
+        // u·total rounded up to the total: the last index with weight
         if (above == cumulative_.end()) above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
         const size_t i = size_t(above - cumulative_.begin()) - 1;
         const double width = cumulative_[i + 1] - cumulative_[i];
@@ -46,6 +61,7 @@ public:
 
 private:
     std::vector<double> cumulative_;
+    std::vector<uint32_t> guide_;
 };
 
 }  // namespace viscache

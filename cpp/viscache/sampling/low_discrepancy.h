@@ -14,7 +14,7 @@ inline uint32_t reverse_bits(uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Owen scrambling of the bits of x by a hash (Laine and Karras 2011, constants of Burley 2020).
+/// Owen scrambling of the bits of x by a hash (Laine and Karras 2011, as improved by Vegdahl 2021).
 inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     x = reverse_bits(x);
     x ^= x * 0x3d20adeau;
@@ -25,21 +25,24 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return reverse_bits(x);
 }
 
+/// The upper 24 bits as a number in [0, 1).
 inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
 
-/// Point `index` of the (0,2)-sequence (van der Corput, Sobol' dimension 2), Owen-scrambled per dimension; in [0, 1)².
+/// Point `index` of the (0,2)-sequence (van der Corput and the second dimension of Sobol'), Owen-scrambled
+/// per dimension by two seeds; in [0, 1)².
 inline Vec2 sobol02(uint32_t index, uint32_t scramble_x, uint32_t scramble_y) {
     uint32_t y = 0;
     for (uint32_t bit = 1u << 31, rest = index; rest; rest >>= 1, bit ^= bit >> 1)
         if (rest & 1) y ^= bit;
-    return {to_unit_float(owen_scramble(reverse_bits(index), scramble_x)), to_unit_float(owen_scramble(y, scramble_y))};
+    return {to_unit_float(owen_scramble(reverse_bits(index), scramble_x)),
+            to_unit_float(owen_scramble(y, scramble_y))};
 }
 
-/// Digits of i in `base`, mirrored at the radix point; in [0, 1).
+/// Digits of i in `base` >= 2, mirrored at the radix point; in [0, 1).
 inline double radical_inverse(uint32_t base, uint64_t i) {
     double result = 0, digit = 1.0 / base;
     for (; i; i /= base, digit /= base) result += double(i % base) * digit;
-    return result;
+    return std::min(result, 0x1.fffffffffffffp-1);
 }
 
 }  // namespace viscache

@@ -8,7 +8,17 @@ namespace viscache {
 
 /// What random numbers are used for; streams of different purposes are independent.
 enum class Purpose : uint32_t {
-    kPixel, kAreaLight, kEnvironmentLight, kBrdf, kLens, kVplEmission, kVplBounce, kVplResampling, kAmbient, kBranch, kTest
+    kPixel,
+    kAreaLight,
+    kEnvironmentLight,
+    kBrdf,
+    kLens,
+    kVplEmission,
+    kVplBounce,
+    kVplResampling,
+    kAmbient,
+    kBranch,
+    kTest
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).
@@ -18,7 +28,8 @@ inline uint64_t mix64(uint64_t x) {
     return x ^ (x >> 31);
 }
 
-/// Stream keyed by (seed, purpose, pixel, pass): a Weyl sequence through `mix64`, start and step from the key.
+/// Stream keyed by (seed, purpose, pixel, pass): a Weyl sequence through `mix64`, start and step from the
+/// key.
 class Rng {
 public:
     Rng(uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) {

@@ -25,73 +25,82 @@ inline float pdf_cosine_hemisphere(Vec3 w) { return std::max(0.f, w.z) / kPi; }
 
 /// Uniform on the hemisphere around +z; density 1/(2π) per solid angle.
 inline Vec3 square_to_uniform_hemisphere(Vec2 u) {
-    const float r = std::sqrt(std::max(0.f, 1 - u.x * u.x)), phi = 2 * kPi * u.y;
+    const float r = std::sqrt((1 - u.x) * (1 + u.x)), phi = 2 * kPi * u.y;
     return {r * std::cos(phi), r * std::sin(phi), u.x};
 }
 inline float pdf_uniform_hemisphere() { return 1 / (2 * kPi); }
 
 /// Uniform on the sphere; density 1/(4π) per solid angle.
 inline Vec3 square_to_uniform_sphere(Vec2 u) {
-    const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.f, 1 - z * z)), phi = 2 * kPi * u.y;
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    const float r = 2 * std::sqrt(u.x * (1 - u.x)), phi = 2 * kPi * u.y;
+    return {r * std::cos(phi), r * std::sin(phi), 1 - 2 * u.x};
 }
 inline float pdf_uniform_sphere() { return 1 / (4 * kPi); }
 
-/// Uniform in a triangle: weights of vertices 1 and 2; density 1/area per area.
+/// Uniform in a triangle: weights of vertices 1 and 2 (vertex 0 has the rest); density 1/area per area.
 inline Vec2 square_to_triangle(Vec2 u) {
     const float s = std::sqrt(1 - u.x);
     return {1 - s, u.y * s};
 }
 
-/// Uniform in the cone around +z with cosine ≥ cos_max; density `pdf_uniform_cone` per solid angle.
+/// Uniform in the cone around +z with cosine ≥ cos_max < 1; density `pdf_uniform_cone` per solid angle.
 inline Vec3 square_to_uniform_cone(Vec2 u, float cos_max) {
-    const float z = 1 - u.x * (1 - cos_max), r = std::sqrt(std::max(0.f, 1 - z * z)), phi = 2 * kPi * u.y;
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    // With t = 1 − cosθ the sine keeps its digits in narrow cones
+    const float t = u.x * (1 - cos_max), r = std::sqrt(t * (2 - t)), phi = 2 * kPi * u.y;
+    return {r * std::cos(phi), r * std::sin(phi), 1 - t};
 }
 inline float pdf_uniform_cone(float cos_max) { return 1 / (2 * kPi * (1 - cos_max)); }
 
 struct SphereLightSample {
-    Vec3 p, n;
-    float pdf_solid_angle, pdf_area;
+    Vec3 p, n;              ///< point of the sphere and its outward normal
+    float pdf_solid_angle;  ///< per solid angle at `from`
+    float pdf_area;         ///< the same density per area of the sphere
 };
-/// A point of the part of a sphere that `from` sees, uniform in the solid angle it spans; empty from inside.
+/// A point of the part of a sphere that `from` sees, uniform in the solid angle it spans; empty unless
+/// `from` is outside. In double: stable for spheres far away and for points just above the surface.
 inline std::optional<SphereLightSample> sample_sphere_light(Vec3 center, float radius, Vec3 from, Vec2 u) {
-    const Vec3 axis = center - from;
-    const double d2 = double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z;
-    const double r2 = double(radius) * radius;
-    if (!(d2 > r2)) return std::nullopt;
-    // 1 − cosθ_max, written without cancellation for far spheres
-    const double sin2_max = r2 / d2, cos_max = std::sqrt(1 - sin2_max), one_minus = sin2_max / (1 + cos_max);
-    const double one_minus_cos = u.x * one_minus, cos = 1 - one_minus_cos;
-    const double sin2 = one_minus_cos * (2 - one_minus_cos);
-    // Angle at the centre between the axis back to `from` and the sampled point
-    const double cos_alpha = std::min(1.0, sin2 / std::sqrt(sin2_max) + cos * std::sqrt(std::max(0.0, 1 - sin2 / sin2_max)));
-    const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha)), phi = 2 * M_PI * u.y;
-    const Frame3 frame = frame_around(normalize(-axis));
-    const Vec3 n = frame.to_world({float(sin_alpha * std::cos(phi)), float(sin_alpha * std::sin(phi)), float(cos_alpha)});
-    const Vec3 p = center + n * radius, to_point = p - from;
-    const double distance2 = length2(to_point), cos_light = std::fabs(double(dot(n, to_point))) / std::sqrt(distance2);
-    const double pdf = 1 / (2 * M_PI * one_minus);
-    return SphereLightSample{p, n, float(pdf), float(pdf * cos_light / distance2)};
+    const double x = double(center.x) - from.x, y = double(center.y) - from.y, z = double(center.z) - from.z;
+    const double d = std::sqrt(x * x + y * y + z * z), r = radius;
+    if (!(r > 0 && d > r)) return std::nullopt;
+    // 1 − cosθ of the cone and of the sample, without cancellation
+    const double sin_max = r / d, sin2_max = sin_max * sin_max;
+    const double cone = sin2_max / (1 + std::sqrt(1 - sin2_max)), t = u.x * cone;
+    const double cos_theta = 1 - t, sin2_theta = t * (2 - t);
+    // Angle γ at the sphere between its normal and the way back; α at the centre between the axis and the
+    // point
+    const double cos_gamma = std::sqrt(std::max(0.0, 1 - sin2_theta / sin2_max));
+    const double cos_alpha = std::min(1.0, sin2_theta / sin_max + cos_theta * cos_gamma);
+    const double sin_alpha = std::sqrt(1 - cos_alpha * cos_alpha), phi = 2 * M_PI * u.y;
+    const Frame3 frame = frame_around({float(-x / d), float(-y / d), float(-z / d)});
+    const Vec3 n = normalize(frame.to_world(
+        {float(sin_alpha * std::cos(phi)), float(sin_alpha * std::sin(phi)), float(cos_alpha)}));
+    const double distance = (d - r) * (d + r) / (d * cos_theta + r * cos_gamma);
+    const double pdf = 1 / (2 * M_PI * cone);
+    return SphereLightSample{center + n * radius, n, float(pdf),
+                             float(pdf * cos_gamma / (distance * distance))};
 }
 
-// Microfacets (GGX, isotropic; Walter et al. 2007)
+// Microfacets (GGX, isotropic; Walter et al. 2007). alpha is in [1e-3, 1].
 
-/// Density of microfacet normals, per solid angle × cosine.
-inline float ggx_d(float cos_h, float alpha) {
-    if (!(cos_h > 0)) return 0;
-    const float a2 = alpha * alpha, t = cos_h * cos_h * (a2 - 1) + 1;
-    return a2 / (kPi * t * t);
+/// Density of the microfacet normal h (local frame): its integral of D·cos over the hemisphere is 1.
+/// By tangent and not by cosine, so that alpha = 1e-3 keeps its digits.
+inline float ggx_d(Vec3 h, float alpha) {
+    if (!(h.z > 0)) return 0;
+    const float a2 = alpha * alpha, t = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
+    return 1 / (kPi * a2 * t * t);
 }
+/// Share of the microfacets seen from a direction at cosine cos_w; 0 from below.
 inline float smith_g1(float cos_w, float alpha) {
     if (!(cos_w > 0)) return 0;
     const float c2 = cos_w * cos_w, tan2 = std::max(0.f, 1 - c2) / c2;
     return 2 / (1 + std::sqrt(1 + alpha * alpha * tan2));
 }
 /// Separable masking and shadowing, as in Mitsuba 3.
-inline float smith_g2(float cos_i, float cos_o, float alpha) { return smith_g1(cos_i, alpha) * smith_g1(cos_o, alpha); }
+inline float smith_g2(float cos_i, float cos_o, float alpha) {
+    return smith_g1(cos_i, alpha) * smith_g1(cos_o, alpha);
+}
 
-/// Microfacet normal visible from wo (Heitz 2018); density G1·D·cos(wo, h)/cos(wo) per solid angle of h.
+/// Microfacet normal visible from wo, wo.z > 0 (Heitz 2018); density `pdf_ggx_vndf` per solid angle of h.
 inline Vec3 sample_ggx_vndf(Vec3 wo, float alpha, Vec2 u) {
     const Vec3 v = normalize({alpha * wo.x, alpha * wo.y, wo.z});
     const float l2 = v.x * v.x + v.y * v.y;
@@ -102,7 +111,7 @@ inline Vec3 sample_ggx_vndf(Vec3 wo, float alpha, Vec2 u) {
     return normalize({alpha * h.x, alpha * h.y, std::max(0.f, h.z)});
 }
 inline float pdf_ggx_vndf(Vec3 wo, Vec3 h, float alpha) {
-    return wo.z > 0 ? smith_g1(wo.z, alpha) * ggx_d(h.z, alpha) * std::max(0.f, dot(wo, h)) / wo.z : 0.f;
+    return wo.z > 0 ? smith_g1(wo.z, alpha) * ggx_d(h, alpha) * std::max(0.f, dot(wo, h)) / wo.z : 0.f;
 }
 
 /// Schlick's approximation of Fresnel reflectance from that at normal incidence.
@@ -110,7 +119,8 @@ inline Rgb schlick(Rgb f0, float cos) {
     const float m = std::clamp(1 - cos, 0.f, 1.f), m5 = m * m * m * m * m;
     return f0 + (Rgb{1, 1, 1} - f0) * m5;
 }
-/// Unpolarised reflectance of a smooth dielectric; cos_i < 0 comes from inside. eta = interior over exterior index.
+/// Unpolarised reflectance of a smooth dielectric; 1 at total reflection. cos_i > 0: from outside, < 0: from
+/// inside. eta = interior over exterior index of refraction.
 inline float fresnel_dielectric(float cos_i, float eta) {
     const float n = cos_i >= 0 ? eta : 1 / eta, c = std::min(1.f, std::fabs(cos_i));
     const float sin2_t = (1 - c * c) / (n * n);
@@ -119,11 +129,12 @@ inline float fresnel_dielectric(float cos_i, float eta) {
     const float s = (c - n * t) / (c + n * t), p = (n * c - t) / (n * c + t);
     return 0.5f * (s * s + p * p);
 }
-/// Direction through the surface for `wo` above `n`; eta = index on wo's side over index beyond. Empty: total reflection.
-inline std::optional<Vec3> refract(Vec3 wo, Vec3 n, float eta) {
-    const float cos_i = dot(wo, n), sin2_t = eta * eta * std::max(0.f, 1 - cos_i * cos_i);
+/// Direction through the surface for `wo` on the side of `n`. eta_ratio = index on wo's side over the index
+/// beyond: 1/eta from outside, eta from inside. Empty: total reflection.
+inline std::optional<Vec3> refract(Vec3 wo, Vec3 n, float eta_ratio) {
+    const float cos_i = dot(wo, n), sin2_t = eta_ratio * eta_ratio * std::max(0.f, 1 - cos_i * cos_i);
     if (sin2_t >= 1) return std::nullopt;
-    return n * (eta * cos_i - std::sqrt(1 - sin2_t)) - wo * eta;
+    return n * (eta_ratio * cos_i - std::sqrt(1 - sin2_t)) - wo * eta_ratio;
 }
 
 }  // namespace viscache

@@ -6,59 +6,74 @@ namespace {
 
 bool above(const ShadingPoint& sp, Vec3 w) { return dot(sp.ns, w) > 0 && dot(sp.ng, w) > 0; }
 
-/// Share of the diffuse part: what the specular layer does not reflect towards the eye. Keeps the sum ≤ 1.
-Rgb diffuse_part(const ShadingPoint& sp) {
+bool reflects(const ShadingPoint& sp, Vec3 wi) {
+    return (sp.kind == MaterialKind::kDiffuse || sp.kind == MaterialKind::kGlossy) && above(sp, wi) &&
+           above(sp, sp.wo);
+}
+
+/// Albedo of the diffuse part towards an eye at cosine cos_o: what the glossy lobe's Fresnel term leaves.
+Rgb diffuse_albedo(const ShadingPoint& sp, float cos_o) {
     if (sp.kind != MaterialKind::kGlossy) return sp.base;
-    return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, dot(sp.ns, sp.wo)));
+    return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
+}
+
+/// ∝ 1 − F(cos_i), with the factor 21/20 that makes its cosine-weighted mean one.
+float diffuse_entry(const ShadingPoint& sp, float cos_i) {
+    if (sp.kind != MaterialKind::kGlossy) return 1;
+    return 1.05f * (1 - schlick(Rgb{}, cos_i).x);
 }
 
 /// Probability of sampling the glossy lobe.
 float glossy_share(const ShadingPoint& sp) {
     if (sp.kind != MaterialKind::kGlossy) return 0;
-    const float glossy = luminance(schlick(sp.specular, dot(sp.ns, sp.wo))), diffuse = luminance(diffuse_part(sp));
-    return glossy + diffuse > 0 ? glossy / (glossy + diffuse) : 0.f;
+    const float cos_o = dot(sp.ns, sp.wo);
+    const float glossy = luminance(schlick(sp.specular, cos_o)),
+                diffuse = luminance(diffuse_albedo(sp, cos_o));
+    return glossy > 0 ? glossy / (glossy + diffuse) : 0.f;
+}
+
+struct Reflection {
+    Rgb f;
+    float pdf = 0;
+};
+
+/// f and density of one direction; both come from the same numbers, so that their quotient is smooth.
+Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
+    if (!reflects(sp, wi)) return {};
+    const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo), share = glossy_share(sp);
+    Reflection r{diffuse_albedo(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi), (1 - share) * cos_i / kPi};
+    if (sp.kind == MaterialKind::kGlossy) {
+        const Vec3 h = normalize(wi + sp.wo);
+        const float d = ggx_d(frame_around(sp.ns).to_local(h), sp.roughness);
+        const float shadowed = d / (4 * cos_i * cos_o) * smith_g2(cos_i, cos_o, sp.roughness);
+        r.f += schlick(sp.specular, dot(wi, h)) * shadowed;
+        // Density of the visible normal h over dω_i/dω_h = 4 cos(wo, h)
+        r.pdf += share * d * smith_g1(cos_o, sp.roughness) / (4 * cos_o);
+    }
+    return r;
 }
 
 }  // namespace
 
-Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi) {
-    if (!above(sp, wi) || !above(sp, sp.wo)) return {};
-    Rgb f = diffuse_part(sp) / kPi;
-    if (sp.kind == MaterialKind::kGlossy) {
-        const Vec3 h = normalize(wi + sp.wo);
-        const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo);
-        const float lobe = ggx_d(dot(sp.ns, h), sp.roughness) * smith_g2(cos_i, cos_o, sp.roughness) / (4 * cos_i * cos_o);
-        f += schlick(sp.specular, dot(wi, h)) * lobe;
-    }
-    return f;
-}
+Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).f; }
 
-float pdf_bsdf(const ShadingPoint& sp, Vec3 wi) {
-    if (!above(sp, wi) || !above(sp, sp.wo)) return 0;
-    const float share = glossy_share(sp);
-    float pdf = (1 - share) * dot(sp.ns, wi) / kPi;
-    if (share > 0) {
-        const Frame3 frame = frame_around(sp.ns);
-        const Vec3 h = normalize(wi + sp.wo), wo = frame.to_local(sp.wo);
-        pdf += share * pdf_ggx_vndf(wo, frame.to_local(h), sp.roughness) / (4 * std::max(1e-12f, dot(sp.wo, h)));
-    }
-    return pdf;
-}
+float pdf_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).pdf; }
 
 std::optional<BsdfSample> sample_bsdf(const ShadingPoint& sp, float u_lobe, Vec2 u) {
+    if (!above(sp, sp.wo)) return std::nullopt;
     const Frame3 frame = frame_around(sp.ns);
-    Vec3 wi;
+    Vec3 local;
     if (u_lobe < glossy_share(sp)) {
         const Vec3 wo = frame.to_local(sp.wo);
-        if (!(wo.z > 0)) return std::nullopt;
-        const Vec3 h = sample_ggx_vndf(wo, sp.roughness, u);
-        wi = frame.to_world(h * (2 * dot(wo, h)) - wo);
+        const Vec3 h = sample_ggx_vndf({wo.x, wo.y, std::max(wo.z, 1e-6f)}, sp.roughness, u);
+        local = h * (2 * dot(wo, h)) - wo;
     } else {
-        wi = frame.to_world(square_to_cosine_hemisphere(u));
+        local = square_to_cosine_hemisphere(u);
     }
-    const float pdf = pdf_bsdf(sp, wi);
-    if (!(pdf > 0)) return std::nullopt;
-    return BsdfSample{wi, eval_bsdf(sp, wi) * (dot(sp.ns, wi) / pdf), pdf};
+    const Vec3 wi = normalize(frame.to_world(local));
+    const Reflection r = reflect(sp, wi);
+    if (!(r.pdf > 0)) return std::nullopt;
+    return BsdfSample{wi, r.f * (dot(sp.ns, wi) / r.pdf), r.pdf};
 }
 
 }  // namespace viscache

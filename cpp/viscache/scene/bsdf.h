@@ -1,5 +1,5 @@
 #pragma once
-// Reflection of diffuse and glossy materials. Mirrors and glass are followed, not evaluated.
+// Reflection of diffuse and glossy materials. Mirrors and glass are followed, not evaluated: zero here.
 #include <optional>
 
 #include "viscache/sampling/warp.h"
@@ -16,9 +16,12 @@ struct ShadingPoint {
     float eta = 1.5f;
 };
 
-/// f(wo, wi) without the cosine, per steradian; zero below either normal.
+/// f(wo, wi) without the cosine, per steradian; symmetric in wo and wi; zero below either normal.
+/// Diffuse: base/π. Glossy: a GGX lobe with Schlick's Fresnel term of `specular`, over the diffuse part that
+/// the lobe leaves (Shirley et al. 1997): base/π · 21/20 · (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 − cos_i)⁵),
+/// whose albedo is base·(1 − F(cos_o)).
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi);
-/// Density of `sample_bsdf`, per solid angle.
+/// Density of `sample_bsdf`, per solid angle. Integrates to one minus the share of empty samples.
 float pdf_bsdf(const ShadingPoint& sp, Vec3 wi);
 
 struct BsdfSample {
@@ -26,7 +29,7 @@ struct BsdfSample {
     Rgb weight;  ///< f·cos/pdf
     float pdf;
 };
-/// Lobes chosen by luminance. Empty: the direction fell below the surface.
+/// Lobes chosen by the luminance of their albedo. Empty: the direction fell below the surface.
 std::optional<BsdfSample> sample_bsdf(const ShadingPoint& sp, float u_lobe, Vec2 u);
 
 }  // namespace viscache

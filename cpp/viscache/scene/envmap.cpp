@@ -10,135 +10,199 @@ namespace viscache {
 
 namespace {
 
-constexpr int kMaxResolution = 2048;
 constexpr double kPowerTolerance = 0.02;
+constexpr int kMaxResolution = 4096;
+constexpr int kMaxAutomatic = 2048;  // 200 MB of texels and tables at most, unless asked for
 
-/// Bilinear in the lat-long image: columns wrap around, rows stop at the poles.
-Rgb lookup(const Image& image, Vec3 d) {
+template <class... Parts>
+[[noreturn]] void fail(const Image& image, const Parts&... parts) {
+    std::ostringstream s;
+    if (!image.where.empty()) s << image.where << ": ";
+    s << "environment image '" << image.path << "' ";
+    (s << ... << parts);
+    throw SceneError(s.str());
+}
+
+Rgb pixel(const Image& image, int row, int column) {
+    const float* p = &image.pixels[(size_t(row) * image.width + column) * image.channels];
+    return image.channels >= 3 ? Rgb{p[0], p[1], p[2]} : Rgb{p[0], p[0], p[0]};
+}
+
+bool usable(Rgb c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; }
+
+void check(const Image& image, Rgb scale, const Affine& to_world, int resolution) {
+    const size_t expected =
+        size_t(std::max(0, image.width)) * std::max(0, image.height) * std::max(0, image.channels);
+    if (expected == 0 || image.pixels.size() != expected)
+        fail(image, "must have pixels, got ", image.width, " x ", image.height, " x ", image.channels);
+    for (int row = 0; row < image.height; ++row)
+        for (int column = 0; column < image.width; ++column)
+            if (const Rgb c = pixel(image, row, column); !usable(c * scale))
+                fail(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z, ") times scale (",
+                     scale.x, ", ", scale.y, ", ", scale.z, ") in row ", row, ", column ", column);
+    if (resolution != 0 &&
+        (resolution < 2 || resolution > kMaxResolution || !std::has_single_bit(unsigned(resolution))))
+        fail(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
+             resolution);
+    // A rotation, perhaps with a uniform scale: columns of one length at right angles
+    const auto& m = to_world.m;
+    double gram[3][3], size = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) gram[i][j] = m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
+    size = (gram[0][0] + gram[1][1] + gram[2][2]) / 3;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(size > 0) || !(std::abs(gram[i][j] - (i == j ? size : 0)) <= 1e-3 * size))
+                fail(image, ": to_world must be a rotation, got columns with dot product ", gram[i][j], " (",
+                     i, ", ", j, ")");
+}
+
+/// From the world to the map's frame: the transpose inverts a rotation; its scale does not matter.
+Vec3 to_map(const Affine& to_world, Vec3 w) {
+    const auto& m = to_world.m;
+    return normalize({float(m[0][0] * w.x + m[1][0] * w.y + m[2][0] * w.z),
+                      float(m[0][1] * w.x + m[1][1] * w.y + m[2][1] * w.z),
+                      float(m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z)});
+}
+
+/// Pixel of the lat-long image seen in direction d; bilinear when `smooth`. Columns wrap, rows end at the
+/// poles.
+Rgb lookup(const Image& image, Vec3 d, bool smooth) {
     float u = std::atan2(d.x, -d.z) * (0.5f / kPi);
     u -= std::floor(u);
     const float v = std::acos(std::clamp(d.y, -1.f, 1.f)) * (1 / kPi);
+    if (!smooth)
+        return pixel(image, std::min(int(v * image.height), image.height - 1),
+                     std::min(int(u * image.width), image.width - 1));
     const float x = u * image.width - 0.5f, y = v * image.height - 0.5f;
     const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
     const float fx = x - x0, fy = y - y0;
-    Rgb sum;
-    for (int dy = 0; dy < 2; ++dy)
-        for (int dx = 0; dx < 2; ++dx) {
-            const int xi = (x0 + dx + image.width) % image.width, yi = std::clamp(y0 + dy, 0, image.height - 1);
-            const float* p = &image.pixels[(size_t(yi) * image.width + xi) * image.channels];
-            const Rgb texel = image.channels >= 3 ? Rgb{p[0], p[1], p[2]} : Rgb{p[0], p[0], p[0]};
-            sum += texel * ((dx ? fx : 1 - fx) * (dy ? fy : 1 - fy));
-        }
-    return sum;
+    const int left = (x0 + image.width) % image.width, right = (x0 + 1) % image.width;
+    const int up = std::max(y0, 0), down = std::min(y0 + 1, image.height - 1);
+    return (pixel(image, up, left) * (1 - fx) + pixel(image, up, right) * fx) * (1 - fy) +
+           (pixel(image, down, left) * (1 - fx) + pixel(image, down, right) * fx) * fy;
 }
 
-void check_pixels(const Image& image) {
-    for (size_t i = 0; i < image.pixels.size(); ++i)
-        if (!(image.pixels[i] >= 0) || !std::isfinite(image.pixels[i])) {
-            std::ostringstream s;
-            s << "environment image '" << image.path << "' must be finite and >= 0, pixel (row "
-              << i / image.channels / image.width << ", column " << i / image.channels % image.width << ") is "
-              << image.pixels[i];
-            throw SceneError(s.str());
+/// n × n texels, each the mean of sub × sub look-ups.
+std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world, int n, int sub,
+                          bool smooth) {
+    std::vector<Rgb> texels(size_t(n) * n);
+    parallel_for(size_t(n), 0, [&](size_t y, int) {
+        for (int x = 0; x < n; ++x) {
+            Rgb sum;
+            for (int j = 0; j < sub; ++j)
+                for (int i = 0; i < sub; ++i) {
+                    const Vec2 p{(float(x) + (float(i) + 0.5f) / float(sub)) / float(n),
+                                 (float(y) + (float(j) + 0.5f) / float(sub)) / float(n)};
+                    sum += lookup(image, to_map(to_world, equal_area_to_direction(p)), smooth);
+                }
+            texels[y * n + x] = sum * scale / float(sub * sub);
         }
+    });
+    return texels;
 }
+
+double luminance_in_double(Rgb c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 /// Integral of the image's luminance over the sphere: rows weighted by their exact solid angle.
 double source_power(const Image& image, Rgb scale) {
     double power = 0;
     for (int y = 0; y < image.height; ++y) {
-        const double solid = 2 * M_PI / image.width *
-                             (std::cos(M_PI * y / image.height) - std::cos(M_PI * (y + 1) / image.height));
+        const double band = std::cos(M_PI * y / image.height) - std::cos(M_PI * (y + 1) / image.height);
         double row = 0;
-        for (int x = 0; x < image.width; ++x) {
-            const float* p = &image.pixels[(size_t(y) * image.width + x) * image.channels];
-            row += luminance((image.channels >= 3 ? Rgb{p[0], p[1], p[2]} : Rgb{p[0], p[0], p[0]}) * scale);
-        }
-        power += row * solid;
+        for (int x = 0; x < image.width; ++x) row += luminance_in_double(pixel(image, y, x) * scale);
+        power += row * band * 2 * M_PI / image.width;
     }
     return power;
-}
-
-/// Inverse of a rotation (with scale, its direction part is what counts).
-Vec3 to_map(const Affine& to_world, Vec3 w) {
-    // normal() applies the inverse transpose: for rotations the same matrix, so use the transpose by rows
-    const auto& m = to_world.m;
-    Vec3 d{float(m[0][0] * w.x + m[1][0] * w.y + m[2][0] * w.z), float(m[0][1] * w.x + m[1][1] * w.y + m[2][1] * w.z),
-           float(m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z)};
-    return normalize(d);
 }
 
 }  // namespace
 
 EnvironmentMap EnvironmentMap::constant(Rgb radiance) {
+    if (!usable(radiance)) {
+        std::ostringstream s;
+        s << "environment radiance must be finite and >= 0, got (" << radiance.x << ", " << radiance.y << ", "
+          << radiance.z << ")";
+        throw SceneError(s.str());
+    }
     EnvironmentMap map;
     map.pixels_ = {radiance};
     map.build_tables();
     return map;
 }
 
-EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const Affine& to_world, int resolution) {
-    check_pixels(image);
+EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const Affine& to_world,
+                                            int resolution) {
+    check(image, scale, to_world, resolution);
     EnvironmentMap map;
-    // 4π/N² ≤ the solid angle of a pixel at the equator
-    const double wish = resolution > 0 ? resolution : std::sqrt(2.0 * image.width * image.height / M_PI);
-    const int n = map.resolution_ = std::min(kMaxResolution, int(std::bit_ceil(uint32_t(std::max(wish, 2.0)))));
-    const int sub = n <= 1024 ? 4 : 2;  // samples per axis of a texel
-    map.pixels_.resize(size_t(n) * n);
-    parallel_for(size_t(n), 0, [&](size_t y, int) {
-        for (int x = 0; x < n; ++x) {
-            Rgb sum;
-            for (int i = 0; i < sub * sub; ++i) {
-                const Vec2 p{(x + (i % sub + 0.5f) / sub) / n, (y + (i / sub + 0.5f) / sub) / n};
-                sum += lookup(image, to_map(to_world, equal_area_to_direction(p)));
-            }
-            map.pixels_[y * n + x] = sum * scale / float(sub * sub);
-        }
-    });
-    map.build_tables();
+    // 4π/N² <= the solid angle of a pixel at the equator
+    const double same = std::sqrt(2.0 * image.width * image.height / M_PI);
+    map.resolution_ =
+        resolution ? resolution : int(std::bit_ceil(unsigned(std::clamp<double>(same, 2, kMaxAutomatic))));
+    // At least two look-ups per pixel's edge; where smoothing moves the power (light in a pole's row),
+    // nearest ones
+    const int sub = std::clamp(int(std::ceil(2 * same / map.resolution_)), 2, 64);
     const double wanted = source_power(image, scale);
-    map.power_ratio_ = map.total_power_ / wanted;
-    if (!(std::fabs(map.power_ratio_ - 1) <= kPowerTolerance)) {
-        std::ostringstream s;
-        s << "environment image '" << image.path << "': resampling must keep the power within 2 %, got a factor of "
-          << map.power_ratio_;
-        throw SceneError(s.str());
+    for (const bool smooth : {true, false}) {
+        map.pixels_ = resample(image, scale, to_world, map.resolution_, smooth ? sub : 4 * sub, smooth);
+        map.power_ratio_ = wanted > 0 ? map.power() / wanted : 1;
+        if (std::abs(map.power_ratio_ - 1) <= kPowerTolerance) break;
     }
+    if (!(std::abs(map.power_ratio_ - 1) <= kPowerTolerance))
+        fail(image, ": resampling must keep the power within 2 %, got a factor of ", map.power_ratio_);
     for (Rgb& p : map.pixels_) p = p * float(1 / map.power_ratio_);
     map.build_tables();
     return map;
 }
 
-void EnvironmentMap::build_tables() {
-    std::vector<double> weight(pixels_.size());
+double EnvironmentMap::power() const {
     double sum = 0;
-    for (size_t i = 0; i < pixels_.size(); ++i) sum += weight[i] = luminance(pixels_[i]);
-    if (!(sum > 0)) throw SceneError("the environment must not be black everywhere");
-    total_power_ = sum * 4 * M_PI / double(pixels_.size());
-    // A texel of pure blue has little luminance but must keep a chance: weights follow luminance, floored by the largest channel
-    for (size_t i = 0; i < pixels_.size(); ++i) weight[i] = std::max(weight[i], 0.1 * max_component(pixels_[i]));
-    if (resolution_ > 1) choice_ = Distribution1D(weight);
+    for (const Rgb& p : pixels_) sum += luminance_in_double(p);
+    return sum * 4 * M_PI / double(pixels_.size());
+}
+
+void EnvironmentMap::build_tables() {
+    total_power_ = power();
+    if (is_constant() || !(total_power_ > 0)) return;
+    const size_t n = size_t(resolution_);
+    std::vector<double> row(n), totals(n);
+    columns_.resize(n);
+    for (size_t y = 0; y < n; ++y) {
+        double sum = 0;
+        for (size_t x = 0; x < n; ++x) sum += row[x] = luminance_in_double(pixels_[y * n + x]);
+        if (sum > 0) columns_[y] = Distribution1D(row);
+        totals[y] = sum;
+    }
+    rows_ = Distribution1D(totals);
 }
 
 size_t EnvironmentMap::texel(Vec3 wi) const {
     const Vec2 p = direction_to_equal_area(wi);
-    const int x = std::min(int(p.x * resolution_), resolution_ - 1), y = std::min(int(p.y * resolution_), resolution_ - 1);
-    return size_t(y) * resolution_ + x;
+    const int n = resolution_, x = std::min(int(p.x * float(n)), n - 1),
+              y = std::min(int(p.y * float(n)), n - 1);
+    return size_t(y) * n + x;
 }
 
 EnvironmentMap::Sample EnvironmentMap::sample(Vec2 u) const {
-    if (is_constant()) return {equal_area_to_direction(u), pixels_[0], 1 / (4 * kPi)};
-    const auto pick = choice_.sample(u.x);
-    const Vec2 p{(float(pick.index % resolution_) + pick.u) / resolution_, (float(pick.index / resolution_) + u.y) / resolution_};
-    const Vec3 wi = equal_area_to_direction(p);
-    // Rounding at a texel's edge may lead next door: report what `eval` and `pdf` say there
-    const size_t at = texel(wi);
-    return {wi, pixels_[at], float(choice_.pmf(at) * double(pixels_.size()) / (4 * M_PI))};
+    if (rows_.size() == 0) {
+        const Vec3 wi = equal_area_to_direction(u);
+        return {wi, eval(wi), 1 / (4 * kPi)};
+    }
+    const auto row = rows_.sample(u.x), column = columns_[row.index].sample(u.y);
+    // Stay clear of the texel's edges by more than a direction's rounding, so that `eval(wi)` finds this
+    // texel
+    const float n = float(resolution_), margin = n * 0x1p-21f;
+    auto inside = [&](float jitter) { return std::clamp(jitter, margin, 1 - margin); };
+    const Vec2 p{(float(column.index) + inside(column.u)) / n, (float(row.index) + inside(row.u)) / n};
+    return {equal_area_to_direction(p), pixels_[row.index * size_t(resolution_) + column.index],
+            float(row.pmf * column.pmf * double(pixels_.size()) / (4 * M_PI))};
 }
 
 float EnvironmentMap::pdf(Vec3 wi) const {
-    if (is_constant()) return 1 / (4 * kPi);
-    return float(choice_.pmf(texel(wi)) * double(pixels_.size()) / (4 * M_PI));
+    if (rows_.size() == 0) return 1 / (4 * kPi);
+    const size_t at = texel(wi), row = at / size_t(resolution_), column = at % size_t(resolution_);
+    if (columns_[row].size() == 0) return 0;
+    return float(rows_.pmf(row) * columns_[row].pmf(column) * double(pixels_.size()) / (4 * M_PI));
 }
 
 }  // namespace viscache

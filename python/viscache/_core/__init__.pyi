@@ -8,7 +8,8 @@ import enum
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['MaterialKind', 'SceneDescription', 'SceneError', 'active_isa', 'best_isa']
+from . import aqvc
+__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'render_aqvc', 'render_exact', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -59,8 +60,20 @@ class SceneDescription:
         """
     def add_sphere_light(self, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         ...
+    def bounds(self) -> tuple[typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"]]:
+        """
+        Lowest and highest corner of the placed meshes and the sphere lights.
+        """
     def clear_environment(self) -> None:
         ...
+    def image_pixels(self, index: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Linear pixels (H, W, C) of a decoded image.
+        """
+    def mesh_arrays(self, index: typing.SupportsInt | typing.SupportsIndex) -> dict:
+        """
+        vertices, triangles, normals, uvs of one mesh.
+        """
     def set_environment(self, scale: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], *, image: typing.SupportsInt | typing.SupportsIndex = -1, to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
         """
         Constant radiance, or a lat-long image scaled.
@@ -72,9 +85,34 @@ class SceneDescription:
     def warn(self, where: str, text: str) -> None:
         ...
     @property
+    def cameras(self) -> list:
+        """
+        Every camera, as dicts.
+        """
+    @property
     def images(self) -> list:
         """
         Path, place, size of every image; width 0 = still to be decoded.
+        """
+    @property
+    def instances(self) -> list:
+        """
+        Every instance, as dicts.
+        """
+    @property
+    def lights(self) -> list:
+        """
+        Every light, as dicts.
+        """
+    @property
+    def materials(self) -> list:
+        """
+        Every material, as dicts.
+        """
+    @property
+    def meshes(self) -> list:
+        """
+        Facts of every mesh, as dicts.
         """
     @property
     def n_lights(self) -> int:
@@ -83,7 +121,231 @@ class SceneDescription:
     def n_meshes(self) -> int:
         ...
     @property
+    def triangle_count(self) -> int:
+        """
+        Placed triangles.
+        """
+    @property
     def warnings(self) -> list[tuple[str, str]]:
+        ...
+class Scene:
+    """
+    An immutable scene.
+    """
+    @staticmethod
+    def freeze(description: SceneDescription) -> Scene:
+        """
+        Validate and freeze a description.
+        """
+    @property
+    def bounds(self) -> tuple[typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"]]:
+        ...
+    @property
+    def center(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        ...
+    @property
+    def instances(self) -> int:
+        ...
+    @property
+    def memory_bytes(self) -> int:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def offset_extent(self) -> float:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @property
+    def triangles(self) -> int:
+        ...
+    @property
+    def unique_triangles(self) -> int:
+        ...
+class EmbreeCaster:
+    """
+    Exact rays by Embree.
+    """
+    def __init__(self, scene: Scene, *, robust: bool = True) -> None:
+        ...
+    def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        Baseline of `viscache bench rays`: a loop over one packet width.
+        """
+    def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+        ...
+    def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def visible(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+class PMode(enum.Enum):
+    """
+    Where the density of an eye point comes from.
+    """
+    FOOTPRINT: typing.ClassVar[PMode]
+    LAST_VERTEX: typing.ClassVar[PMode]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class PacketOrder(enum.Enum):
+    """
+    Which exact shadow rays share a packet.
+    """
+    BY_LIGHT: typing.ClassVar[PacketOrder]
+    BY_PIXEL: typing.ClassVar[PacketOrder]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class IntegratorSettings:
+    ambient: bool
+    ambient_cosine: bool
+    direct: bool
+    p_mode: PMode
+    shade_after_specular: bool
+    def __init__(self) -> None:
+        ...
+    @property
+    def ambient_max_distance(self) -> float:
+        ...
+    @ambient_max_distance.setter
+    def ambient_max_distance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def cosmin(self) -> float:
+        ...
+    @cosmin.setter
+    def cosmin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_depth(self) -> int:
+        ...
+    @max_depth.setter
+    def max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_ambient(self) -> int:
+        ...
+    @n_ambient.setter
+    def n_ambient(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_area(self) -> int:
+        ...
+    @n_area.setter
+    def n_area(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_brdf(self) -> int:
+        ...
+    @n_brdf.setter
+    def n_brdf(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_environment(self) -> int:
+        ...
+    @n_environment.setter
+    def n_environment(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_vpls(self) -> int:
+        ...
+    @n_vpls.setter
+    def n_vpls(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vpl_bound(self) -> float:
+        ...
+    @vpl_bound.setter
+    def vpl_bound(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vpl_candidates(self) -> int:
+        ...
+    @vpl_candidates.setter
+    def vpl_candidates(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vpl_eye_points(self) -> int:
+        ...
+    @vpl_eye_points.setter
+    def vpl_eye_points(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vpl_max_depth(self) -> int:
+        ...
+    @vpl_max_depth.setter
+    def vpl_max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class FrameSettings:
+    def __init__(self) -> None:
+        ...
+    @property
+    def height(self) -> int:
+        ...
+    @height.setter
+    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        ...
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def spp(self) -> int:
+        ...
+    @spp.setter
+    def spp(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def threads(self) -> int:
+        ...
+    @threads.setter
+    def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def width(self) -> int:
+        ...
+    @width.setter
+    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class Camera:
+    """
+    A pinhole camera.
+    """
+    fov_is_horizontal: bool
+    name: str
+    @property
+    def forward(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        ...
+    @property
+    def fov_rad(self) -> float:
+        ...
+    @fov_rad.setter
+    def fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def height(self) -> int:
+        ...
+    @height.setter
+    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        ...
+    @property
+    def right(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        ...
+    @property
+    def up(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        ...
+    @property
+    def width(self) -> int:
+        ...
+    @width.setter
+    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 def active_isa() -> str:
     """
@@ -93,3 +355,39 @@ def best_isa() -> str:
     """
     Best variant this CPU has.
     """
+def description_of(scene: Scene) -> SceneDescription:
+    """
+    A copy that can be changed.
+    """
+def embree_version() -> str:
+    ...
+def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
+    """
+    Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
+    """
+def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], fov_deg: typing.SupportsFloat | typing.SupportsIndex) -> Camera:
+    ...
+def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
+    ...
+def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool = True, progress: typing.Any = None) -> dict:
+    ...
+def scene_cameras(scene: Scene) -> list[Camera]:
+    ...
+def scene_hash(scene: Scene) -> str:
+    ...
+def scene_instances(scene: Scene) -> list:
+    """
+    (meshes, to_world (3, 4)) of every instance.
+    """
+def scene_lights(scene: Scene) -> list:
+    ...
+def scene_materials(scene: Scene) -> list:
+    ...
+def scene_mesh(scene: Scene, index: typing.SupportsInt | typing.SupportsIndex) -> dict:
+    """
+    Arrays of one mesh.
+    """
+def scene_mesh_count(scene: Scene) -> int:
+    ...
+def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
+    ...

@@ -7,8 +7,6 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 
 from __future__ import annotations
 
-from viscache._core import SceneDescription
-from viscache.scene import Scene
 from viscache.scenes.apartment import apartment
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
@@ -50,6 +48,3 @@ __all__ = [
     "window_room",
 ]
 
-
-def _finish(description: SceneDescription, spec: str) -> Scene:
-    return Scene.from_description(description, spec=spec)

@@ -46,11 +46,12 @@ def scene(
     def register(function: Callable[P, Builder]) -> Callable[P, Any]:
         @functools.wraps(function)
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
-            from viscache import scenes
+            from viscache.scene import Scene
 
             given = signature.bind(*args, **kwargs).arguments
-            spec = name + "?" * bool(given) + "&".join(f"{k}={v}" for k, v in given.items())
-            return scenes._finish(function(*args, **kwargs).description, spec)
+            query = "&".join(f"{k}={v}" for k, v in given.items() if v is not None)
+            spec = f"{name}?{query}" if query else name
+            return Scene.from_description(function(*args, **kwargs).description, spec=spec)
 
         name = function.__name__
         signature = inspect.signature(function)
@@ -121,8 +122,6 @@ TRUE, FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 def _value(name: str, text: str, hint: Any) -> Any:
     kinds = [k for k in typing.get_args(hint) or (hint,) if k is not type(None)]
     kind = kinds[0]
-    if text == "None" and kind is not hint:
-        return None
     if kind is bool:
         if text.lower() not in TRUE + FALSE:
             raise ValueError(f"{name} must be true or false, got {text!r}")

@@ -1,0 +1,204 @@
+# mypy: disable-error-code="misc, no-untyped-def, type-arg"
+"""
+Quantized visibility cache (AQVC).
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+class AqvcParameters:
+    """
+    Parameters of the quantized cache; see viscache.Aqvc.
+    """
+    env_rule: str
+    form: str
+    grid_offset: bool
+    hash: str
+    level_rule: str
+    normal_mode: str
+    order: str
+    refinement: str
+    res_rule: str
+    storage: str
+    tangent_neighbours: bool
+    vpl_key: str
+    def __init__(self, **kwargs) -> None:
+        ...
+    def level_list(self, group: typing.SupportsInt | typing.SupportsIndex, *, spp: typing.SupportsInt | typing.SupportsIndex = 1) -> list[float]:
+        """
+        C_E of every level of a light group, coarse to fine.
+        """
+    def validate(self) -> None:
+        ...
+    @property
+    def batch(self) -> int:
+        ...
+    @batch.setter
+    def batch(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_e(self) -> float:
+        ...
+    @c_e.setter
+    def c_e(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_e_group(self) -> typing.Annotated[list[float], "FixedSize(6)"]:
+        ...
+    @c_e_group.setter
+    def c_e_group(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(6)"]) -> None:
+        ...
+    @property
+    def c_finest(self) -> float:
+        ...
+    @c_finest.setter
+    def c_finest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_n(self) -> int:
+        ...
+    @c_n.setter
+    def c_n(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_pg(self) -> float:
+        ...
+    @c_pg.setter
+    def c_pg(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_r(self) -> float:
+        ...
+    @c_r.setter
+    def c_r(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def c_z(self) -> float:
+        ...
+    @c_z.setter
+    def c_z(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def cosmin(self) -> float:
+        ...
+    @cosmin.setter
+    def cosmin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def digest_bits(self) -> int:
+        ...
+    @digest_bits.setter
+    def digest_bits(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def grid_seed(self) -> int:
+        ...
+    @grid_seed.setter
+    def grid_seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def level_step(self) -> float:
+        ...
+    @level_step.setter
+    def level_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_levels(self) -> int:
+        ...
+    @max_levels.setter
+    def max_levels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def table_bytes(self) -> int:
+        ...
+    @table_bytes.setter
+    def table_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class BitTable:
+    """
+    The lossy table; misses are -1.
+    """
+    def __init__(self, slots: typing.SupportsInt | typing.SupportsIndex, digest_bits: typing.SupportsInt | typing.SupportsIndex = 31, scheme: str = 'scheme2') -> None:
+        ...
+    def clear(self) -> None:
+        ...
+    def get(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> list[int]:
+        ...
+    def put(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], arg1: collections.abc.Sequence[bool]) -> dict:
+        ...
+    @property
+    def occupied(self) -> int:
+        ...
+    @property
+    def slots(self) -> int:
+        ...
+class AnalyticCaster:
+    """
+    Boxes (lo, hi) and spheres (centre, radius).
+    """
+    def __init__(self, boxes: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], spheres: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        ...
+class TileRun:
+    """
+    The quantized cache over one tile of given eye points.
+    """
+    def __init__(self, caster: AnalyticCaster, eyes: dict, parameters: AqvcParameters, *, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, extent: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def block(self, lights: dict, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, exact: bool = False) -> tuple:
+        ...
+    def pair_order(self) -> tuple:
+        ...
+    def pairs(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], exact: bool = False) -> tuple:
+        ...
+def expected_paths(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg4: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 2.
+    """
+def full_keys(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dx: typing.SupportsInt | typing.SupportsIndex = 0, dy: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+    """
+    Keys of AQVC Sec. 3.3 and 3.5.
+    """
+def hash_keys(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], scheme: str = 'scheme2') -> numpy.typing.NDArray[numpy.uint32]:
+    """
+    AQVC Eq. 10: (κ, c).
+    """
+def ladder(r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c_r: typing.SupportsFloat | typing.SupportsIndex = 1.2, c_z: typing.SupportsFloat | typing.SupportsIndex = 4.0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int32], dict]:
+    """
+    AQVC Eq. 8: resolutions, slots, clamps.
+    """
+def largest_prime(arg0: typing.SupportsInt | typing.SupportsIndex) -> int:
+    ...
+def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Octahedral map of directions to the unit square.
+    """
+def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], y: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, parameters: AqvcParameters) -> dict:
+    """
+    Processing order of a tile's eye points (AQVC Sec. 4.3).
+    """
+def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 5.
+    """
+def patch_area_product(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 3.
+    """
+def resolution_environment(density: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], printed: typing.Annotated[numpy.typing.ArrayLike, numpy.bool] = False) -> typing.Any:
+    """
+    AQVC Eq. 9 of P(ω)·M.
+    """
+def resolution_eye(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 7, eye side: D_e, C_E, B_R.
+    """
+def resolution_light(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 7, light side: D_l, B_R.
+    """
+def resolution_pair(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 6 of D_e, D_l, C_E, B_R.
+    """

@@ -1,0 +1,225 @@
+"""Keys: AQVC Eq. 4, Sec. 3.3, 3.5."""
+
+import numpy as np
+import pytest
+
+from reference import aqvc as reference
+from viscache import _core
+
+aqvc = _core.aqvc
+CENTER, RADIUS = np.float32([0.3, -1.0, 2.0]), 7.5
+
+
+def unit(rng, n):
+    v = rng.normal(size=(n, 3))
+    return (v / np.linalg.norm(v, axis=1, keepdims=True)).astype(np.float32)
+
+
+def surface_points(n=500, seed=1):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-4, 4, (n, 3)).astype(np.float32), unit(rng, n)
+
+
+def keys(points, normals, r, *, semantic=0, far=None, far_normals=None, far_r=None, d=(0, 0), **p):
+    """Full keys, places and validity for the given parameters."""
+    n = len(points)
+    return aqvc.full_keys(
+        aqvc.AqvcParameters(**p), CENTER, RADIUS, points, normals, np.broadcast_to(r, n), semantic,
+        np.zeros((n, 3)) if far is None else far,
+        np.zeros((n, 3)) if far_normals is None else far_normals,
+        np.ones(n) if far_r is None else far_r, *d,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("normal_mode", ["round", "floor"])
+@pytest.mark.parametrize(("c_n", "c_z"), [(8, 4), (8, 8), (2, 1), (5, 3)])
+def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
+    """Eq. 4 and Sec. 3.3, bit for bit."""
+    x, n = surface_points()
+    y, m = surface_points(seed=2)
+    r = np.exp(np.random.default_rng(3).uniform(0, 10, len(x)))
+    rounding = normal_mode == "round"
+    got, place, valid, _ = keys(
+        x, n, r, semantic=2, far=y, far_normals=m, far_r=r[::-1], normal_mode=normal_mode,
+        c_n=c_n, c_z=c_z,
+    )  # fmt: skip
+    grid = reference.Grid(CENTER, RADIUS, c_n=c_n, c_z=c_z, rounding=rounding)
+    for i in range(len(x)):
+        eye, light = grid.place(x[i], n[i], r[i]), grid.place(y[i], m[i], r[len(x) - 1 - i])
+        assert tuple(got[i]) == (2, *eye.key, *light.key)
+        assert tuple(place[i]) == eye.f
+    assert valid.all()
+
+
+@pytest.mark.parametrize("semantic", [0, 1])
+def test_points_and_directions_are_keyed_by_their_bits(semantic):
+    """Sec. 3.5: reinterpreted floats, zero padded, semantic index first."""
+    x, n = surface_points(50)
+    far = unit(np.random.default_rng(4), 50)
+    got = keys(x, n, 30.0, semantic=semantic, far=far)[0]
+    np.testing.assert_array_equal(got[:, 8:11], far.view(np.int32))
+    assert (got[:, 0] == semantic).all() and (got[:, 11:] == 0).all()
+
+
+def test_environment_keys_are_octahedral_cells():
+    """Sec. 3.5: i, j, R."""
+    x, n = surface_points(2000)
+    w = unit(np.random.default_rng(5), 2000)
+    r = np.exp(np.random.default_rng(6).uniform(0, 6, 2000))
+    got = keys(x, n, 30.0, semantic=3, far=w, far_r=r)[0]
+    big = reference.ladder(r)
+    uv = reference.octahedron(w)
+    np.testing.assert_array_equal(got[:, 10], big)
+    np.testing.assert_array_equal(got[:, 8], np.minimum(big - 1, np.floor(uv[:, 0] * big)))
+    np.testing.assert_array_equal(got[:, 9], np.minimum(big - 1, np.floor(uv[:, 1] * big)))
+
+
+def test_the_octahedral_map_is_a_bijection_with_bounded_cell_areas():
+    """T11: distinct directions stay distinct, poles and z = ±0 included; areas within 5.2×."""
+    w = unit(np.random.default_rng(7), 10**6)
+    corners = np.float32([[0, 0, 1], [0, 0, -1], [1, 0, 0.0], [1, 0, -0.0], [0, -1, 0]])
+    uv = aqvc.octahedral_square(np.concatenate([w, corners]))
+    assert ((uv >= 0) & (uv <= 1)).all()
+    z = 1 - np.abs(2 * uv - 1).sum(1)
+    xy = np.where(z[:, None] < 0, 0, 2 * uv - 1)
+    sign = np.where(2 * uv - 1 >= 0, 1, -1)
+    xy = np.where(z[:, None] < 0, (1 - np.abs(2 * uv - 1)[:, ::-1]) * sign, 2 * uv - 1)
+    back = np.concatenate([xy, z[:, None]], 1)
+    back /= np.linalg.norm(back, axis=1, keepdims=True)
+    np.testing.assert_allclose(back, np.concatenate([w, corners]), atol=2e-6)
+    counts = np.histogram2d(*uv[:-5].T, bins=8, range=[[0, 1], [0, 1]])[0] / (1e6 / 64)
+    noise = 4 / np.sqrt(1e6 / 64 / 3)
+    assert counts.min() > 4.0 / 12.57 - noise and counts.max() < 20.8 / 12.57 + noise
+
+
+@pytest.mark.parametrize("offset", [(1, 0), (-1, 0), (0, 1), (0, -1)])
+def test_neighbours_on_a_plane_are_the_cells_one_width_away(offset):
+    """T18: for any tilt, the ±1 key is the key of the point moved along the plane by one cell."""
+    rng = np.random.default_rng(8)
+    x, n = rng.uniform(-3, 3, (400, 3)).astype(np.float32), unit(rng, 400)
+    r = 300.0
+    near, _, _, _ = keys(x, n, r, d=offset)
+    grid = reference.Grid(CENTER, RADIUS)
+    agree = 0
+    for i in range(len(x)):
+        placed = grid.place(x[i], n[i], r)
+        assert tuple(near[i][1:8]) == placed.neighbour(*offset, True)
+        ex, ey, ez = grid.frame(placed.bins)
+        w = 2 * RADIUS / placed.resolution
+        along = offset[0] * ex + offset[1] * ey
+        m = n[i].astype(np.float64)
+        moved = x[i] + w * (along - (along @ m) / (ez @ m) * ez)
+        agree += grid.place(moved, n[i], r).key == tuple(near[i][1:8])
+    assert agree >= 398  # a coordinate within rounding of a face may fall to either side
+
+
+def test_without_tangent_neighbours_the_normal_coordinate_is_kept():
+    """Alg. 2 as printed: offsets move the first two voxel coordinates only."""
+    x, n = surface_points(200)
+    own = keys(x, n, 50.0, tangent_neighbours=False)[0]
+    near = keys(x, n, 50.0, d=(1, 0), tangent_neighbours=False)[0]
+    step = np.zeros(15, np.int32)
+    step[4] = 1
+    np.testing.assert_array_equal(near, own + step)
+
+
+def test_both_sides_of_a_thin_wall_have_different_keys():
+    """T22: opposite normals never share a cluster, so light cannot leak through."""
+    x, n = surface_points(2000)
+    front = keys(x, n, 20.0)[0]
+    back = keys(x - np.float32(1e-4) * n, -n, 20.0)[0]
+    assert not (front == back).all(1).any()
+
+
+def test_random_light_vertices_occupy_the_poisson_share_of_their_cells():
+    """T21: 1 − 1/e of M distinct light cells where one sample per cell is expected."""
+    m, side = 4000, 4.0
+    y = np.random.default_rng(9).uniform(-side, side, (m, 3)).astype(np.float32)
+    y[:, 1] = 0
+    up = np.tile(np.float32([0, 1, 0]), (m, 1))
+    r = aqvc.resolution_light(m / (2 * side) ** 2, RADIUS)
+    got = keys(y, up, 20.0, semantic=2, far=y, far_normals=up, far_r=np.full(m, r))[0]
+    width = 2 * RADIUS / got[0, 14]
+    expected = (2 * side / width) ** 2 * (1 - np.exp(-m * width**2 / (2 * side) ** 2))
+    assert len(np.unique(got[:, 8:], axis=0)) == pytest.approx(expected, rel=0.06)
+    assert 0.55 < expected / m < 0.75
+
+
+@pytest.mark.parametrize(("rule", "grows"), [("derived", True), ("printed", False)])
+def test_only_the_derived_environment_rule_makes_finer_cells_for_more_samples(rule, grows):
+    """T21 and A3: printed Eq. 9 keeps the whole sky in a handful of cells."""
+    for m in (64, 256, 1024):
+        w = unit(np.random.default_rng(m), m)
+        r = aqvc.resolution_environment(m / (4 * np.pi), printed=rule == "printed")
+        got = keys(w, w, 20.0, semantic=3, far=w, far_r=np.full(m, r))[0]
+        cells = len(np.unique(got[:, 8:], axis=0))
+        assert cells > 0.45 * m if grows else cells <= 4
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize(("mode", "low", "high"), [("round", 1, 1), ("floor", 3, 100)])
+def test_noise_on_the_normals_of_a_wall_does_not_split_cells(mode, low, high):
+    """T19: rounding keeps one bin at 1e-3 noise; floor splits axis-aligned walls."""
+    rng = np.random.default_rng(10)
+    x = rng.uniform(-4, 4, (5000, 3)).astype(np.float32)
+    x[:, 1] = 0
+    n = (np.array([0, 1, 0]) + rng.uniform(-1e-3, 1e-3, x.shape)).astype(np.float32)
+    bins = np.unique(keys(x, n, 10.0, normal_mode=mode)[0][:, 1:4], axis=0)
+    assert low <= len(bins) <= high
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("mode", ["round", "floor"])
+@pytest.mark.parametrize("c_n", [1, 2, 3, 7, 64])
+def test_every_number_of_normal_bins_gives_finite_frames(c_n, mode):
+    """T19: odd C_N, C_N = 1, and the zero vector of C_N = 2 with floor."""
+    axes = np.concatenate([np.eye(3), -np.eye(3), np.ones((1, 3)) / np.sqrt(3)]).astype(np.float32)
+    got, place, valid, _ = keys(axes * 2, axes, 10.0, c_n=c_n, normal_mode=mode)
+    assert valid.all() and np.isfinite(place).all()
+    assert (got[:, 1:4] >= 0).all() and (got[:, 1:4] <= c_n).all()
+    keys(axes * 2, axes, 10.0, c_n=c_n, normal_mode=mode, d=(1, 0))
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize(("offset", "split"), [(True, False), (False, True)])
+def test_the_grid_offset_keeps_a_plane_through_the_centre_off_cell_faces(offset, split):
+    """T19: position noise of one ulp doubles the cells of such a plane without the offset."""
+    rng = np.random.default_rng(11)
+    x = rng.uniform(-4, 4, (5000, 3)).astype(np.float32) + CENTER
+    x[:, 1] = CENTER[1] + rng.choice([-1e-7, 1e-7], 5000).astype(np.float32)
+    up = np.tile(np.float32([0, 1, 0]), (5000, 1))
+    got = keys(x, up, 12.0, grid_offset=offset)[0]
+    assert (len(np.unique(got[:, 6])) > 1) == split
+
+
+@pytest.mark.extreme
+def test_negative_zero_is_zero_and_what_is_not_finite_has_no_key():
+    """T19: −0.0, NaN, ∞ and normals of length zero."""
+    x, n = surface_points(1)
+    plus = keys(x, n, 9.0, far=np.float32([[0.0, 1, 0.0]]))[0]
+    minus = keys(x, n, 9.0, far=np.float32([[-0.0, 1, -0.0]]))[0]
+    np.testing.assert_array_equal(plus, minus)
+    for bad in (np.nan, np.inf):
+        assert not keys(x * np.float32(bad), n, 9.0)[2].any()
+        assert not keys(x, n, 9.0, far=np.float32([[bad, 0, 0]]))[2].any()
+    assert not keys(x, n * 0, 9.0)[2].any()
+
+
+@pytest.mark.extreme
+def test_folded_keys_stay_distinct():
+    """T19: beyond R_max neighbouring floats still get their own keys."""
+    x, n = surface_points(20000)
+    n[:] = [0, 1, 0]
+    got = keys(x, n, 1e12)[0]
+    assert len(np.unique(got, axis=0)) == len(x) and (got[:, 7] < 0).all()
+    grid = reference.Grid(CENTER, RADIUS)
+    p = grid.place(x[0], n[0], 1e12)
+    assert tuple(got[0, 4:7]) == tuple(reference.fold(v) for v in p.v)
+
+
+def test_every_grid_seed_shifts_the_grid():
+    """Regridding experiments: another offset per seed, the same without."""
+    x, n = surface_points(300)
+    all_keys = {s: keys(x, n, 40.0, grid_seed=s)[0].tobytes() for s in range(5)}
+    assert len(set(all_keys.values())) == 5
+    assert all_keys[0] == keys(x, n, 40.0)[0].tobytes()

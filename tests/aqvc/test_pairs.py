@@ -1,0 +1,178 @@
+"""Connections of single eye points against the tile's table."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from aqvc import tiles
+from viscache import _core
+
+
+def area_queries(eyes, per_eye=16, seed=1, kind="area"):
+    """Random light samples per eye point, in eye order; facing pairs only."""
+    rng = np.random.default_rng(seed)
+    n = len(eyes["density"])
+    eye = np.repeat(np.arange(n), per_eye)
+    if kind == "area":
+        far = rng.uniform([-2, 5, -2], [2, 5, 2], (len(eye), 3)).astype(np.float32)
+        normal = np.tile(np.float32([0, -1, 0]), (len(eye), 1))
+        density = np.full(len(eye), per_eye / 16, np.float32)
+        facing = ((far - eyes["position"][eye]) * eyes["normal"][eye]).sum(1) > 0
+    else:
+        far = rng.normal(size=(len(eye), 3))
+        far[:, 1] = np.abs(far[:, 1])
+        far = (far / np.linalg.norm(far, axis=1, keepdims=True)).astype(np.float32)
+        normal = np.zeros_like(far)
+        density = np.full(len(eye), per_eye / (2 * np.pi), np.float32)
+        facing = (far * eyes["normal"][eye]).sum(1) > 0
+    return {
+        "eye": eye[facing],
+        "semantic": 2 if kind == "area" else 3,
+        "group": tiles.GROUPS[kind],
+        "far": far[facing],
+        "normal": normal[facing],
+        "density": density[facing],
+    }
+
+
+def ordered(run, queries):
+    """The queries in the oracle's processing order."""
+    rank = np.empty(queries["eye"].max() + 2, int)
+    order, ends = run.pair_order()
+    rank = np.empty(len(order), int)
+    rank[order] = np.arange(len(order))
+    at = np.argsort(rank[queries["eye"]], kind="stable")
+    return {k: v[at] if isinstance(v, np.ndarray) else v for k, v in queries.items()}, rank, ends
+
+
+def ask(run, queries, exact=False):
+    """Answers as an array, and the counters."""
+    q = {k: v for k, v in queries.items() if k != "eye"}
+    visible, counters = run.pairs(queries["eye"].tolist(), exact=exact, **q)
+    return np.array(visible), counters
+
+
+@pytest.mark.parametrize("kind", ["area", "environment"])
+def test_samples_of_many_eye_points_share_rays(kind):
+    """Area and environment samples: fewer rays, most bits right, every count adds up."""
+    eyes = tiles.eye_points()
+    run = tiles.tile_run(eyes, c_e=6)
+    queries, _, _ = ordered(run, area_queries(eyes, kind=kind))
+    exact, _ = ask(run, queries, exact=True)
+    visible, c = ask(run, queries)
+    group = c["groups"][tiles.GROUPS[kind]]
+    assert group["queries"] == len(exact) and group["occluded"] == (~visible).sum()
+    assert 0.05 * len(exact) < c["rays"] < 0.8 * len(exact)
+    assert 0 < (visible != exact).mean() < 0.15
+    assert c["lookups"] == len(exact) and c["table_writes"] == c["rays"]
+    assert c["table_slots"] == _core.aqvc.largest_prime(2**20)
+
+
+@pytest.mark.parametrize("kind", ["area", "environment"])
+def test_batches_do_not_depend_on_how_calls_are_cut(kind):
+    """T15: whole runs per call, several runs per call: the same bytes."""
+    eyes = tiles.eye_points()
+    whole = tiles.tile_run(eyes, c_e=6, batch=100)
+    queries, rank, ends = ordered(whole, area_queries(eyes, kind=kind))
+    want, counters = ask(whole, queries)
+    parts = tiles.tile_run(eyes, c_e=6, batch=100)
+    got, rays = [], 0
+    for first, last in zip([0, *ends[:-1]], ends, strict=True):
+        inside = (rank[queries["eye"]] >= first) & (rank[queries["eye"]] < last)
+        part = {k: v[inside] if isinstance(v, np.ndarray) else v for k, v in queries.items()}
+        visible, c = ask(parts, part)
+        got.append(visible)
+        rays += c["rays"]
+    np.testing.assert_array_equal(np.concatenate(got), want)
+    assert rays == counters["rays"]
+
+
+def test_without_refinement_rays_are_distinct_keys_in_every_order():
+    """T2: one ray per cluster, whatever the order."""
+    eyes, far = tiles.eye_points(), tiles.lights("point", 12)
+    wanted = tiles.facing(eyes, far)
+    options = {"c_e": 10, "refinement": "off", "storage": "exact", "form": "pairs"}
+    rays = set()
+    for order in ("hm", "scanline", "random"):
+        for batch in (1, 100):
+            run = tiles.tile_run(eyes, order=order, batch=batch, **options)
+            rays.add(run.block(far, wanted)[1]["rays"])
+    resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
+    n = len(eyes["density"])
+    keys = _core.aqvc.full_keys(
+        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
+        resolution, 0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n),
+    )[0]  # fmt: skip
+    cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+    distinct = {(cell[i], k) for i, k in zip(*np.nonzero(wanted), strict=True)}
+    assert rays == {len(distinct)}
+
+
+def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
+    """T5: clusters of uniform visibility contribute no error."""
+    eyes, far = tiles.eye_points(48, 48), tiles.lights("point", 12)
+    wanted = tiles.facing(eyes, far)
+    run = tiles.tile_run(eyes, c_e=10, refinement="off", storage="exact", form="pairs")
+    exact, _ = run.block(far, wanted, exact=True)
+    visible, _ = run.block(far, wanted)
+    resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
+    n = len(eyes["density"])
+    keys = _core.aqvc.full_keys(
+        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
+        resolution, 0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n),
+    )[0]  # fmt: skip
+    cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
+    ones = np.zeros((cell.max() + 1, 12), int)
+    asked = np.zeros_like(ones)
+    np.add.at(ones, cell, exact & wanted)
+    np.add.at(asked, cell, wanted)
+    mixed = (ones > 0) & (ones < asked)
+    wrong = (visible != exact) & wanted
+    assert wrong.any() and not (wrong & ~mixed[cell]).any()
+
+
+def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero():
+    """T14: eviction costs rays, not correctness."""
+    eyes, far = tiles.eye_points(), tiles.lights("point", 12)
+    wanted = tiles.facing(eyes, far)
+    sizes = [4, 400, 4000, 40000, 4 << 20]
+    options = {"c_e": 8, "form": "pairs", "order": "random", "batch": 1}
+    runs = [tiles.tile_run(eyes, table_bytes=b, **options) for b in sizes]
+    results = [run.block(far, wanted) for run in runs]
+    rays = [c["rays"] for _, c in results]
+    exact_storage = tiles.tile_run(eyes, storage="exact", **options)
+    assert all(b <= 1.05 * a for a, b in itertools.pairwise(rays))
+    assert rays[0] > 2 * rays[-1]
+    assert rays[-1] == pytest.approx(exact_storage.block(far, wanted)[1]["rays"], rel=0.01)
+    assert results[0][1]["evictions"] > 0.9 * results[0][1]["table_writes"]
+    one_slot = tiles.tile_run(eyes, c_e=1e-3, form="pairs", table_bytes=4)
+    visible, _ = one_slot.block(far, wanted)
+    np.testing.assert_array_equal(visible, one_slot.block(far, wanted, exact=True)[0])
+
+
+@pytest.mark.parametrize("kind", ["area", "vpl"])
+def test_equation_6_answers_blocks_and_pairs_alike(kind):
+    """Eq. 6 couples both ends: blocks go through the table."""
+    eyes, far = tiles.eye_points(), tiles.lights(kind, 40)
+    wanted = tiles.facing(eyes, far)
+    options = {"c_e": 8, "res_rule": "eq6", "vpl_key": "surface", "refinement": "off"}
+    run = tiles.tile_run(eyes, storage="exact", **options)
+    visible, c = run.block(far, wanted)
+    by_pairs = tiles.tile_run(eyes, storage="exact", form="pairs", **options)
+    np.testing.assert_array_equal(visible, by_pairs.block(far, wanted)[0])
+    assert 0 < c["rays"] < wanted.sum()
+    assert c["table_writes"] == c["rays"]
+
+
+def test_refined_area_samples_trace_more_and_err_less():
+    """Alg. 2 on light cells of surfaces: refinement on demand."""
+    eyes = tiles.eye_points()
+    results = {}
+    for refinement in ("off", "on"):
+        run = tiles.tile_run(eyes, c_e=12, refinement=refinement)
+        queries, _, _ = ordered(run, area_queries(eyes))
+        exact, _ = ask(run, queries, exact=True)
+        visible, c = ask(run, queries)
+        results[refinement] = (visible != exact).mean(), c["rays"]
+    assert results["on"][0] < results["off"][0] and results["on"][1] > results["off"][1]

@@ -1,0 +1,66 @@
+"""Processing orders: AQVC Sec. 4.3."""
+
+import numpy as np
+import pytest
+
+from reference import aqvc as reference
+from viscache import _core
+
+aqvc = _core.aqvc
+
+
+def make(width, height, branches=1, **options):
+    y, x = np.divmod(np.tile(np.arange(width * height), branches), width)
+    order = aqvc.order(x.tolist(), y.tolist(), width, height, aqvc.AqvcParameters(**options))
+    return x, y, order
+
+
+@pytest.mark.parametrize("order", ["hm", "scanline", "random"])
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (16, 16), (13, 29), (32, 8)])
+def test_every_eye_point_occurs_once(order, width, height):
+    """T17: a permutation, whatever the size, two eye points per position included."""
+    _, _, o = make(width, height, branches=2, order=order)
+    assert sorted(o["eye"]) == list(range(2 * width * height))
+    assert o["segment_end"][-1] == o["run_end"][-1] == 2 * width * height
+
+
+def test_segments_hold_the_points_of_the_halton_sequence():
+    """T17: cut at C_PI, C_PI·C_PG, …; Morton order inside, x on the low bit."""
+    x, y, o = make(24, 20, c_e=6)
+    visited = reference.halton_order(24, 20)
+    assert o["segment_end"][0] == 24 * 20 // 36
+    first, density = 0, 24 * 20 / 36
+    for end in o["segment_end"]:
+        assert end == min(480, int(density))
+        mine = [(int(x[e]), int(y[e])) for e in o["eye"][first:end]]
+        assert set(mine) == set(visited[first:end])
+
+        def morton(p):
+            return sum((p[0] >> b & 1) << 2 * b | (p[1] >> b & 1) << 2 * b + 1 for b in range(8))
+
+        assert mine == sorted(mine, key=morton)
+        first, density = end, density * 3.7
+
+
+def test_the_first_segment_leaves_no_large_gap():
+    """T17: some point of the first segment within 3·C_E of every pixel."""
+    x, y, o = make(64, 64, c_e=8)
+    chosen = o["eye"][: o["segment_end"][0]]
+    gap = np.hypot(x[:, None] - x[chosen], y[:, None] - y[chosen]).min(1)
+    assert gap.max() <= 3 * 8 / 2
+
+
+def test_runs_never_straddle_a_segment():
+    """Batches end at segments, so that later segments see earlier ones."""
+    _, _, o = make(32, 32, c_e=8, batch=50)
+    assert set(o["segment_end"]) <= set(o["run_end"])
+    assert np.diff([0, *o["run_end"]]).max() <= 50
+
+
+@pytest.mark.extreme
+def test_positions_outside_the_tile_fall_back_to_the_given_order():
+    """Bad positions are no reason to fail."""
+    o = aqvc.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
+    assert o["eye"] == [0, 1]
+    empty = aqvc.order([], [], 0, 0, aqvc.AqvcParameters())
+    assert empty["eye"] == [] and empty["run_end"] == []

@@ -1,0 +1,74 @@
+"""Level waves: Alg. 2 level by level for whole light groups."""
+
+import numpy as np
+import pytest
+
+from aqvc import tiles
+from reference import aqvc as reference
+from viscache import _core
+
+OPTIONS = [
+    {"c_e": 8},
+    {"c_e": 16},
+    {"c_e": 16, "level_step": 2, "c_finest": 1},
+    {"c_e": 40, "max_levels": 2, "c_z": 8, "c_r": 1.5},
+    {"c_e": 12, "tangent_neighbours": False, "normal_mode": "floor", "grid_offset": False},
+    {"c_e": 6, "refinement": "off"},
+    {"c_e": 2000},
+]
+
+
+def grid_of(options):
+    """The transcription's grids for the C++ parameters."""
+    return reference.Grid(
+        np.float32(tiles.CENTER),
+        tiles.RADIUS,
+        c_z=options.get("c_z", 4),
+        c_r=options.get("c_r", 1.2),
+        rounding=options.get("normal_mode", "round") == "round",
+        offset=(0.7549, 0.5698, 0.4263) if options.get("grid_offset", True) else (0, 0, 0),
+        tangent=options.get("tangent_neighbours", True),
+    )
+
+
+@pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
+@pytest.mark.parametrize("options", OPTIONS, ids=str)
+def test_waves_equal_their_transcription(kind, options):
+    """T23: values, rays of every level and leftover rays, exactly."""
+    eyes, far = tiles.eye_points(), tiles.lights(kind, 12)
+    wanted = tiles.facing(eyes, far)
+    run = tiles.tile_run(eyes, **options)
+    exact, _ = run.block(far, wanted, exact=True)
+    levels = _core.aqvc.AqvcParameters(**options).level_list(far["group"])
+    want = reference.waves(grid_of(options), eyes, levels, exact, wanted)
+    visible, counters = run.block(far, wanted)
+    np.testing.assert_array_equal(visible, want.visible)
+    assert counters["rays_per_level"][: len(levels)] == want.rays_per_level
+    assert counters["leftover_rays"] == want.leftover
+    assert counters["rays"] == want.rays < wanted.sum()
+
+
+def test_waves_of_nearer_and_farther_eye_points_share_rows_between_levels():
+    """T23 where levels coincide: one eye point's R does not change, its neighbour's does."""
+    eyes, far = tiles.eye_points(16, 16), tiles.lights("point", 6)
+    eyes["density"] *= np.geomspace(1e-6, 1, len(eyes["density"])).astype(np.float32)
+    wanted = tiles.facing(eyes, far)
+    options = {"c_e": 64, "level_step": 1.5}
+    run = tiles.tile_run(eyes, **options)
+    exact, _ = run.block(far, wanted, exact=True)
+    levels = _core.aqvc.AqvcParameters(**options).level_list(0)
+    want = reference.waves(grid_of(options), eyes, levels, exact, wanted)
+    visible, counters = run.block(far, wanted)
+    np.testing.assert_array_equal(visible, want.visible)
+    assert counters["rays_per_level"][: len(levels)] == want.rays_per_level
+
+
+def test_a_block_wider_than_one_row_of_512_bits_equals_its_parts():
+    """Columns do not influence each other."""
+    eyes, far = tiles.eye_points(16, 16), tiles.lights("point", 700)
+    wanted = tiles.facing(eyes, far)
+    run = tiles.tile_run(eyes, c_e=10)
+    whole = run.block(far, wanted)[0]
+    for part in (slice(0, 5), slice(500, 520), slice(650, 700)):
+        some = {k: v[part] if isinstance(v, np.ndarray) else v for k, v in far.items()}
+        np.testing.assert_array_equal(run.block(some, wanted[:, part])[0], whole[:, part])

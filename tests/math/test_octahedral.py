@@ -1,0 +1,134 @@
+"""math/octahedral.h: octahedral maps of the sphere."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from sampling.chi_square import p_value
+from viscache import _core
+
+maps = _core.sampling
+Array = npt.NDArray[np.float64]
+EQUAL_AREA = (maps.direction_to_equal_area, maps.equal_area_to_direction)
+OCTAHEDRAL = (maps.direction_to_octahedral, maps.octahedral_to_direction)
+BOTH = pytest.mark.parametrize("pair", [OCTAHEDRAL, EQUAL_AREA], ids=["octahedral", "equal area"])
+
+
+def directions(n: int) -> Array:
+    """Random directions, and those where the maps fold: poles, axes, z = ±0, near both."""
+    rng = np.random.default_rng(1)
+    d = rng.normal(size=(n, 3))
+    flat = rng.normal(size=(1000, 3)) * [1, 1, 0]
+    flat[500:, 2] = -0.0
+    steep = rng.normal(size=(1000, 3)) * [1e-4, 1e-4, 1]
+    thin = rng.normal(size=(1000, 3)) * [1, 1e-6, 1]
+    low = rng.normal(size=(1000, 3)) * [1, 1, 1e-7]
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    d = np.concatenate([d, flat, steep, thin, low, axes])
+    return d / np.linalg.norm(d, axis=1)[:, None]
+
+
+def octahedral_transcription(d: Array) -> Array:
+    u, v = d[:, :2].T / np.abs(d).sum(1)
+    sign_u, sign_v = np.where(u >= 0, 1, -1), np.where(v >= 0, 1, -1)
+    below = d[:, 2] < 0
+    u, v = (
+        np.where(below, (1 - np.abs(v)) * sign_u, u),
+        np.where(below, (1 - np.abs(u)) * sign_v, v),
+    )
+    return np.stack([u, v], 1) / 2 + 0.5
+
+
+def test_the_octahedral_map_is_the_published_one() -> None:
+    d = directions(100_000)
+    assert maps.direction_to_octahedral(d) == pytest.approx(octahedral_transcription(d), abs=2e-7)
+
+
+def test_the_octahedral_map_takes_directions_of_any_length() -> None:
+    d = np.array([[1.0, 2.0, -3.0]])
+    for scale in (1e-30, 1e30):
+        assert maps.direction_to_octahedral(scale * d) == pytest.approx(
+            octahedral_transcription(d), abs=1e-6
+        )
+    assert maps.direction_to_octahedral(np.zeros((1, 3))).tolist() == [[0.5, 0.5]]
+
+
+@BOTH
+def test_directions_survive_the_round_trip(pair) -> None:  # type: ignore[no-untyped-def]
+    there, back = pair
+    d = directions(1_000_000)
+    p = there(d)
+    assert p.min() >= 0 and p.max() <= 1
+    assert np.abs(back(p) - d).max() <= 1e-6
+
+
+@BOTH
+def test_points_of_the_square_survive_the_round_trip(pair) -> None:  # type: ignore[no-untyped-def]
+    there, back = pair
+    p = np.random.default_rng(2).random((1_000_000, 2)).astype(np.float32)
+    d = back(p)
+    assert np.linalg.norm(d.astype(float), axis=1) == pytest.approx(1, abs=2e-7)
+    assert np.abs(there(d) - p).max() <= 1e-6
+
+
+@BOTH
+def test_the_border_of_the_square_is_folded_onto_itself(pair) -> None:  # type: ignore[no-untyped-def]
+    _, back = pair
+    t = np.linspace(0, 1, 101)
+    for end in (0.0, 1.0):
+        edge = np.stack([t, np.full(101, end)], 1)
+        assert back(edge) == pytest.approx(back(edge * [-1, 1] + [1, 0]), abs=1e-6)
+    assert back(np.array([[0.5, 0.5]]))[0] == pytest.approx([0, 0, 1], abs=1e-6)
+    assert back(np.array([[0, 0], [0, 1], [1, 0], [1, 1.0]])) == pytest.approx(
+        np.tile([0, 0, -1.0], (4, 1)), abs=1e-6
+    )
+
+
+def spherical_triangles(a: Array, b: Array, c: Array) -> Array:
+    """Solid angles (Van Oosterom and Strackee 1983)."""
+    numerator = np.abs(np.einsum("...i,...i", a, np.cross(b, c)))
+    dots = [np.einsum("...i,...i", *pair) for pair in ((a, b), (b, c), (c, a))]
+    return 2 * np.arctan2(numerator, 1 + sum(dots))
+
+
+def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-untyped-def]
+    """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold's direction."""
+    n = cells * sub
+    t = np.arange(n + 1) / n
+    corner = back(np.stack(np.meshgrid(t, t, indexing="ij"), -1).reshape(-1, 2)).astype(float)
+    corner = corner.reshape(n + 1, n + 1, 3)
+    p00, p10, p01, p11 = corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:], corner[1:, 1:]
+    anti = spherical_triangles(p00, p10, p01) + spherical_triangles(p11, p10, p01)
+    main = spherical_triangles(p00, p10, p11) + spherical_triangles(p00, p01, p11)
+    half = t[:-1] + 0.5 / n > 0.5
+    quads = np.where(half[:, None] == half[None, :], anti, main)
+    return quads.reshape(cells, sub, cells, sub).sum((1, 3))
+
+
+def test_octahedral_cells_differ_by_the_factor_that_is_derived() -> None:
+    """Solid angle per unit square in [4.0, 20.8], mean 4π; cells are exact spherical quads."""
+    cells = cell_solid_angles(maps.octahedral_to_direction, 128, 1)
+    assert cells.sum() == pytest.approx(4 * np.pi, rel=1e-5)
+    ratio = cells * 128**2 / (4 * np.pi)
+    assert ratio.min() >= 4.0 / 12.57 - 1e-3 and ratio.max() <= 20.8 / 12.57
+    assert ratio.min() < 4.2 / 12.57 and ratio.max() > 19.8 / 12.57  # the bounds are tight
+
+
+def test_equal_area_texels_span_equal_solid_angles() -> None:
+    cells = cell_solid_angles(maps.equal_area_to_direction, 16, 32)
+    assert cells == pytest.approx(4 * np.pi / 256, rel=2e-3)
+    assert cells.sum() == pytest.approx(4 * np.pi, rel=1e-4)
+
+
+@pytest.mark.stat
+def test_uniform_directions_fill_equal_area_texels_evenly() -> None:
+    d = np.random.default_rng(3).normal(size=(400_000, 3))
+    d /= np.linalg.norm(d, axis=1)[:, None]
+
+    def counts(there) -> Array:  # type: ignore[no-untyped-def]
+        i, j = np.minimum((there(d) * 32).astype(int), 31).T
+        return np.bincount(i * 32 + j, minlength=1024).astype(float)
+
+    expected = np.full(1024, 400_000 / 1024)
+    assert p_value(counts(maps.direction_to_equal_area), expected) >= 1e-3
+    assert p_value(counts(maps.direction_to_octahedral), expected) < 1e-6  # negative control

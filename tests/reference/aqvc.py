@@ -1,0 +1,321 @@
+"""The quantized cache in plain NumPy and dictionaries, written from the paper.
+
+Popov, Georgiev, Slusallek, Dachsbacher, *Adaptive Quantization Visibility Caching*,
+Eurographics 2013, with the corrections documented in docs/deviations.md. Slow on purpose: one
+eye point, one light at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Key = tuple[int, ...]
+NEIGHBOURS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+def resolution_pair(d_e: Array, d_l: Array, c_e: float, b_r: float) -> Array:
+    """Eq. 6 with the fourth root; D_e·D_l = P_e·P_l·N_P."""
+    return 2 * b_r * (d_e * d_l / c_e**2) ** 0.25
+
+
+def resolution_eye(d_e: Array, c_e: float, b_r: float) -> Array:
+    """Eq. 7, eye side."""
+    return 2 * b_r * np.sqrt(d_e) / c_e
+
+
+def resolution_light(d_l: Array, b_r: float) -> Array:
+    """Eq. 7, light side."""
+    return 2 * b_r * np.sqrt(d_l)
+
+
+def resolution_environment(d: Array) -> Array:
+    """Eq. 9 with 4π on the side where the areas agree."""
+    return np.sqrt(4 * np.pi * d)
+
+
+def ladder(r: Array, c_r: float = 1.2) -> Array:
+    """Eq. 8 as printed, after R >= 1."""
+    r = np.maximum(np.asarray(r, np.float64), 1.0)
+    k = np.floor(np.log(r) / np.log(c_r) + 0.5)
+    return np.maximum(1.0, np.floor(c_r**k))
+
+
+def fold(v: int) -> int:
+    """64-bit coordinate mixed down to a signed 32-bit slot (MurmurHash3's finaliser)."""
+    m = 2**64 - 1
+    h = v & m
+    h ^= h >> 33
+    h = h * 0xFF51AFD7ED558CCD & m
+    h ^= h >> 33
+    h = h * 0xC4CEB9FE1A85EC53 & m
+    h ^= h >> 33
+    h &= 0xFFFFFFFF
+    return h - 2**32 if h >= 2**31 else h
+
+
+def octahedron(w: Array) -> Array:
+    """Octahedral map of unit directions to [0, 1]², sgn(0) = +1."""
+    w = np.asarray(w, np.float64)
+    p = w / np.abs(w).sum(-1, keepdims=True)
+    s = np.where(p[..., :2] >= 0, 1.0, -1.0)
+    folded = (1 - np.abs(p[..., 1::-1])) * s
+    return np.where(p[..., 2:] < 0, folded, p[..., :2]) * 0.5 + 0.5
+
+
+@dataclass
+class Grid:
+    """Virtual grids of one scene: what Eq. 4 and Sec. 3.3 need."""
+
+    center: Sequence[float]
+    radius: float
+    c_n: int = 8
+    c_z: float = 4.0
+    c_r: float = 1.2
+    rounding: bool = True
+    offset: tuple[float, float, float] = (0.7549, 0.5698, 0.4263)
+    tangent: bool = True
+
+    def frame(self, bins: Sequence[int]) -> tuple[Array, Array, Array]:
+        """Axes of the grid of a normal bin (Duff et al.'s basis around d_z of Eq. 4)."""
+        d = 2.0 * np.asarray(bins, np.float64) / self.c_n - 1
+        n = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+        x, y, z = d / n if n > 0 else np.array([0.0, 0.0, 1.0])
+        s = np.copysign(1.0, z)
+        a = -1 / (s + z)
+        b = x * y * a
+        return (
+            np.array([1 + s * x * x * a, s * b, -s * x]),
+            np.array([b, s + y * y * a, -y]),
+            np.array([x, y, z]),
+        )
+
+    def place(self, p: Array, n: Array, r: float) -> Placed:
+        """Cell of point p with normal n for the real-valued resolution r."""
+        p, n = np.asarray(p, np.float64), np.asarray(n, np.float64)
+        shift = 0.5 if self.rounding else 0.0
+        bins = np.clip(np.floor((n + 1) / 2 * self.c_n + shift), 0, self.c_n).astype(int)
+        ex, ey, ez = self.frame(bins)
+        q = p - np.asarray(self.center, np.float64)
+
+        def along(e: Array, v: Array) -> float:
+            return float(e[0] * v[0] + e[1] * v[1] + e[2] * v[2])
+
+        big = float(ladder(np.array(r), self.c_r))
+        s = big / (2 * self.radius)
+        f = (
+            (along(ex, q) + self.radius) * s + self.offset[0],
+            (along(ey, q) + self.radius) * s + self.offset[1],
+            (along(ez, q) + self.radius) * s * self.c_z + self.offset[2],
+        )
+        nz = along(ez, n)
+        steep = abs(nz) <= 0.01
+        slope = (0.0, 0.0) if steep else tuple(self.c_z * along(e, n) / nz for e in (ex, ey))
+        v = tuple(int(np.floor(c)) for c in f)
+        return Placed(tuple(int(b) for b in bins), int(big), v, f, slope)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A point in its cell."""
+
+    bins: tuple[int, ...]
+    resolution: int
+    v: tuple[int, ...]
+    f: tuple[float, ...]
+    slope: tuple[float, ...]
+
+    @property
+    def key(self) -> Key:
+        """Seven integers: ω_q, voxel, R."""
+        return (*self.bins, *self.v, self.resolution)
+
+    def neighbour(self, dx: int, dy: int, tangent: bool) -> Key:
+        """Key of the neighbour; along the tangent plane, or at the same v_z."""
+        z = self.v[2]
+        if tangent:
+            z = int(np.floor(self.f[2] - (dx * self.slope[0] + dy * self.slope[1])))
+        return (*self.bins, self.v[0] + dx, self.v[1] + dy, z, self.resolution)
+
+    @property
+    def distance2(self) -> float:
+        """Squared distance to the centre in the tangent coordinates, in cells."""
+        a, b = self.f[0] - self.v[0] - 0.5, self.f[1] - self.v[1] - 0.5
+        return a * a + b * b
+
+
+@dataclass
+class Result:
+    """Answers and what they cost."""
+
+    visible: NDArray[np.bool_]
+    rays_per_level: list[int] = field(default_factory=list)
+    leftover: int = 0
+
+    @property
+    def rays(self) -> int:
+        """All rays."""
+        return sum(self.rays_per_level) + self.leftover
+
+
+def place_all(grid: Grid, eyes: dict, levels: Sequence[float]) -> list[list[Placed]]:
+    """Cells of every eye point at every level."""
+    d = np.asarray(eyes["density"], np.float64)
+    return [
+        [
+            grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.radius))
+            for c in levels
+        ]
+        for i in range(len(d))
+    ]
+
+
+def alg2(
+    grid: Grid,
+    eyes: dict,
+    levels: Sequence[float],
+    exact: NDArray[np.bool_],
+    wanted: NDArray[np.bool_],
+    order: Sequence[int],
+) -> Result:
+    """Alg. 2, one query at a time in the given order, against a dictionary."""
+    placed = place_all(grid, eyes, levels)
+    table: dict[tuple[Key, int], bool] = {}
+    out = Result(np.zeros_like(wanted), [0] * len(levels))
+    for i in order:
+        steps = [(d, c) for d, c in enumerate(placed[i]) if d == 0 or c.key != placed[i][d - 1].key]
+        for k in np.flatnonzero(wanted[i]):
+            for d, cell in steps:
+                value = table.get((cell.key, k))
+                if value is None:
+                    value = bool(exact[i, k])
+                    table[cell.key, k] = value
+                    out.rays_per_level[d] += 1
+                    break
+                near = [table.get((cell.neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS]
+                if all(n is None or n == value for n in near):
+                    break
+            out.visible[i, k] = value
+    return out
+
+
+def waves(
+    grid: Grid,
+    eyes: dict,
+    levels: Sequence[float],
+    exact: NDArray[np.bool_],
+    wanted: NDArray[np.bool_],
+) -> Result:
+    """Level waves: Alg. 2 level by level, each cell asked through its central eye point."""
+    placed = place_all(grid, eyes, levels)
+    n_eyes, depth = len(placed), len(levels)
+    # Cells in order of first touch; an eye point whose R did not change keeps its cell.
+    cell_of: list[list[tuple[int, Key]]] = [[] for _ in range(n_eyes)]
+    members: dict[tuple[int, Key], list[int]] = {}
+    for d in range(depth):
+        for i in range(n_eyes):
+            if d > 0 and cell_of[i][d - 1][1] == placed[i][d].key:
+                cell_of[i].append(cell_of[i][d - 1])
+                continue
+            cell = (d, placed[i][d].key)
+            cell_of[i].append(cell)
+            members.setdefault(cell, []).append(i)
+    rep: dict[tuple[int, Key], int] = {}
+    for cell, inside in members.items():
+        d = cell[0]
+        coarser = [i for i in inside if any(rep[cell_of[i][e]] == i for e in range(d))]
+        rep[cell] = min(coarser or inside, key=lambda i: (placed[i][d].distance2, i))
+
+    value: dict[tuple[tuple[int, Key], int], bool] = {}
+    asking = [set(np.flatnonzero(wanted[i]).tolist()) for i in range(n_eyes)]
+    out = Result(np.zeros_like(wanted), [0] * depth)
+    need: dict[tuple[int, Key], set[int]] = {c: set() for c in members}
+    for d in range(depth):
+        cells = [c for c in members if c[0] == d]
+        traced = {}
+        for cell in cells:
+            r = rep[cell]
+            mine = set(np.flatnonzero(wanted[r]).tolist())
+            traced[cell] = [
+                k for k in sorted(mine if d == 0 else need[cell] & mine) if (cell, k) not in value
+            ]
+            for k in traced[cell]:
+                value[cell, k] = bool(exact[r, k])
+            out.rays_per_level[d] += len(traced[cell])
+        if d == depth - 1:
+            break
+        for cell in cells:
+            for finer in cell_of[rep[cell]][d + 1 :]:
+                for k in traced[cell]:
+                    value.setdefault((finer, k), value[cell, k])
+        near = {}
+        for cell in cells:
+            p = placed[rep[cell]][d]
+            near[cell] = []
+            for o in NEIGHBOURS:
+                candidates = [(d, p.neighbour(*o, grid.tangent)), (d, p.neighbour(*o, False))]
+                near[cell] += [c for c in candidates if c in members][:1]
+        for i in range(n_eyes):
+            cell = cell_of[i][d]
+            if cell[0] == d:
+                for k in list(asking[i]):
+                    v = value.get((cell, k))
+                    if v is None or any(value.get((c, k), v) != v for c in near[cell]):
+                        continue
+                    out.visible[i, k] = v
+                    asking[i].discard(k)
+            need[cell_of[i][d + 1]] |= asking[i]
+    for i in range(n_eyes):
+        for k in asking[i]:
+            v = value.get((cell_of[i][-1], k))
+            if v is None:
+                v = bool(exact[i, k])
+                out.leftover += 1
+            out.visible[i, k] = v
+    return out
+
+
+def halton_order(width: int, height: int) -> list[tuple[int, int]]:
+    """Positions (x, y) as the Halton sequence of bases 2 and 3 visits them."""
+
+    def inverse(i: int, base: int, digits: int) -> int:
+        r = 0
+        for _ in range(digits):
+            r, i = r * base + i % base, i // base
+        return r
+
+    a = next(a for a in range(40) if 2**a >= width)
+    b = next(b for b in range(40) if 3**b >= height)
+    points = ((inverse(i % 2**a, 2, a), inverse(i % 3**b, 3, b)) for i in range(2**a * 3**b))
+    return [(x, y) for x, y in points if x < width and y < height]
+
+
+def scheme1(key: Sequence[int]) -> tuple[int, int]:
+    """Eq. 10: two linear congruential chains; the digest is the high 31 bits of c."""
+    m = 2**32 - 1
+    kappa, c = 12345, 67890
+    for j in key:
+        kappa = (kappa * 1664525 + 1013904223 & m) ^ (j & m)
+        c = (c * 2891336453 + 1640531513) + j & m
+    return kappa * 1664525 + 1013904223 & m, (c * 2891336453 + 1640531513 & m) >> 1
+
+
+def scheme2(key: Sequence[int]) -> tuple[int, int]:
+    """Second scheme of Sec. 4.1: d ← A(C(d)) xor j."""
+    m = 2**64 - 1
+
+    def step(d: int) -> int:
+        d = d * 2862933555777941757 + 7046029254386353087 & m
+        d ^= d << 21 & m
+        d ^= d >> 35
+        return d ^ (d << 4 & m)
+
+    d = 88172645463325252
+    for j in key:
+        d = step(d) ^ (j & 2**32 - 1)
+    d = step(d)
+    return d >> 32, d & 0x7FFFFFFF

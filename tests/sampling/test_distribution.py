@@ -1,0 +1,66 @@
+"""sampling/distribution.h: indices with given probabilities."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import stats
+
+from sampling.chi_square import p_value
+from viscache import _core
+
+Distribution = _core.sampling.Distribution1D
+weights_strategy = arrays(
+    np.float64, st.integers(1, 40), elements=st.one_of(st.just(0.0), st.floats(1e-6, 1e6))
+).filter(lambda w: w.sum() > 0)
+LAST = np.nextafter(1.0, 0.0)
+
+
+@given(weights=weights_strategy, u=st.lists(st.floats(0, LAST), min_size=1, max_size=20))
+def test_an_index_of_weight_zero_is_never_chosen(weights: np.ndarray, u: list[float]) -> None:
+    distribution = Distribution(weights)
+    index, pmf, rest = distribution.sample(np.array([*u, 0.0, LAST]))
+    assert (weights[index] > 0).all()
+    assert (pmf > 0).all()
+    assert pmf.tolist() == [distribution.pmf(int(i)) for i in index]
+    assert (rest >= 0).all() and (rest < 1).all()
+
+
+@given(weights=weights_strategy)
+def test_probabilities_are_the_shares_of_the_weights(weights: np.ndarray) -> None:
+    distribution = Distribution(weights)
+    pmf = np.array([distribution.pmf(i) for i in range(len(distribution))])
+    assert pmf == pytest.approx(weights / weights.sum(), rel=1e-6, abs=1e-12)
+    assert distribution.total == pytest.approx(weights.sum())
+
+
+def test_the_last_number_finds_the_last_weight_that_is_not_zero() -> None:
+    index, _, _ = Distribution(np.array([0.0, 1.0, 2.0, 0.0, 0.0])).sample(np.array([0.0, LAST]))
+    assert index.tolist() == [1, 2]
+
+
+@pytest.mark.stat
+def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
+    weights = np.random.default_rng(1).random(50) ** 3
+    weights[[0, 7, 49]] = 0
+    index, _, rest = Distribution(weights).sample(np.random.default_rng(2).random(200_000))
+    counts = np.bincount(index, minlength=50)
+    assert p_value(counts, 200_000 * weights / weights.sum()) >= 1e-3
+    for i in (1, 20, 48):
+        assert stats.kstest(rest[index == i], "uniform").pvalue >= 1e-3 / 3
+    # Negative control: other weights
+    assert p_value(counts[1:7], counts[1:7].sum() * np.full(6, 1 / 6)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    "weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]]
+)
+def test_unusable_weights_are_refused(weights: list[float]) -> None:
+    with pytest.raises(ValueError, match="weights must"):
+        Distribution(np.array(weights))
+
+
+def test_numbers_outside_the_unit_interval_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"u must be in \[0, 1\), got 1"):
+        Distribution(np.ones(3)).sample(np.array([1.0]))
