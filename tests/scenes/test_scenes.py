@@ -118,13 +118,15 @@ def test_a_scene_freezes_and_has_cameras_and_lights(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SCALED)
-@pytest.mark.parametrize("triangles", [20_000, 61_003, 400_000])
+@pytest.mark.parametrize("triangles", [5_000, 61_003, 400_000])
 def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> None:
     n = built(name, triangles).n_triangles()
     assert triangles <= n <= (triangles if name == "random_triangles" else 1.25 * triangles)
 
 
-@pytest.mark.parametrize("name", SCALED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n == "hairball" else ()) for n in SCALED]
+)
 def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name: str) -> None:
     b = built(name)
     assert SCALED[name] <= b.n_triangles() <= 1.25 * SCALED[name]

@@ -47,4 +47,3 @@ __all__ = [
     "thin_wall",
     "window_room",
 ]
-

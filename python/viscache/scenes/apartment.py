@@ -63,7 +63,7 @@ def apartment(triangles: int = 750_000) -> Builder:
     b.camera((-3.25, 1.65, 4.1), (-5.7, 0.9, 1.2), 62.0, name="kitchen")
     b.camera((3.2, 1.65, 0.55), (1.3, 0.75, -3.0), 60.0, name="bedroom")
     b.camera((2.85, 1.65, 2.3), (0.5, 0.85, 3.7), 66.0, name="study")
-    b.camera((6.8, 1.6, 1.5), (-3.0, 1.2, 1.4), 55.0, name="hall")
+    b.camera((6.1, 1.6, 1.75), (-3.0, 1.2, 1.35), 55.0, name="hall")
     return b
 
 
@@ -93,7 +93,7 @@ def _shell(b: Builder) -> None:
     wall(b, (3.5, HALL_SOUTH), (3.5, s), h, "blue_wall", (), 0.12)
     for x, z, yaw, opened in (
         (-1.98, HALL_SOUTH, 0, 70),
-        (1.42, HALL_SOUTH, 0, 85),
+        (1.42, HALL_SOUTH, 0, 12),
         (4.62, HALL_SOUTH, 0, 80),
     ):
         door(b, place([x, 0, z + 0.03], yaw=yaw), open_deg=opened)

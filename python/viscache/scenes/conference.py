@@ -32,9 +32,9 @@ def conference(triangles: int = 280_000) -> Builder:
     Parameters
     ----------
     triangles : int
-        Placed triangles; the scene has this many to 1.25 times as many. At least 100.
+        Placed triangles; the scene has this many to 1.25 times as many. At least 200.
     """
-    at_least("triangles", triangles, 100)
+    at_least("triangles", triangles, 200)
     b, rng = Builder("conference"), np.random.Generator(np.random.PCG64(SEED))
     _shell(b)
     for k, (x, z) in enumerate(TABLES):

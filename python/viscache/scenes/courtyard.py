@@ -24,7 +24,7 @@ from viscache.scenes.shapes import (
 
 SEED = 909
 FULL = 2_200_000
-LEAST = 20_000
+LEAST = 5_000
 INNER, BAY = 9.0, 3.0  # the court's half width and the distance of its columns
 TREES = ((-4.6, -4.4), (4.7, -4.6), (-4.8, 4.2), (4.6, 4.7), (-0.4, -6.4), (6.6, 0.4))
 
@@ -37,7 +37,7 @@ def courtyard(triangles: int = FULL) -> Builder:
     ----------
     triangles : int
         Placed triangles (those of instances count each time); the scene has this many to 1.25
-        times as many. At least 20 000.
+        times as many. At least 5000.
     """
     at_least("triangles", triangles, LEAST)
     b, rng = Builder("courtyard"), np.random.Generator(np.random.PCG64(SEED))

@@ -273,7 +273,8 @@ def bumpy_sphere(
         x, y, z = q.T / radius
         t, p = np.arccos(np.clip(y, -1, 1)), np.arctan2(z, x) + phase
         wave = np.sin(9 * t) * np.sin(11 * p) + 0.5 * np.sin(31 * t + 5 * p) * np.sin(t)
-        return q * (1 + depth * wave)[:, None]
+        bumpy: Array = q * (1 + depth * wave)[:, None]
+        return bumpy
 
     return sphere(radius, cells, bumps)
 
