@@ -46,7 +46,7 @@ def table_rows(store: Store) -> list[dict[str, Any]]:
 def _measured(record: Record, paired: Record) -> dict[str, Any]:
     """Counts and times of a frame, and its speed-up over the exact one."""
     counters, timings = record.counters, record.timings
-    total, exact = timings.get("total_s"), paired.timings.get("total_s")
+    total, exact = _frame_time(timings), _frame_time(paired.timings)
     rays, queries = counters.get("rays"), counters.get("queries")
     row = {
         "rays": rays,
@@ -62,6 +62,12 @@ def _measured(record: Record, paired: Record) -> dict[str, Any]:
     for group, counts in counters.get("groups", {}).items():
         row |= {f"{name}/{group}": counts.get(name) for name in ("rays", "queries")}
     return row
+
+
+def _frame_time(timings: Mapping[str, float]) -> float | None:
+    """Wall time without building the ray caster, which only a scene's first frame pays."""
+    total = timings.get("total_s")
+    return None if total is None else total - timings.get("build_s", 0.0)
 
 
 def columns_of(
@@ -126,7 +132,8 @@ def _coordinate(values: Sequence[Any]) -> Any:
 
 
 def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
-    texts = ("scene", "scene_hash", "integrator", "rays", "visibility", "size", "spp", "converged",
+    texts = (
+        "cpu","scene", "scene_hash", "integrator", "rays", "visibility", "size", "spp", "converged",
              "metrics", "provenance")  # fmt: skip
     attributes: dict[str, Any] = {
         name: v if isinstance(v := definition[name], (str, int)) else json.dumps(v)

@@ -7,9 +7,6 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 
 from __future__ import annotations
 
-from typing import Any
-
-from viscache import _core
 from viscache.scenes.apartment import apartment
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
@@ -51,6 +48,3 @@ __all__ = [
     "window_room",
 ]
 
-
-def _finish(description: _core.SceneDescription) -> Any:
-    return description
