@@ -74,8 +74,8 @@ def test_a_wrong_density_is_found() -> None:
     rougher = glossy(roughness=0.345)
     assert sphere_p_value(wi, lambda w: pdf_bsdf(rougher, w), (32, 64), n_samples=N) < 1e-6
     wi, _, pdf = sample_bsdf(POINTS["plastic"], uniforms(N, 3))
-    redder = glossy(0.5, 0.2, (0.6, 0.6, 0.3), (0.04, 0.04, 0.04))
-    assert sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(redder, w), (32, 64), n_samples=N) < 1e-6
+    darker = glossy(0.5, 0.2, (0.1, 0.3, 0.15), (0.04, 0.04, 0.04))
+    assert sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(darker, w), (32, 64), n_samples=N) < 1e-6
 
 
 @each_point
