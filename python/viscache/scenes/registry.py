@@ -48,13 +48,14 @@ def scene(
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
             from viscache.scene import Scene
 
-            given = inspect.signature(function).bind(*args, **kwargs).arguments
+            given = signature.bind(*args, **kwargs).arguments
             query = "&".join(f"{k}={v}" for k, v in given.items() if v is not None)
-            spec = f"{function.__name__}?{query}" if query else function.__name__
+            spec = f"{name}?{query}" if query else name
             return Scene.from_description(function(*args, **kwargs).description, spec=spec)
 
         name = function.__name__
-        defaults = {p.name: p.default for p in inspect.signature(function).parameters.values()}
+        signature = inspect.signature(function)
+        defaults = {p.name: p.default for p in signature.parameters.values()}
         SCENES[name] = SceneInfo(
             name=name,
             function=make,

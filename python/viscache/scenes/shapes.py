@@ -68,7 +68,9 @@ def smooth_path(points: npt.ArrayLike, samples: int = 33) -> Array:
     k = np.minimum(t.astype(int), len(p) - 2)
     f = (t - k)[:, None]
     a, b, c, d = (ends[k + i] for i in range(4))
-    cubic = 2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f**2 + (3 * b - a - 3 * c + d) * f**3
+    cubic = (
+        2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f**2 + (3 * b - a - 3 * c + d) * f**3
+    )
     return even_path(0.5 * cubic, samples)
 
 
@@ -350,7 +352,9 @@ def tube(
         c = np.stack([np.interp(v[:, 0], knots, columns[:, k]) for k in range(9)], axis=1)[:, None]
         r = np.interp(v, radius_knots, radii)[..., None]
         angle = 2 * np.pi * u[..., None]
-        return np.asarray(c[..., :3] + r * (np.cos(angle) * c[..., 3:6] + np.sin(angle) * c[..., 6:]))
+        return np.asarray(
+            c[..., :3] + r * (np.cos(angle) * c[..., 3:6] + np.sin(angle) * c[..., 6:])
+        )
 
     return surface(position, nu, nv, closed=True, caps=caps)
 
