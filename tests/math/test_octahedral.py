@@ -92,7 +92,7 @@ def spherical_triangles(a: Array, b: Array, c: Array) -> Array:
 
 
 def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-untyped-def]
-    """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold's direction."""
+    """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold."""
     n = cells * sub
     t = np.arange(n + 1) / n
     corner = back(np.stack(np.meshgrid(t, t, indexing="ij"), -1).reshape(-1, 2)).astype(float)
