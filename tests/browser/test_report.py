@@ -31,7 +31,8 @@ def chromium(profile: Path, page: Path, fragment: str, *options: str) -> str:
         CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
         "--window-size=1200,1600", "--virtual-time-budget=3000", f"--user-data-dir={profile}",
         "--host-resolver-rules=MAP * ~NOTFOUND", "--disable-background-networking",
-        "--run-all-compositor-stages-before-draw", "--no-first-run", "--disable-sync", *options, f"{page.as_uri()}#{fragment}",
+        "--run-all-compositor-stages-before-draw",
+        "--no-first-run", "--disable-sync", *options, f"{page.as_uri()}#{fragment}",
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, timeout=90, check=True)
     return done.stdout
