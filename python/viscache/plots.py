@@ -43,6 +43,7 @@ LABELS: dict[str, tuple[str, str]] = {
     "queries": ("visibility queries", ""),
     "ray_reduction": ("queries per ray", ""),
     "speedup": ("speed-up over exact", "×"),
+    "cpu_speedup": ("CPU speed-up over exact", "×"),
 }
 
 

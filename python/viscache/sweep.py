@@ -92,8 +92,9 @@ def sweep(
         Dims: the swept names (last part of the dotted name; `point` for a list of points) and
         `repeat`. Variables: the metrics against the paired reference, `converged_*` against the
         converged one, rays, queries, ray_reduction, total_s (without building the ray caster, which
-        only the first frame pays), visibility_s, cpu_s, exact_total_s, speedup (against the paired
-        exact frame), and `*_by_group` on `group`.
+        only the first frame pays), visibility_s, cpu_s, exact_total_s, speedup (of total_s against
+        the paired exact frame), cpu_speedup (the same of cpu_s, which other load on the machine
+        disturbs less), and `*_by_group` on `group`.
 
     Raises
     ------

@@ -191,7 +191,7 @@ def definition_of(
 ) -> dict[str, Any]:  # fmt: skip
     """What the store remembers of a sweep: enough for its tables and its report."""
     return {
-        "scene": source if isinstance(source, str) else str(getattr(scene, "name", "scene")),
+        "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: settings.described(r, resolved[r]) for r in settings.ROLES},
@@ -231,6 +231,13 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
     if "spp" not in converged:
         raise ValueError(f"converged must name spp, got {dict(converged)}")
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))
+
+
+def _scene_text(scene: Any, source: Any) -> str:
+    """What the sweep calls its scene: as it was given, else its spec, else its name."""
+    if isinstance(source, str):
+        return source
+    return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))
 
 
 def _env_hash(env: Any) -> str | None:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 UNITS = {
     "total_s": "s", "visibility_s": "s", "cpu_s": "s", "exact_total_s": "s", "rays": "1",
-    "queries": "1", "ray_reduction": "1", "speedup": "1",
+    "queries": "1", "ray_reduction": "1", "speedup": "1", "exact_cpu_s": "s",
+    "cpu_speedup": "1",
 }  # fmt: skip
 
 
@@ -51,17 +52,23 @@ def _measured(record: Record, paired: Record) -> dict[str, Any]:
     row = {
         "rays": rays,
         "queries": queries,
-        "ray_reduction": queries / rays if queries is not None and rays else None,
+        "ray_reduction": _ratio(queries, rays),
         "total_s": total,
         "visibility_s": timings.get("visibility_s"),
         "cpu_s": timings.get("cpu_s"),
         "exact_total_s": exact,
+        "exact_cpu_s": paired.timings.get("cpu_s"),
         "exact_rays": paired.counters.get("rays"),
-        "speedup": exact / total if exact is not None and total else None,
+        "speedup": _ratio(exact, total),
+        "cpu_speedup": _ratio(paired.timings.get("cpu_s"), timings.get("cpu_s")),
     }
     for group, counts in counters.get("groups", {}).items():
         row |= {f"{name}/{group}": counts.get(name) for name in ("rays", "queries")}
     return row
+
+
+def _ratio(a: float | None, b: float | None) -> float | None:
+    return a / b if a is not None and b else None
 
 
 def _frame_time(timings: Mapping[str, float]) -> float | None:
@@ -78,7 +85,7 @@ def columns_of(
     seen = dict.fromkeys(column for row in rows for column in row)
     fixed = [
         *first, "rays", "queries", "ray_reduction", "total_s", "visibility_s", "cpu_s",
-        "exact_total_s", "exact_rays", "speedup",
+        "exact_total_s", "exact_cpu_s", "exact_rays", "speedup", "cpu_speedup",
     ]  # fmt: skip
     late = [c for c in seen if c not in fixed and c not in ("frame", "key")]
     return [*fixed, *late, "frame", "key"]

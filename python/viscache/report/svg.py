@@ -105,6 +105,10 @@ def scatter(
         )
         parts.append(f'<text class="tick" x="{line - 5:.1f}" y="{TOP + 10}" text-anchor="end">'
                      "exact</text>")  # fmt: skip
+    parts.append(
+        f'<clipPath id="{plot_id}-area"><rect x="{LEFT}" y="{TOP}" '
+        f'width="{right - LEFT}" height="{bottom - TOP}"/></clipPath>'
+    )
     for m in marks:
         bars = []
         if m.half_x:
@@ -112,7 +116,8 @@ def scatter(
         if m.half_y:
             bars.append(f"M{x(m.x):.1f} {y(m.y - m.half_y):.1f}V{y(m.y + m.half_y):.1f}")
         if bars:
-            parts.append(f'<path class="bar" stroke="{m.color}" d="{"".join(bars)}"/>')
+            area, path = f"url(#{plot_id}-area)", "".join(bars)
+            parts.append(f'<path class="bar" clip-path="{area}" stroke="{m.color}" d="{path}"/>')
     for m in marks:
         parts.append(
             f'<circle class="point" data-id="{m.id}" cx="{x(m.x):.1f}" cy="{y(m.y):.1f}" r="6" '

@@ -30,7 +30,8 @@ _PLAIN = {
     "energy": "energy error", "flip": "HDR-FLIP", "ssim": "SSIM", "max_abs": "largest error",
     "total_s": "time per frame [s]", "visibility_s": "visibility [s]", "cpu_s": "CPU [s]",
     "rays": "shadow rays", "queries": "queries", "ray_reduction": "queries per ray",
-    "speedup": "speed-up over exact", "c_e": "C_E", "c_n": "C_N", "c_z": "C_Z", "c_r": "C_R",
+    "speedup": "speed-up over exact", "cpu_speedup": "CPU speed-up",
+    "c_e": "C_E", "c_n": "C_N", "c_z": "C_Z", "c_r": "C_R",
     "n_vpls": "VPLs",
 }  # fmt: skip
 
@@ -85,7 +86,7 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     """What the page shows, JSON-able."""
     metrics = json.loads(ds.attrs["metrics"])
     wanted = [
-        *metrics[:1], "total_s", "speedup", "rays", "ray_reduction", *metrics[1:],
+        *metrics[:1], "total_s", "speedup", "cpu_speedup", "rays", "ray_reduction", *metrics[1:],
         *(f"converged_{m}" for m in metrics[:1]), "visibility_s",
     ]  # fmt: skip
     columns = [c for c in wanted if c in ds and bool(ds[c].notnull().any())]
@@ -105,6 +106,7 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     return {
         "names": names, "metrics": metrics, "columns": columns, "settings": rows,
         "labels": {n: plain(n) for n in [*names, *columns]}, "pictures": {},
+        "size": json.loads(ds.attrs["size"]),
         "repeats": int(ds.sizes["repeat"]), "gain": DIFFERENCE_GAIN,
     }  # fmt: skip
 
@@ -236,7 +238,7 @@ def _table(model: dict[str, Any]) -> str:
                 cells.append('<td data-value="">–</td>')
                 continue
             mean, half = cell
-            spread = f" <small>± {half:.2g}</small>" if half else ""
+            spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
             cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
         rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
