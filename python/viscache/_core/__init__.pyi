@@ -367,7 +367,9 @@ def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
     """
 def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], fov_deg: typing.SupportsFloat | typing.SupportsIndex) -> Camera:
-    ...
+    """
+    Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.
+    """
 def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
