@@ -125,7 +125,8 @@ void bind_render(py::module_& m) {
               check_camera(camera);
               return camera;
           },
-          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"));
+          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"),
+          "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
     m.def("render_exact",
           [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
              const FrameSettings& frame, PacketOrder order, bool coherent, const py::object& progress) {

@@ -110,7 +110,9 @@ class Scene:
             raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
         description = SceneDescription()
         material = description.add_material(base_color=_rgb(base_color, "base_color"))
-        description.add_mesh(vertices, indices.astype(np.uint32), material=material, normals=normals)
+        description.add_mesh(
+            vertices, indices.astype(np.uint32), material=material, normals=normals
+        )
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
@@ -145,7 +147,10 @@ class Scene:
     @cached_property
     def warnings(self) -> list[str]:
         """What the file asked for that is not modelled, each with its place; and a scene without light."""
-        texts = [f"{where}: {text}" if where else text for where, text in _core.scene_warnings(self._core)]
+        texts = [
+            f"{where}: {text}" if where else text
+            for where, text in _core.scene_warnings(self._core)
+        ]
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
         return texts
@@ -264,7 +269,9 @@ class Scene:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
 
 
-def load_scene(path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None) -> Scene:
+def load_scene(
+    path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None
+) -> Scene:
     """Load a scene file.
 
     Parameters

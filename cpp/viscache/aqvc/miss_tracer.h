@@ -29,7 +29,8 @@ public:
         sort_by_light(lights.count);
         for (size_t first = 0; first < misses_.size(); first += 16) {
             if (control_ && first % 4096 == 0) control_->check();
-            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)}, value);
+            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)},
+                    value);
         }
         misses_.clear();
         return rays;
@@ -50,11 +51,13 @@ private:
             const Miss& m = rays[std::min(i, rays.size() - 1)];
             const Vec3 o = eyes.origin[m.eye];
             packet.ox[i] = o.x, packet.oy[i] = o.y, packet.oz[i] = o.z;
-            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light], packet.dz[i] = lights.tz[m.light];
+            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light],
+            packet.dz[i] = lights.tz[m.light];
         }
         aim16(packet, lights.semantic, extent_);
         const uint32_t mask = (1u << rays.size()) - 1;
-        uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
+        uint32_t visible =
+            mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
         for (; visible; visible &= visible - 1) {
             const Miss& m = rays[size_t(std::countr_zero(visible))];
             value.set(m.row, m.column);

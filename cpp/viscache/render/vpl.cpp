@@ -12,6 +12,8 @@ namespace {
 
 constexpr size_t kPathsPerChunk = 256;
 constexpr size_t kCandidatesPerChunk = 256;
+constexpr size_t kPilotPaths = 4096;
+constexpr size_t kMaxPathsPerCandidate = 256;
 constexpr double kFloor = 0.1;          // share of the probability that follows flux alone
 constexpr float kCompatibleCos = 0.7f;  // normals within 45°
 
@@ -69,17 +71,19 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
 
 }  // namespace
 
-std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t paths, int max_depth, uint64_t seed,
-                            int threads, Control& control, Counters& counters) {
-    const LightSampler lights(scene);
-    if (lights.empty() || paths == 0) return {};
+namespace {
+
+/// VPLs of `paths` light paths; `pass` keys the random numbers.
+std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster, size_t paths,
+                             int max_depth, uint64_t seed, uint64_t pass, int threads, Control& control,
+                             Counters& counters) {
     const size_t chunks = (paths + kPathsPerChunk - 1) / kPathsPerChunk;
     std::vector<std::vector<Vpl>> found(chunks);
     std::vector<Counters> counted(chunks);
     parallel_for(chunks, threads, [&](size_t chunk, int) {
         control.check();
         for (size_t i = chunk * kPathsPerChunk; i < std::min(paths, (chunk + 1) * kPathsPerChunk); ++i) {
-            Rng emission(seed, Purpose::kVplEmission, i, 0), bounce(seed, Purpose::kVplBounce, i, 0);
+            Rng emission(seed, Purpose::kVplEmission, i, pass), bounce(seed, Purpose::kVplBounce, i, pass);
             const auto emitted = lights.emit(emission);
             if (!emitted) continue;
             Photon photon{emitted->ray, emitted->flux / float(paths)};
@@ -92,6 +96,20 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
         counters.merge(counted[c]);
     }
     return all;
+}
+
+}  // namespace
+
+std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t candidates, int max_depth,
+                            uint64_t seed, int threads, Control& control, Counters& counters) {
+    const LightSampler lights(scene);
+    if (lights.empty() || candidates == 0) return {};
+    // A pilot tells how many VPLs a path leaves: few where light only enters through windows. Its own VPLs are
+    // dropped, so that the number of paths is independent of the paths that count.
+    const auto pilot = trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
+    const double per_path = std::max(double(pilot.size()), 1.0) / double(kPilotPaths);
+    const double paths = std::min(std::ceil(double(candidates) / per_path), double(kMaxPathsPerCandidate) * double(candidates));
+    return trace_paths(lights, scene, caster, size_t(paths), max_depth, seed, 1, threads, control, counters);
 }
 
 namespace {

@@ -9,7 +9,8 @@ import numpy
 import numpy.typing
 import typing
 from . import aqvc
-__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'render_aqvc', 'render_exact', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
+from . import sampling
+__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -367,6 +368,10 @@ def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     """
 def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], fov_deg: typing.SupportsFloat | typing.SupportsIndex) -> Camera:
     ...
+def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
+    """
 def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...
 def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool = True, progress: typing.Any = None) -> dict:
