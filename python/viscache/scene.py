@@ -103,6 +103,8 @@ class Scene:
         array([False])
         """
         indices = np.asarray(triangles)
+        if indices.size and indices.dtype.kind not in "iu":
+            raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
         if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
             low, high = indices.min(), indices.max()
             raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
@@ -194,7 +196,8 @@ class Scene:
 
     def overview_camera(self) -> _core.Camera:
         """A camera that sees the whole scene from a corner above."""
-        center, radius = np.array(self._core.center), self._core.radius
+        center = np.array(self._core.center)
+        radius = self._core.radius if self._core.offset_extent > 0 else 1.0
         origin = center + radius * np.array([1.2, 0.9, 1.6])
         up = (0.0, 1.0, 0.0)
         return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), up, 55.0)

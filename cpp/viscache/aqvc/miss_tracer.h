@@ -18,6 +18,8 @@ class MissTracer {
 public:
     MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
 
+    /// `flush` ends with `Cancelled` soon after `control` says so.
+    void watch(const Control& control) { control_ = &control; }
     void add(const Miss& miss) { misses_.push_back(miss); }
     /// Beyond this many misses a flush pays: memory stays bounded at any C_E.
     bool full() const { return misses_.size() >= size_t{1} << 19; }
@@ -25,9 +27,11 @@ public:
     uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
         const uint64_t rays = misses_.size();
         sort_by_light(lights.count);
-        for (size_t first = 0; first < misses_.size(); first += 16)
+        for (size_t first = 0; first < misses_.size(); first += 16) {
+            if (control_ && first % 4096 == 0) control_->check();
             trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)},
                     value);
+        }
         misses_.clear();
         return rays;
     }
@@ -62,6 +66,7 @@ private:
 
     const RayCaster& caster_;
     float extent_;
+    const Control* control_ = nullptr;
     std::vector<Miss> misses_, sorted_;
     std::vector<uint32_t> begin_;
 };

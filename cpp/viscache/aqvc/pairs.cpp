@@ -39,8 +39,10 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // Look up everything before anything is written.
-    for (size_t i = first; i < last; ++i)
+    for (size_t i = first; i < last; ++i) {
+        check_cancelled(i);
         look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
+    }
     trace(c, queries);
     // Commit in order of the queries, then answer all who waited.
     TableCounts counts;
@@ -140,6 +142,7 @@ uint32_t Pairs::pending_with(const FullKey& key) {
 void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
     ray_visible_.assign(rays_.size(), 0);
     for (size_t first = 0; first < rays_.size(); first += 16) {
+        check_cancelled(first);
         const int n = int(std::min<size_t>(16, rays_.size() - first));
         RayPacket16 packet;
         for (int i = 0; i < n; ++i)

@@ -28,6 +28,8 @@ struct PairContext {
 class Pairs {
 public:
     explicit Pairs(const AqvcParameters& p);
+    /// `run` ends with `Cancelled` soon after `control` says so.
+    void watch(const Control& control) { control_ = &control; }
     void begin_tile();
     /// Answers queries (bit i of `visible` for queries[i], zeroed on entry) and counts rays per group.
     void run(const PairContext& context, std::span<const ShadowQuery> queries, std::span<Word> visible,
@@ -59,8 +61,12 @@ private:
     template <class Table>
     bool key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
     void trace(const PairContext& c, std::span<const ShadowQuery> queries);
+    void check_cancelled(size_t step) const {
+        if (control_ && step % 4096 == 0) control_->check();
+    }
     uint32_t pending_with(const FullKey& key);
 
+    const Control* control_ = nullptr;
     std::optional<BitTable> table_;  ///< one of the two
     std::optional<ExactTable> exact_;
     std::array<EyeCells, kLightGroups> eye_cells_;

@@ -35,6 +35,11 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
 
+void QuantizedCache::watch(const Control& control) {
+    VisibilityOracle::watch(control);
+    tracer_.watch(control), pairs_.watch(control);
+}
+
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     tile_.make(eyes, grid_);
     pairs_.begin_tile();

@@ -29,6 +29,7 @@ public:
     QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
                    float scene_radius, float offset_extent, int spp);
 
+    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;

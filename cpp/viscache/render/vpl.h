@@ -25,10 +25,10 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
 /// of 10 % by flux, so that every light keeps a chance); the sum's expectation stays. Equal picks are merged.
 std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
                                const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
-                               uint64_t seed, Counters& counters);
+                               const FrameSettings& frame, Control& control, Counters& counters);
 
 /// D_l of VPLs, from the set itself: 4/(π r₄²), r₄ = distance to the fourth nearest with a compatible normal
 /// (AQVC spec, section 5).
-std::vector<float> vpl_densities(const std::vector<Vpl>& vpls);
+std::vector<float> vpl_densities(const std::vector<Vpl>& vpls, int threads, Control& control);
 
 }  // namespace viscache

@@ -27,6 +27,7 @@ void ExactOracle::block_by_light(const EyeBlock& eyes, const FarEnds& lights, co
     RayPacket16 origin, packet;
     uint16_t columns[64], answers[64];
     for (size_t first = 0; first < wanted.rows(); first += 16) {
+        check_cancelled();
         const size_t n = std::min<size_t>(16, wanted.rows() - first);
         for (size_t i = 0; i < 16; ++i) {
             const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
@@ -57,6 +58,7 @@ void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, co
     RayPacket16 packet;
     size_t lane_light[16];
     for (size_t row = 0; row < wanted.rows(); ++row) {
+        check_cancelled();
         int used = 0;
         auto flush = [&] {
             if (!used) return;
@@ -79,6 +81,7 @@ void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, co
 void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                         Counters& counters) {
     for (size_t first = 0; first < queries.size(); first += 16) {
+        if (first % 4096 == 0) check_cancelled();
         const int n = int(std::min<size_t>(16, queries.size() - first));
         RayPacket16 packet;
         uint16_t mask = 0;
