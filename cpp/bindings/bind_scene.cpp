@@ -40,6 +40,11 @@ std::vector<float> distances(const py::object& t_max, size_t n) {
     return out;
 }
 
+/// A ray without direction has nowhere to go: it is empty.
+Ray endless(Vec3 origin, Vec3 direction, float t_max = kInfinity) {
+    return {origin, 0, direction, direction == Vec3{} ? 0.f : t_max};
+}
+
 /// Traces chunks of rays made by make_ray(i) and stores 1 where the segment is (un)blocked.
 template <class MakeRay>
 py::array_t<bool> trace(const EmbreeCaster& caster, size_t n, int threads, bool answer_blocked, MakeRay make_ray) {
@@ -75,7 +80,7 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     const size_t n = size_t(o.shape(0));
     const auto t = distances(t_max, n);
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    return trace(caster, n, threads, true, [&](size_t i) { return Ray{origins[i], 0, directions[i], t[i]}; });
+    return trace(caster, n, threads, true, [&](size_t i) { return endless(origins[i], directions[i], t[i]); });
 }
 
 py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
@@ -103,7 +108,7 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
             const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
             std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
-            for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], kInfinity};
+            for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
             caster.intersect(rays, hits);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];

@@ -167,7 +167,7 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         alignas(64) int valid[16];
         for (size_t i = 0; i < 16; ++i) {
             const Ray& r = rays[first + std::min(i, n - 1)];
-            valid[i] = i < n ? -1 : 0;
+            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval holds no hit
             packet.ray.org_x[i] = r.o.x, packet.ray.org_y[i] = r.o.y, packet.ray.org_z[i] = r.o.z;
             packet.ray.dir_x[i] = r.d.x, packet.ray.dir_y[i] = r.d.y, packet.ray.dir_z[i] = r.d.z;
             packet.ray.tnear[i] = r.t_min, packet.ray.tfar[i] = r.t_max;
@@ -176,8 +176,10 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         }
         query.intersect16(valid, impl_->top, packet);
         for (size_t i = 0; i < n; ++i)
-            hits[first + i] = impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i], packet.hit.primID[i],
-                                            packet.hit.u[i], packet.hit.v[i], packet.ray.tfar[i]);
+            hits[first + i] = !valid[i] ? Hit{}
+                                        : impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i],
+                                                        packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i],
+                                                        packet.ray.tfar[i]);
     }
 }
 
@@ -192,16 +194,17 @@ uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence co
     std::memcpy(packet.dir_z, rays.dz, kRow), std::memcpy(packet.tfar, rays.t_max, kRow);
     std::memset(packet.time, 0, kRow), std::memset(packet.flags, 0, kRow);
     std::memset(packet.mask, 0xff, kRow), std::memset(packet.id, 0, kRow);
+    uint16_t active = 0;
     for (int i = 0; i < 16; ++i) {
         // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
-        const bool active = (mask >> i & 1) && rays.t_max[i] > rays.t_min[i];
-        valid[i] = active ? -1 : 0;
-        if (!active) packet.tfar[i] = kInfinity;
+        const bool is_active = (mask >> i & 1) && rays.t_max[i] > rays.t_min[i];
+        valid[i] = is_active ? -1 : 0;
+        active |= uint16_t(uint16_t(is_active) << i);
     }
     query.occluded16(valid, impl_->top, packet);
     uint16_t occluded = 0;
     for (int i = 0; i < 16; ++i) occluded |= uint16_t(uint16_t(packet.tfar[i] < 0) << i);
-    return occluded;
+    return occluded & active;
 }
 
 void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
