@@ -231,7 +231,6 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
 
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
-<<<<<<< HEAD
     const RTCScene top = impl_->top;
     if (impl_->native16) return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     // Without AVX-512, Embree would sort a packet of 16 again; two packets of 8 are traced as they are.
@@ -239,28 +238,6 @@ uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence co
     if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
     if (mask >> 8) occluded |= occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;
     return uint16_t(occluded);
-=======
-    alignas(64) RTCRay16 packet;
-    alignas(64) int valid[16];
-    constexpr size_t kRow = sizeof(float) * 16;
-    std::memcpy(packet.org_x, rays.ox, kRow), std::memcpy(packet.org_y, rays.oy, kRow);
-    std::memcpy(packet.org_z, rays.oz, kRow), std::memcpy(packet.tnear, rays.t_min, kRow);
-    std::memcpy(packet.dir_x, rays.dx, kRow), std::memcpy(packet.dir_y, rays.dy, kRow);
-    std::memcpy(packet.dir_z, rays.dz, kRow), std::memcpy(packet.tfar, rays.t_max, kRow);
-    std::memset(packet.time, 0, kRow), std::memset(packet.flags, 0, kRow);
-    std::memset(packet.mask, 0xff, kRow), std::memset(packet.id, 0, kRow);
-    uint16_t active = 0;
-    for (int i = 0; i < 16; ++i) {
-        // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
-        const bool is_active = (mask >> i & 1) && rays.t_max[i] > rays.t_min[i];
-        valid[i] = is_active ? -1 : 0;
-        active |= uint16_t(uint16_t(is_active) << i);
-    }
-    query.occluded16(valid, impl_->top, packet);
-    uint16_t occluded = 0;
-    for (int i = 0; i < 16; ++i) occluded |= uint16_t(uint16_t(packet.tfar[i] < 0) << i);
-    return occluded & active;
->>>>>>> rtests
 }
 
 void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
@@ -293,7 +270,7 @@ void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, 
             const size_t k = first + at + std::min(i, n - 1);
             const Vec3 o = rays.origin[k], d = rays.direction[k];
             const float t = rays.t_max[k * rays.t_stride];
-            const bool active = i < n && t > 0;
+            const bool active = i < n && t > 0 && !(d == Vec3{});  // a ray without direction has nowhere to go
             valid[i] = active ? -1 : 0;
             packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z, packet.tnear[i] = 0;
             packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z, packet.tfar[i] = active ? t : kInfinity;
@@ -309,7 +286,7 @@ void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, s
         const Vec3 o = rays.origin[first + i], d = rays.direction[first + i];
         const float t = rays.t_max[(first + i) * rays.t_stride];
         occluded[i] = 0;
-        if (!(t > 0)) continue;
+        if (!(t > 0) || d == Vec3{}) continue;
         RTCRay ray{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, t, ~0u, 0, 0};
         query.occluded1(scene, ray);
         occluded[i] = ray.tfar < 0;
