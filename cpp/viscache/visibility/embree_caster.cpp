@@ -308,16 +308,17 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
 
 void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
                             PacketTrial& trial) const {
-    constexpr size_t kShare = 256;  // rays in a row by one plan, so that all plans see like rays
+    // Shares in a row by one plan, so that all plans see like rays; few enough to cost little when a plan is slow
+    constexpr size_t kShare = 128, kRounds = 4;
     const size_t plans = trial.plans().size();
-    if (!trial.due() || occluded.size() < 4 * plans * kShare) {
+    if (!trial.due() || occluded.size() < kRounds * plans * kShare) {
         this->occluded(rays, first, occluded, trial.best());
         return;
     }
     std::vector<double> seconds(plans, 0.0);
     double before = thread_seconds();
     size_t at = 0;
-    for (size_t round = 0; at + plans * kShare <= occluded.size(); ++round)
+    for (size_t round = 0; round < kRounds; ++round)
         for (size_t p = 0; p < plans; ++p, at += kShare) {
             this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
             const double now = thread_seconds();
@@ -329,7 +330,7 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
     this->occluded(rays, first + at, occluded.subspan(at), trial.best());
 }
 
-PacketTrial::PacketTrial(bool native16) {
+PacketTrial::PacketTrial(bool native16, bool worth_it) : worth_it_(worth_it) {
     const int widest = native16 ? 16 : 8;
     plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent}, PacketPlan{1}};
 }
