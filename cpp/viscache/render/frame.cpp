@@ -1,10 +1,10 @@
 #include "viscache/render/frame.h"
 
 #include <chrono>
-#include <ctime>
 
 #include "viscache/render/local_samples.h"
 #include "viscache/render/vpl.h"
+#include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 
@@ -18,23 +18,17 @@ constexpr size_t kPairsPerBatch = 1024;    // eye points whose own samples are a
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 /// Adds the CPU time since the last call to one stage after another.
 class StageClock {
 public:
     void lap(double& stage) {
-        const double now = thread_seconds();
+        const double now = thread_cpu_seconds();
         stage += now - last_;
         last_ = now;
     }
 
 private:
-    double last_ = thread_seconds();
+    double last_ = thread_cpu_seconds();
 };
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "viscache/visibility/embree_caster.h"
 
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <stdexcept>
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/embree.h"
 
 namespace viscache {
@@ -185,12 +185,6 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
 
 namespace {
 
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) { query.occluded4(valid, scene, rays); }
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) { query.occluded8(valid, scene, rays); }
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) { query.occluded16(valid, scene, rays); }
@@ -316,12 +310,12 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
         return;
     }
     std::vector<double> seconds(plans, 0.0);
-    double before = thread_seconds();
+    double before = thread_cpu_seconds();
     size_t at = 0;
     for (size_t round = 0; round < kRounds; ++round)
         for (size_t p = 0; p < plans; ++p, at += kShare) {
             this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
-            const double now = thread_seconds();
+            const double now = thread_cpu_seconds();
             // The first round only warms the caches
             if (round > 0) seconds[p] += now - before;
             before = now;
