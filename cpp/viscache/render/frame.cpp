@@ -13,7 +13,7 @@ namespace {
 constexpr int kTileSamples = 128;          // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256; // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kPairsPerBatch = 1024;    // eye points whose own samples are asked for together
+constexpr size_t kPairsPerBatch = 256;     // eye points whose own samples are asked for together
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

@@ -108,7 +108,7 @@ uint32_t direction_bin(Vec3 d) {
 
 }  // namespace
 
-/// Rays of the traceable queries, by direction and then in the order asked: neighbours towards the same side.
+/// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same side.
 void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters) {
     constexpr uint16_t kLeftOut = 0xffff;
     bin_.resize(queries.size());
@@ -124,34 +124,34 @@ void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const Shadow
         ++begin_[bin_[i] + 1u];
     }
     for (size_t b = 0; b < kBinEdge * kBinEdge; ++b) begin_[b + 1] += begin_[b];
-    rays_.resize(begin_.back()), query_.resize(begin_.back());
-    for (size_t i = 0; i < queries.size(); ++i) {
-        if (bin_[i] == kLeftOut) continue;
-        const uint32_t at = begin_[bin_[i]]++;
-        rays_[at] = shadow_ray(eyes, queries[i], extent_), query_[at] = uint32_t(i);
-    }
+    order_by_direction_.resize(begin_.back());
+    for (size_t i = 0; i < queries.size(); ++i)
+        if (bin_[i] != kLeftOut) order_by_direction_[begin_[bin_[i]]++] = uint32_t(i);
 }
 
-size_t ExactOracle::trace_sorted(size_t first, size_t last, std::span<Word> visible, Coherence flag) {
-    for (size_t at = first; at < last; at += 16) {
-        const int n = int(std::min<size_t>(16, last - at));
+void ExactOracle::trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
+                               std::span<const ShadowQuery> queries, std::span<Word> visible, Coherence flag) {
+    for (size_t at = 0; at < order.size(); at += 16) {
+        const int n = int(std::min<size_t>(16, order.size() - at));
         RayPacket16 packet;
-        for (int i = 0; i < n; ++i) set_lane(packet, i, rays_[at + size_t(i)]);
+        for (int i = 0; i < n; ++i) set_lane(packet, i, shadow_ray(eyes, queries[order[at + size_t(i)]], extent_));
         pad_lanes(packet, n);
         const uint32_t mask = (1u << n) - 1;
         for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen; seen &= seen - 1)
-            set_bit(visible.data(), query_[at + size_t(std::countr_zero(seen))]);
+            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
     }
-    return last - first;
 }
 
 void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                         Counters& counters) {
     constexpr size_t kPiece = 1024;
     sort_by_direction(eyes, queries, counters);
-    for (size_t first = 0; first < rays_.size(); first += kPiece)
+    const std::span<const uint32_t> order(order_by_direction_);
+    for (size_t first = 0; first < order.size(); first += kPiece)
         pairs_flag_.piece([&](Coherence flag) {
-            return trace_sorted(first, std::min(first + kPiece, rays_.size()), visible, flag);
+            const auto piece = order.subspan(first, std::min(kPiece, order.size() - first));
+            trace_sorted(piece, eyes, queries, visible, flag);
+            return piece.size();
         });
     for (size_t i = 0; i < queries.size(); ++i) {
         GroupCounters& group = counters.group(queries[i].group);

@@ -36,16 +36,16 @@ private:
     void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
 
     void sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters);
-    size_t trace_sorted(size_t first, size_t last, std::span<Word> visible, Coherence flag);
+    void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                      std::span<Word> visible, Coherence flag);
 
     const RayCaster& caster_;
     float extent_;
     PacketOrder order_;
     CoherenceTrial block_flag_, pairs_flag_;
-    // Of `pairs`: the rays of queries, which query each answers, their direction bins
-    std::vector<Ray> rays_;
-    std::vector<uint32_t> query_;
+    // Of `pairs`: the queries' direction bins, and their numbers sorted by bin
     std::vector<uint16_t> bin_;
+    std::vector<uint32_t> order_by_direction_;
     std::vector<uint32_t> begin_;
 };
 
