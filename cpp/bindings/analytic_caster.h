@@ -35,8 +35,10 @@ public:
         uint16_t answer = 0;
         for (int i = 0; i < 16; ++i)
             if (mask >> i & 1)
-                answer |= uint16_t(blocked({{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]},
-                                            p.t_max[i]})) << i;
+                answer |=
+                    uint16_t(blocked(
+                        {{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]}))
+                    << i;
         return answer;
     }
 
@@ -66,7 +68,8 @@ private:
         return kInfinity;
     }
     static double hit_sphere(const Sphere& s, const Ray& r) {
-        const double x = double(r.o.x) - s.center.x, y = double(r.o.y) - s.center.y, z = double(r.o.z) - s.center.z;
+        const double x = double(r.o.x) - s.center.x, y = double(r.o.y) - s.center.y,
+                     z = double(r.o.z) - s.center.z;
         const double dx = r.d.x, dy = r.d.y, dz = r.d.z, a = dx * dx + dy * dy + dz * dz;
         const double b = x * dx + y * dy + z * dz, c = x * x + y * y + z * z - double(s.radius) * s.radius;
         const double disc = b * b - a * c;

@@ -50,7 +50,8 @@ AqvcParameters from_keywords(const py::kwargs& keywords) {
 
 void bind_aqvc(py::module_& m) {
     py::module_ a = m.def_submodule("aqvc", "Quantized visibility cache (AQVC).");
-    py::class_<AqvcParameters> c(a, "AqvcParameters", "Parameters of the quantized cache; see viscache.Aqvc.");
+    py::class_<AqvcParameters> c(a, "AqvcParameters",
+                                 "Parameters of the quantized cache; see viscache.Aqvc.");
     c.def(py::init(&from_keywords));
     c.def_readwrite("c_e", &AqvcParameters::c_e);
     c.def_readwrite("c_e_group", &AqvcParameters::c_e_group);
@@ -79,8 +80,10 @@ void bind_aqvc(py::module_& m) {
     named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact"});
     c.def_readwrite("batch", &AqvcParameters::batch);
     c.def("validate", &AqvcParameters::validate);
-    c.def("level_list", [](const AqvcParameters& p, int group, int spp) { return level_list(p, group, spp); },
-          py::arg("group"), py::kw_only(), py::arg("spp") = 1, "C_E of every level of a light group, coarse to fine.");
+    c.def(
+        "level_list", [](const AqvcParameters& p, int group, int spp) { return level_list(p, group, spp); },
+        py::arg("group"), py::kw_only(), py::arg("spp") = 1,
+        "C_E of every level of a light group, coarse to fine.");
     bind_aqvc_keys(a);
     bind_aqvc_run(a);
 }

@@ -19,11 +19,13 @@ EyeBlock eye_block(const py::dict& d, float extent) {
     if (d.contains("order_x")) {
         eyes.order_x = d["order_x"].cast<std::vector<uint32_t>>();
         eyes.order_y = d["order_y"].cast<std::vector<uint32_t>>();
-        eyes.tile_width = d["tile_width"].cast<uint32_t>(), eyes.tile_height = d["tile_height"].cast<uint32_t>();
+        eyes.tile_width = d["tile_width"].cast<uint32_t>(),
+        eyes.tile_height = d["tile_height"].cast<uint32_t>();
     }
     if (eyes.normal.size() != eyes.size() || eyes.density.size() != eyes.size())
         throw py::value_error("position, normal and density must have equal lengths");
-    for (size_t i = 0; i < eyes.size(); ++i) eyes.origin.push_back(spawn(eyes.position[i], eyes.normal[i], extent));
+    for (size_t i = 0; i < eyes.size(); ++i)
+        eyes.origin.push_back(spawn(eyes.position[i], eyes.normal[i], extent));
     return eyes;
 }
 
@@ -31,12 +33,14 @@ FarEnds far_ends(const py::dict& d, float extent) {
     FarEnds l;
     l.semantic = Semantic(d["semantic"].cast<int>());
     l.group = d["group"].cast<int>();
-    const auto far = vec3s(d["far"].cast<FloatArray>(), "far"), normal = vec3s(d["normal"].cast<FloatArray>(), "normal");
+    const auto far = vec3s(d["far"].cast<FloatArray>(), "far"),
+               normal = vec3s(d["normal"].cast<FloatArray>(), "normal");
     l.density = d["density"].cast<std::vector<float>>();
     l.count = far.size();
     if (normal.size() != l.count || l.density.size() != l.count)
         throw py::value_error("far, normal and density must have equal lengths");
-    for (auto* v : {&l.x, &l.y, &l.z, &l.nx, &l.ny, &l.nz, &l.tx, &l.ty, &l.tz, &l.density}) v->resize((l.count + 511) / 512 * 512);
+    for (auto* v : {&l.x, &l.y, &l.z, &l.nx, &l.ny, &l.nz, &l.tx, &l.ty, &l.tz, &l.density})
+        v->resize((l.count + 511) / 512 * 512);
     for (size_t k = 0; k < l.count; ++k) {
         const Vec3 end = l.semantic == Semantic::kSurface ? spawn(far[k], normal[k], extent) : far[k];
         l.x[k] = far[k].x, l.y[k] = far[k].y, l.z[k] = far[k].z;
@@ -51,10 +55,12 @@ py::dict counters_dict(const Counters& c) {
     for (const auto& g : c.groups)
         groups.append(py::dict("queries"_a = g.queries, "occluded"_a = g.occluded, "rays"_a = g.rays));
     py::dict d("groups"_a = groups, "queries"_a = c.queries(), "rays"_a = c.rays(), "lookups"_a = c.lookups,
-               "hits"_a = c.hits, "neighbour_probes"_a = c.neighbour_probes, "nil_neighbours"_a = c.nil_neighbours,
-               "evictions"_a = c.evictions, "bypassed"_a = c.bypassed, "boundary_queries"_a = c.boundary_queries,
-               "cells"_a = c.cells, "expected_false_hits"_a = c.expected_false_hits);
-    d["leftover_rays"] = c.leftover_rays, d["clamped_low"] = c.clamped_low, d["clamped_high"] = c.clamped_high;
+               "hits"_a = c.hits, "neighbour_probes"_a = c.neighbour_probes,
+               "nil_neighbours"_a = c.nil_neighbours, "evictions"_a = c.evictions, "bypassed"_a = c.bypassed,
+               "boundary_queries"_a = c.boundary_queries, "cells"_a = c.cells,
+               "expected_false_hits"_a = c.expected_false_hits);
+    d["leftover_rays"] = c.leftover_rays, d["clamped_low"] = c.clamped_low,
+    d["clamped_high"] = c.clamped_high;
     d["clamped_nan"] = c.clamped_nan, d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
     d["rays_per_level"] = std::vector<uint64_t>(c.rays_per_level.begin(), c.rays_per_level.end());
     return d;
@@ -63,24 +69,29 @@ py::dict counters_dict(const Counters& c) {
 /// A cache over one tile; every call of block and pairs is about it.
 class TileRun {
 public:
-    TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p, std::array<float, 3> center,
-            float radius, float extent, int spp)
-        : caster_(caster), extent_(extent), eyes_(eye_block(eyes, extent)),
+    TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p,
+            std::array<float, 3> center, float radius, float extent, int spp)
+        : caster_(caster),
+          extent_(extent),
+          eyes_(eye_block(eyes, extent)),
           cache_(caster_, p, vec3(center), radius, extent, spp) {
         cache_.begin_tile(eyes_);
     }
-    py::tuple block(const py::dict& lights, const py::array_t<bool, py::array::c_style | py::array::forcecast>& wanted,
-                    bool exact) {
+    py::tuple block(const py::dict& lights,
+                    const py::array_t<bool, py::array::c_style | py::array::forcecast>& wanted, bool exact) {
         const FarEnds far = far_ends(lights, extent_);
-        if (wanted.ndim() != 2 || size_t(wanted.shape(0)) != eyes_.size() || size_t(wanted.shape(1)) != far.count)
+        if (wanted.ndim() != 2 || size_t(wanted.shape(0)) != eyes_.size() ||
+            size_t(wanted.shape(1)) != far.count)
             throw py::value_error("wanted must have shape (eye points, lights), got " + shape_text(wanted));
         BitMatrix asked(eyes_.size(), far.count), visible(eyes_.size(), far.count);
         for (size_t i = 0; i < eyes_.size(); ++i)
             for (size_t k = 0; k < far.count; ++k)
                 if (wanted.at(i, k)) asked.set(i, k);
         Counters counters;
-        if (exact) exact_block(far, asked, visible);
-        else cache_.block(eyes_, far, asked, visible, counters);
+        if (exact)
+            exact_block(far, asked, visible);
+        else
+            cache_.block(eyes_, far, asked, visible, counters);
         py::array_t<bool> out({eyes_.size(), far.count});
         for (size_t i = 0; i < eyes_.size(); ++i)
             for (size_t k = 0; k < far.count; ++k) out.mutable_at(i, k) = visible.get(i, k);
@@ -92,8 +103,10 @@ public:
         std::vector<ShadowQuery> queries;
         for (size_t i = 0; i < eye.size(); ++i) {
             if (eye[i] >= eyes_.size()) throw py::value_error("eye must be an eye point of the tile");
-            const Vec3 end = Semantic(semantic) == Semantic::kSurface ? spawn(y.at(i), n.at(i), extent_) : y.at(i);
-            queries.push_back({eye[i], Semantic(semantic), uint8_t(group), y.at(i), n.at(i), end, density.at(i)});
+            const Vec3 end =
+                Semantic(semantic) == Semantic::kSurface ? spawn(y.at(i), n.at(i), extent_) : y.at(i);
+            queries.push_back(
+                {eye[i], Semantic(semantic), uint8_t(group), y.at(i), n.at(i), end, density.at(i)});
         }
         std::vector<Word> visible(words_for(queries.size()));
         Counters counters;
@@ -136,7 +149,8 @@ AnalyticCaster analytic_caster(const FloatArray& boxes, const FloatArray& sphere
     std::vector<AnalyticCaster::Box> b;
     std::vector<AnalyticCaster::Sphere> s;
     for (py::ssize_t i = 0; i < boxes.shape(0); ++i)
-        b.push_back({{boxes.at(i, 0), boxes.at(i, 1), boxes.at(i, 2)}, {boxes.at(i, 3), boxes.at(i, 4), boxes.at(i, 5)}});
+        b.push_back({{boxes.at(i, 0), boxes.at(i, 1), boxes.at(i, 2)},
+                     {boxes.at(i, 3), boxes.at(i, 4), boxes.at(i, 5)}});
     for (py::ssize_t i = 0; i < spheres.shape(0); ++i)
         s.push_back({{spheres.at(i, 0), spheres.at(i, 1), spheres.at(i, 2)}, spheres.at(i, 3)});
     return {b, s};
@@ -148,10 +162,12 @@ void bind_aqvc_run(py::module_& m) {
     py::class_<AnalyticCaster>(m, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
         .def(py::init(&analytic_caster), py::arg("boxes"), py::arg("spheres"));
     py::class_<TileRun>(m, "TileRun", "The quantized cache over one tile of given eye points.")
-        .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, std::array<float, 3>, float, float, int>(),
+        .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, std::array<float, 3>,
+                      float, float, int>(),
              py::arg("caster"), py::arg("eyes"), py::arg("parameters"), py::kw_only(), py::arg("center"),
              py::arg("radius"), py::arg("extent"), py::arg("spp") = 1)
-        .def("block", &TileRun::block, py::arg("lights"), py::arg("wanted"), py::kw_only(), py::arg("exact") = false)
+        .def("block", &TileRun::block, py::arg("lights"), py::arg("wanted"), py::kw_only(),
+             py::arg("exact") = false)
         .def("pairs", &TileRun::pairs, py::arg("eye"), py::kw_only(), py::arg("semantic"), py::arg("group"),
              py::arg("far"), py::arg("normal"), py::arg("density"), py::arg("exact") = false)
         .def("begin_tile", &TileRun::begin_tile)

@@ -17,7 +17,8 @@ py::list mesh_list(const SceneDescription& d) {
                             py::arg("n_triangles") = m.triangles.size(), py::arg("material") = m.material,
                             py::arg("emission") = array3(m.emission),
                             py::arg("emits_two_sided") = m.emits_two_sided, py::arg("in_world") = m.in_world,
-                            py::arg("has_normals") = !m.normals.empty(), py::arg("has_uvs") = !m.uvs.empty()));
+                            py::arg("has_normals") = !m.normals.empty(),
+                            py::arg("has_uvs") = !m.uvs.empty()));
     return out;
 }
 
@@ -38,7 +39,8 @@ py::list material_list(const SceneDescription& d) {
         out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
                             py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
                             py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
-                            py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
+                            py::arg("base_texture") = m.base_texture,
+                            py::arg("alpha_texture") = m.alpha_texture,
                             py::arg("alpha_cutoff") = m.alpha_cutoff));
     return out;
 }
@@ -48,7 +50,8 @@ py::list camera_list(const SceneDescription& d) {
     for (const Camera& c : d.cameras)
         out.append(py::dict(py::arg("name") = c.name, py::arg("origin") = array3(c.origin),
                             py::arg("right") = array3(c.right), py::arg("up") = array3(c.up),
-                            py::arg("forward") = array3(c.forward), py::arg("fov_deg") = c.fov_y_rad * 180.f / kPi,
+                            py::arg("forward") = array3(c.forward),
+                            py::arg("fov_deg") = c.fov_y_rad * 180.f / kPi,
                             py::arg("horizontal") = c.fov_is_horizontal, py::arg("width") = c.width,
                             py::arg("height") = c.height));
     return out;
@@ -94,30 +97,33 @@ py::array_t<float> image_pixels(const SceneDescription& d, size_t index) {
 void bind_loaders(py::module_& m) {
     m.def("load_scene_file", &load_scene_file, py::arg("path"), py::arg("strict") = false,
           py::call_guard<py::gil_scoped_release>(),
-          "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.");
+          "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
+          "used.");
 
     auto cls = py::reinterpret_borrow<Class>(m.attr("SceneDescription"));
     cls.def_property_readonly("triangle_count", &count_placed_triangles, "Placed triangles.")
-        .def("bounds",
-             [](const SceneDescription& d) {
-                 const Bounds b = placed_bounds(d);
-                 return std::pair(array3(b.lo), array3(b.hi));
-             },
-             "Lowest and highest corner of the placed meshes and the sphere lights.")
+        .def(
+            "bounds",
+            [](const SceneDescription& d) {
+                const Bounds b = placed_bounds(d);
+                return std::pair(array3(b.lo), array3(b.hi));
+            },
+            "Lowest and highest corner of the placed meshes and the sphere lights.")
         .def_property_readonly("meshes", &mesh_list, "Facts of every mesh, as dicts.")
         .def("mesh_arrays", &mesh_arrays, py::arg("index"), "vertices, triangles, normals, uvs of one mesh.")
         .def_property_readonly("materials", &material_list, "Every material, as dicts.")
         .def_property_readonly("cameras", &camera_list, "Every camera, as dicts.")
         .def_property_readonly("lights", &light_list, "Every light, as dicts.")
-        .def_property_readonly("instances",
-                               [](const SceneDescription& d) {
-                                   py::list out;
-                                   for (const Instance& i : d.instances)
-                                       out.append(py::dict(py::arg("meshes") = i.meshes,
-                                                           py::arg("to_world") = affine_rows(i.to_world)));
-                                   return out;
-                               },
-                               "Every instance, as dicts.")
+        .def_property_readonly(
+            "instances",
+            [](const SceneDescription& d) {
+                py::list out;
+                for (const Instance& i : d.instances)
+                    out.append(py::dict(py::arg("meshes") = i.meshes,
+                                        py::arg("to_world") = affine_rows(i.to_world)));
+                return out;
+            },
+            "Every instance, as dicts.")
         .def("image_pixels", &image_pixels, py::arg("index"), "Linear pixels (H, W, C) of a decoded image.");
 }
 

@@ -6,6 +6,7 @@
 #include "interrupt.h"
 #include "viscache/aqvc/quantized_cache.h"
 #include "viscache/render/frame.h"
+#include "viscache/scene/check.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
 
@@ -120,9 +121,12 @@ void bind_render(py::module_& m) {
     m.def("scene_cameras", [](const Scene& s) { return s.description().cameras; }, py::arg("scene"));
     m.def("look_at",
           [](std::array<float, 3> origin, std::array<float, 3> target, std::array<float, 3> up, float fov_deg) {
-              return look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180);
+              const Camera camera = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180);
+              check_camera(camera);
+              return camera;
           },
-          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"));
+          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"),
+          "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
     m.def("render_exact",
           [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
              const FrameSettings& frame, PacketOrder order, std::optional<bool> coherent, const py::object& progress) {

@@ -58,7 +58,7 @@ void bind_scene_info(py::module_& m) {
     m.def("scene_lights", &lights_list, py::arg("scene"));
     m.def("scene_materials", [](const Scene& s) {
         py::list out;
-        for (const Material& m : s.materials())
+        for (const Material& m : std::span(s.materials()).first(s.described_materials()))
             out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
                                 py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
                                 py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided));
@@ -77,7 +77,7 @@ void bind_scene_info(py::module_& m) {
     }, py::arg("scene"));
     m.def("description_of", [](const Scene& s) {
         SceneDescription d = s.description();
-        d.meshes.resize(s.described_meshes());
+        d.meshes.resize(s.described_meshes()), d.materials.resize(s.described_materials());
         return d;
     }, py::arg("scene"), "A copy that can be changed.");
     m.def("read_image", [](const std::string& path) {

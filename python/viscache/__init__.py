@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import metrics
+from viscache import metrics, plots, report, scenes
 from viscache._core import SceneDescription, look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Whitted
@@ -28,6 +28,9 @@ __all__ = [
     "load_scene",
     "look_at",
     "metrics",
+    "plots",
     "render",
+    "report",
+    "scenes",
     "sweep",
 ]

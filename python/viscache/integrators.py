@@ -63,7 +63,7 @@ class Whitted:
     vpl_max_depth : int >= 1
         Bounces of a light path.
     vpl_candidates : int >= 1
-        Light paths traced per VPL kept.
+        Candidates per VPL kept; as many light paths are traced as they take.
     vpl_eye_points : int >= 1
         Camera points that judge the candidates.
     vpl_bound : float >= 0
@@ -88,9 +88,13 @@ class Whitted:
         _check_samples(self)
         require(0 <= self.n_vpls <= 1 << 20, "n_vpls must be in [0, 2^20]", self.n_vpls)
         require(0 <= self.max_depth <= 16, "max_depth must be in [0, 16]", self.max_depth)
-        require(1 <= self.vpl_max_depth <= 64, "vpl_max_depth must be in [1, 64]", self.vpl_max_depth)
         require(
-            1 <= self.vpl_candidates <= 1024, "vpl_candidates must be in [1, 1024]", self.vpl_candidates
+            1 <= self.vpl_max_depth <= 64, "vpl_max_depth must be in [1, 64]", self.vpl_max_depth
+        )
+        require(
+            1 <= self.vpl_candidates <= 1024,
+            "vpl_candidates must be in [1, 1024]",
+            self.vpl_candidates,
         )
         require(
             1 <= self.vpl_eye_points <= 1 << 16,
@@ -130,7 +134,9 @@ class AmbientOcclusion:
             self.distribution,
         )
         require(
-            0 <= self.max_distance < float("inf"), "max_distance must be >= 0 and finite", self.max_distance
+            0 <= self.max_distance < float("inf"),
+            "max_distance must be >= 0 and finite",
+            self.max_distance,
         )
         _check_density(self)
 
@@ -140,7 +146,9 @@ Integrator: TypeAlias = Direct | Whitted | AmbientOcclusion
 
 def _check_density(s: Integrator) -> None:
     require(
-        s.p_mode in ("last_vertex", "footprint"), 'p_mode must be "last_vertex" or "footprint"', s.p_mode
+        s.p_mode in ("last_vertex", "footprint"),
+        'p_mode must be "last_vertex" or "footprint"',
+        s.p_mode,
     )
     require(0 < s.cosmin <= 1, "cosmin must be in (0, 1]", s.cosmin)
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import datetime
+import importlib
 import os
 import platform
 from functools import cache
-from importlib import metadata
 from typing import Any
 
 
 def version() -> str:
-    """The version of viscache: of the installed package, else what the core was built as."""
-    try:
-        return metadata.version("viscache")
-    except metadata.PackageNotFoundError:
-        return str(getattr(_core(), "__version__", "") or "0+unknown")
+    """The version of viscache."""
+    return str(importlib.import_module("viscache").__version__)
 
 
 def _core() -> Any:
@@ -68,7 +65,6 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
         "python": platform.python_version(),
         "embree": embree_version(),
         "isa": isa()[0],
-        "cpu": cpu_model(),
         "threads": thread_count(threads),
         "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
     }

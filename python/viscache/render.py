@@ -70,8 +70,8 @@ def render(
     Returns
     -------
     Frame
-        Layers "color", "emitted", one per light group, "depth", "normal", "albedo"; counters,
-        timings, parameters, provenance.
+        Layers "color", "emitted", one per light group, "depth", "normal", "albedo"; counters
+        ("sha256" is that of the color layer), timings, parameters, provenance.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def render(
     # Shares of the wall time: CPU seconds of the stage over the threads that ran
     for stage in ("visibility", "shading"):
         timings[f"{stage}_s"] = timings[f"{stage}_cpu_s"] / result["threads"]
-    return Frame(
+    made = Frame(
         layers=result["layers"],
         counters=result["counters"],
         timings=timings,
@@ -132,6 +132,8 @@ def render(
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator),
     )
+    made.counters["sha256"] = made.sha256
+    return made
 
 
 def _warnings(scene: Scene, integrator: Integrator) -> list[str]:

@@ -103,12 +103,16 @@ class Scene:
         array([False])
         """
         indices = np.asarray(triangles)
+        if indices.size and indices.dtype.kind not in "iu":
+            raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
         if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
             low, high = indices.min(), indices.max()
             raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
         description = SceneDescription()
         material = description.add_material(base_color=_rgb(base_color, "base_color"))
-        description.add_mesh(vertices, indices.astype(np.uint32), material=material, normals=normals)
+        description.add_mesh(
+            vertices, indices.astype(np.uint32), material=material, normals=normals
+        )
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
@@ -143,7 +147,10 @@ class Scene:
     @cached_property
     def warnings(self) -> list[str]:
         """What the file asked for that is not modelled, each with its place; and a scene without light."""
-        texts = [f"{where}: {text}" if where else text for where, text in _core.scene_warnings(self._core)]
+        texts = [
+            f"{where}: {text}" if where else text
+            for where, text in _core.scene_warnings(self._core)
+        ]
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
         return texts
@@ -189,7 +196,8 @@ class Scene:
 
     def overview_camera(self) -> _core.Camera:
         """A camera that sees the whole scene from a corner above."""
-        center, radius = np.array(self._core.center), self._core.radius
+        center = np.array(self._core.center)
+        radius = self._core.radius if self._core.offset_extent > 0 else 1.0
         origin = center + radius * np.array([1.2, 0.9, 1.6])
         up = (0.0, 1.0, 0.0)
         return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), up, 55.0)
@@ -261,7 +269,9 @@ class Scene:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
 
 
-def load_scene(path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None) -> Scene:
+def load_scene(
+    path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None
+) -> Scene:
     """Load a scene file.
 
     Parameters

@@ -72,21 +72,14 @@ def name_of(role: Role, settings: Any) -> str:
 def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
     """Settings from a name, or from a table `{name = "whitted", n_vpls = 1024}`.
 
-    A table's `preset` is given to the class method `preset`, the rest replaces its values.
+    A `preset` in the table is a parameter like the others.
     """
     table = {"name": spec} if isinstance(spec, str) else dict(spec)
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
     cls = settings_class(role, name)
-    preset = table.pop("preset", None)
-    if preset is None:
-        base = cls()
-    elif hasattr(cls, "preset"):
-        base = cls.preset(preset)
-    else:
-        raise ValueError(f"{role} {name} has no presets, got preset = {preset!r}")
-    return replaced(base, table, role)
+    return replaced(cls(), table, role)
 
 
 def parameters(settings: Any) -> dict[str, Any]:
@@ -108,8 +101,13 @@ def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
 
 def described(role: Role, settings: Any) -> dict[str, Any]:
     """`{"name": ..., parameter: value, ...}`, JSON-able: the inverse of `make`."""
-    plain = json.loads(json.dumps(parameters(settings), default=str))
-    return {"name": name_of(role, settings), **plain}
+    return {"name": name_of(role, settings), **plain(parameters(settings))}
+
+
+def plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values as JSON would give them back; what it cannot hold as text."""
+    kept = {n: dict(v) if isinstance(v, Mapping) else v for n, v in values.items()}
+    return dict(json.loads(json.dumps(kept, default=str)))
 
 
 def literal(text: str) -> Any:

@@ -37,5 +37,5 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
     vc: Any = importlib.import_module("viscache")
 
     if is_builtin(spec):
-        return vc.scenes.build(spec)
+        return importlib.import_module("viscache.scenes").build(spec)
     return vc.load_scene(spec, strict=strict, env=env)

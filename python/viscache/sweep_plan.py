@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from viscache import settings
-from viscache.provenance import provenance, version
+from viscache.provenance import cpu_model, provenance, version
 from viscache.store import content_key
 
 Over: TypeAlias = "Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]"
@@ -21,12 +24,13 @@ class Task:
     """One frame to render; travels to the executor's workers."""
 
     scene: Any  # a spec, or a Scene
+    scene_hash: str
     integrator: Any
     rays: Any
     visibility: Any
     use: str | None
     camera: str | None
-    env: str | None
+    env: Any
     size: tuple[int, int]
     spp: int
     seed: int
@@ -159,15 +163,22 @@ def _add(
     exact = settings.name_of("visibility", chosen["visibility"]) == "exact"
     roles: dict[str, Any] = {role: chosen[role] for role in settings.ROLES}
     rest: dict[str, Any] = {**common, "use": None if exact else common["use"], "seed": seed}
-    merged: dict[str, Any] = {**rest, **roles, "spp": spp or common["spp"]}
+    merged: dict[str, Any] = {
+        **rest,
+        **roles,
+        "spp": spp or common["spp"],
+        "scene_hash": str(scene.content_hash),
+    }
     task = Task(**merged)
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
-        "env": _file_hash(task.env),
+        "env": _env_hash(task.env),
     }  # fmt: skip
     for role in settings.ROLES:
         spec[role] = settings.described(role, chosen[role])
+        if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
+            spec[role] |= {"resolved": settings.plain(chosen[role].resolved())}
     key = content_key(spec)
     plan.tasks[key] = task
     plan.specs[key] = spec
@@ -180,7 +191,7 @@ def definition_of(
 ) -> dict[str, Any]:  # fmt: skip
     """What the store remembers of a sweep: enough for its tables and its report."""
     return {
-        "scene": source if isinstance(source, str) else str(getattr(scene, "name", "scene")),
+        "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: settings.described(r, resolved[r]) for r in settings.ROLES},
@@ -194,7 +205,7 @@ def definition_of(
              "key": p.key, "paired": p.paired, "converged": p.converged}
             for p in plan.points
         ],
-        "provenance": provenance(common["threads"]),
+        "provenance": provenance(common["threads"]), "cpu": cpu_model(),
     }  # fmt: skip
 
 
@@ -222,5 +233,17 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))
 
 
-def _file_hash(path: str | None) -> str | None:
-    return None if path is None else hashlib.sha256(Path(path).read_bytes()).hexdigest()
+def _scene_text(scene: Any, source: Any) -> str:
+    """What the sweep calls its scene: as it was given, else its spec, else its name."""
+    if isinstance(source, str):
+        return source
+    return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))
+
+
+def _env_hash(env: Any) -> str | None:
+    """Content hash of an environment: of the file's bytes, or of the numbers."""
+    if env is None:
+        return None
+    if isinstance(env, (str, os.PathLike)):
+        return hashlib.sha256(Path(env).read_bytes()).hexdigest()
+    return hashlib.sha256(np.asarray(env, dtype="<f8").tobytes()).hexdigest()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import pickle
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from viscache import metrics as _metrics
@@ -28,7 +29,7 @@ render_function: Callable[..., Frame] | None = None
 def render_task(task: Task, scene: Any = None) -> Frame:
     """Render one frame; runs in this process or in a worker."""
     render = render_function or importlib.import_module("viscache").render
-    opened = scene if scene is not None else _opened(task.scene)
+    opened = scene if scene is not None else _opened(task)
     cpu = time.process_time()
     frame: Frame = render(
         opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
@@ -44,12 +45,28 @@ def render_task(task: Task, scene: Any = None) -> Frame:
 _LAST: list[tuple[Any, Any]] = []  # the worker's newest scene
 
 
-def _opened(scene: Any) -> Any:
+def _opened(task: Task) -> Any:
+    """The scene of a task, in a worker: the newest one is kept."""
+    scene = task.scene
     if not isinstance(scene, str):
         return scene
     if not _LAST or _LAST[0][0] != scene:
         _LAST[:] = [(scene, sources.open_scene(scene))]
-    return _LAST[0][1]
+    opened = _LAST[0][1]
+    if str(opened.content_hash) != task.scene_hash:
+        raise ValueError(f"scene {scene} is not the one the sweep began with (its content differs)")
+    return opened
+
+
+def _check_travels(scene: Any) -> None:
+    """ValueError where a scene cannot be sent to the workers of an executor."""
+    try:
+        pickle.dumps(scene)
+    except (TypeError, AttributeError, pickle.PicklingError) as error:
+        raise ValueError(
+            "scene must be a file or a built-in name when an executor's workers render it,"
+            f" got {scene!r}"
+        ) from error
 
 
 class Run:
@@ -100,6 +117,9 @@ class Run:
                     time.sleep(0.2)
 
     def parallel(self, executor: Executor) -> None:
+        scene = self.scene if isinstance(executor, ThreadPoolExecutor) else None
+        if scene is None:
+            _check_travels(next(iter(self.plan.tasks.values())).scene)
         window = 2 * int(getattr(executor, "_max_workers", 0) or 16)
         flying: dict[Future[Frame], str] = {}
         try:
@@ -111,12 +131,20 @@ class Run:
                     if self.store.get(key) is not None:
                         self.finished()
                     elif self.store.claim(key):
-                        flying[executor.submit(render_task, self.plan.tasks[key])] = key
+                        flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
                     else:
                         self.todo.append(key)
                 ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    self.keep(flying.pop(future), future.result())
+                failures = []
+                for future in ready:  # what is finished is kept before an error is raised
+                    key, failure = flying.pop(future), future.exception()
+                    if failure is not None:
+                        self.store.release(key)
+                        failures.append(failure)
+                    else:
+                        self.keep(key, future.result())
+                if failures:
+                    raise failures[0]
                 if not flying and self.todo:
                     time.sleep(0.2)
         finally:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 UNITS = {
     "total_s": "s", "visibility_s": "s", "cpu_s": "s", "exact_total_s": "s", "rays": "1",
-    "queries": "1", "ray_reduction": "1", "speedup": "1",
+    "queries": "1", "ray_reduction": "1", "speedup": "1", "exact_cpu_s": "s",
+    "cpu_speedup": "1",
 }  # fmt: skip
 
 
@@ -46,22 +47,34 @@ def table_rows(store: Store) -> list[dict[str, Any]]:
 def _measured(record: Record, paired: Record) -> dict[str, Any]:
     """Counts and times of a frame, and its speed-up over the exact one."""
     counters, timings = record.counters, record.timings
-    total, exact = timings.get("total_s"), paired.timings.get("total_s")
+    total, exact = _frame_time(timings), _frame_time(paired.timings)
     rays, queries = counters.get("rays"), counters.get("queries")
     row = {
         "rays": rays,
         "queries": queries,
-        "ray_reduction": queries / rays if queries is not None and rays else None,
+        "ray_reduction": _ratio(queries, rays),
         "total_s": total,
         "visibility_s": timings.get("visibility_s"),
         "cpu_s": timings.get("cpu_s"),
         "exact_total_s": exact,
+        "exact_cpu_s": paired.timings.get("cpu_s"),
         "exact_rays": paired.counters.get("rays"),
-        "speedup": exact / total if exact is not None and total else None,
+        "speedup": _ratio(exact, total),
+        "cpu_speedup": _ratio(paired.timings.get("cpu_s"), timings.get("cpu_s")),
     }
     for group, counts in counters.get("groups", {}).items():
         row |= {f"{name}/{group}": counts.get(name) for name in ("rays", "queries")}
     return row
+
+
+def _ratio(a: float | None, b: float | None) -> float | None:
+    return a / b if a is not None and b else None
+
+
+def _frame_time(timings: Mapping[str, float]) -> float | None:
+    """Wall time without building the ray caster, which only a scene's first frame pays."""
+    total = timings.get("total_s")
+    return None if total is None else total - timings.get("build_s", 0.0)
 
 
 def columns_of(
@@ -72,7 +85,7 @@ def columns_of(
     seen = dict.fromkeys(column for row in rows for column in row)
     fixed = [
         *first, "rays", "queries", "ray_reduction", "total_s", "visibility_s", "cpu_s",
-        "exact_total_s", "exact_rays", "speedup",
+        "exact_total_s", "exact_cpu_s", "exact_rays", "speedup", "cpu_speedup",
     ]  # fmt: skip
     late = [c for c in seen if c not in fixed and c not in ("frame", "key")]
     return [*fixed, *late, "frame", "key"]
@@ -126,7 +139,8 @@ def _coordinate(values: Sequence[Any]) -> Any:
 
 
 def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
-    texts = ("scene", "scene_hash", "integrator", "rays", "visibility", "size", "spp", "converged",
+    texts = (
+        "cpu","scene", "scene_hash", "integrator", "rays", "visibility", "size", "spp", "converged",
              "metrics", "provenance")  # fmt: skip
     attributes: dict[str, Any] = {
         name: v if isinstance(v := definition[name], (str, int)) else json.dumps(v)

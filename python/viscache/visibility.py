@@ -33,7 +33,9 @@ class Exact:
 
     def __post_init__(self) -> None:
         require(
-            self.order in ("by_light", "by_pixel"), 'order must be "by_light" or "by_pixel"', self.order
+            self.order in ("by_light", "by_pixel"),
+            'order must be "by_light" or "by_pixel"',
+            self.order,
         )
 
     def core(self) -> tuple[_core.PacketOrder, bool | None]:
@@ -165,7 +167,9 @@ class Aqvc:
         require(self.preset in PRESETS, f"preset must be one of {sorted(PRESETS)}", self.preset)
         for group, value in self.c_e_groups.items():
             require(group in LIGHT_GROUPS, f"c_e_groups must name {', '.join(LIGHT_GROUPS)}", group)
-            require(0 < value < float("inf"), f"c_e_groups[{group!r}] must be > 0 and finite", value)
+            require(
+                0 < value < float("inf"), f"c_e_groups[{group!r}] must be > 0 and finite", value
+            )
         self.core()
 
     def core(self) -> _core.aqvc.AqvcParameters:

@@ -98,7 +98,7 @@ def test_neighbours_on_a_plane_are_the_cells_one_width_away(offset):
     rng = np.random.default_rng(8)
     x, n = rng.uniform(-3, 3, (400, 3)).astype(np.float32), unit(rng, 400)
     r = 300.0
-    near, place, _, _ = keys(x, n, r, d=offset)
+    near, _, _, _ = keys(x, n, r, d=offset)
     grid = reference.Grid(CENTER, RADIUS)
     agree = 0
     for i in range(len(x)):

@@ -32,7 +32,10 @@ def octahedral_transcription(d: Array) -> Array:
     u, v = d[:, :2].T / np.abs(d).sum(1)
     sign_u, sign_v = np.where(u >= 0, 1, -1), np.where(v >= 0, 1, -1)
     below = d[:, 2] < 0
-    u, v = np.where(below, (1 - np.abs(v)) * sign_u, u), np.where(below, (1 - np.abs(u)) * sign_v, v)
+    u, v = (
+        np.where(below, (1 - np.abs(v)) * sign_u, u),
+        np.where(below, (1 - np.abs(u)) * sign_v, v),
+    )
     return np.stack([u, v], 1) / 2 + 0.5
 
 
@@ -44,7 +47,9 @@ def test_the_octahedral_map_is_the_published_one() -> None:
 def test_the_octahedral_map_takes_directions_of_any_length() -> None:
     d = np.array([[1.0, 2.0, -3.0]])
     for scale in (1e-30, 1e30):
-        assert maps.direction_to_octahedral(scale * d) == pytest.approx(octahedral_transcription(d), abs=1e-6)
+        assert maps.direction_to_octahedral(scale * d) == pytest.approx(
+            octahedral_transcription(d), abs=1e-6
+        )
     assert maps.direction_to_octahedral(np.zeros((1, 3))).tolist() == [[0.5, 0.5]]
 
 
@@ -87,7 +92,7 @@ def spherical_triangles(a: Array, b: Array, c: Array) -> Array:
 
 
 def cell_solid_angles(back, cells: int, sub: int) -> Array:  # type: ignore[no-untyped-def]
-    """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold's direction."""
+    """Of cells × cells, each cut into sub × sub quads, each into two triangles along the fold."""
     n = cells * sub
     t = np.arange(n + 1) / n
     corner = back(np.stack(np.meshgrid(t, t, indexing="ij"), -1).reshape(-1, 2)).astype(float)

@@ -1,16 +1,16 @@
 """A stand-in for `viscache.render` whose error and cost are known in closed form.
 
-The exact picture is a ramp; the cached one is the ramp times (1 + c_e / 100), so that rel_l1 against
-the paired reference is c_e / 100 exactly; it traces queries / c_e² rays.
+The exact picture is a ramp; the cached one is the ramp times (1 + c_e / 100), so that rel_l1
+against the paired reference is c_e / 100 exactly; it traces queries / c_e² rays.
 """
 
 from __future__ import annotations
 
-import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
 from viscache.frame import Frame
 
 
@@ -35,6 +35,7 @@ class Exact:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Aqvc:
+    preset: str = "default"
     c_e: float = 10.0
     c_n: int = 8
     processing: str = "waves"
@@ -42,12 +43,6 @@ class Aqvc:
     def __post_init__(self) -> None:
         if self.c_e <= 0:
             raise ValueError(f"c_e must be > 0, got {self.c_e}")
-
-    @classmethod
-    def preset(cls, name: str) -> Aqvc:
-        if name != "paper":
-            raise ValueError(f"unknown preset {name!r}")
-        return replace(cls(), c_n=16)
 
 
 @dataclass(frozen=True)
@@ -70,9 +65,6 @@ def fake_render(
     if STOP and len(CALLS) >= STOP[0]:
         raise KeyboardInterrupt
     CALLS.append({"visibility": visibility, "integrator": integrator, "seed": seed, "spp": spp})
-    if os.environ.get("FAKE_RENDER_LOG"):
-        with open(os.environ["FAKE_RENDER_LOG"], "a", encoding="utf-8") as log:
-            log.write(f"{type(visibility).__name__} {seed}\n")
     width, height = size
     rng = np.random.default_rng(seed)
     ramp = np.linspace(0.1, 1.0, width)[None, :, None] * np.ones((height, 1, 3))

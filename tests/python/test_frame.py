@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
+
 from viscache.frame import Frame
 from viscache.tonemap import auto_exposure, difference8, srgb_curve, to_srgb8
 
@@ -27,8 +28,8 @@ def make(height: int = 6, width: int = 9) -> Frame:
     }
     counters = {"queries": 2**60 + 1, "groups": {"vpl": {"rays": 3}}, "levels": [1, 2]}
     return Frame(
-        layers=layers, counters=counters, timings={"total_s": 0.1}, parameters={"c_e": 4, "ö": None},
-        warnings=["no film"],
+        layers=layers, counters=counters, timings={"total_s": 0.1},
+        parameters={"c_e": 4, "ö": None}, warnings=["no film"],
     )  # fmt: skip
 
 
@@ -36,7 +37,7 @@ def test_a_saved_frame_comes_back_bit_for_bit_with_its_records(tmp_path: Path) -
     frame = make()
     frame.save(tmp_path / "a.exr")
     back = Frame.load(tmp_path / "a.exr")
-    assert list(back.layers) == list(frame.layers) and list(back.layers)[0] == "color"
+    assert list(back.layers) == list(frame.layers) and next(iter(back.layers)) == "color"
     for name, pixels in frame.layers.items():
         assert back.layers[name].tobytes() == pixels.tobytes(), name
     for record in ("counters", "timings", "parameters", "provenance", "warnings"):

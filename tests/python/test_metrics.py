@@ -5,6 +5,7 @@ from __future__ import annotations
 import flip_evaluator
 import numpy as np
 import pytest
+
 from viscache.frame import Frame
 from viscache.metrics import METRICS, compare, confidence_interval
 

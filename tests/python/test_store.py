@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from viscache.frame import Frame
 from viscache.store import Store, content_key
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+
 from viscache.frame import Frame
 from viscache.sweep import SweepFile, sweep
 from viscache.sweep_table import open_dataset
@@ -198,7 +199,8 @@ def test_a_file_runs_as_written(fake_vc: Any, tmp_path: Path) -> None:
     path.write_text(FILE + "integrator.n_vpls = [1, 3]\n")
     ds = SweepFile.load(path).run(tmp_path / "out")
     assert dict(ds.sizes) == {"c_e": 2, "n_vpls": 2, "repeat": 2, "group": 1}
-    assert {c["visibility"].c_n for c in fake_vc.CALLS if hasattr(c["visibility"], "c_n")} == {16}
+    cached = [c["visibility"] for c in fake_vc.CALLS if hasattr(c["visibility"], "preset")]
+    assert {v.preset for v in cached} == {"paper"}
     assert ds.attrs["scene"] == "room?triangles=2000"
 
 
@@ -233,3 +235,51 @@ def test_bad_files_are_refused_with_file_and_reason(tmp_path: Path, text: str, s
     with pytest.raises(ValueError, match=says) as caught:
         SweepFile.load(tmp_path / "a.toml")
     assert "a.toml" in str(caught.value)
+
+
+READY = sorted((Path(__file__).parents[2] / "scripts" / "sweeps").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", READY, ids=lambda p: p.stem)
+def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
+    from viscache import settings
+    from viscache.sweep_plan import make_plan
+
+    loaded = SweepFile.load(path)
+    roles = {r: settings.make(r, getattr(loaded, r)) for r in settings.ROLES}
+    common = {"scene": loaded.scene, "use": None, "camera": None, "env": None, "threads": None,
+              "size": (640, 400), "spp": loaded.spp}  # fmt: skip
+
+    class Anything:
+        content_hash = "00"
+
+    plan = make_plan(Anything(), roles, common, over=loaded.over, repeats=loaded.repeats, seed=0,
+                     converged=loaded.converged, metrics=list(loaded.metrics))  # fmt: skip
+    assert len(plan.points) >= 9
+
+
+# With the real renderer
+
+
+def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_path: Path) -> None:
+    import viscache as vc
+    from viscache.commands.doctor import _scene
+
+    ds = sweep(_scene(), vc.Direct(), over={"c_e": [0.01, 4, 16]}, size=(64, 48),
+               metrics=["rel_l1"], repeats=2, directory=tmp_path)  # fmt: skip
+    errors, rays = ds.rel_l1.mean("repeat").values, ds.rays.mean("repeat").values
+    assert errors[0] == 0.0 and 0 < errors[1] < errors[2] < 0.2
+    assert rays[0] > rays[1] > rays[2] > 0
+    assert (ds.queries == ds.queries[0]).all()
+    assert (ds.total_s > 0).all() and (ds.speedup > 0).all()
+
+
+def test_a_scene_that_cannot_travel_to_workers_is_refused_with_a_reason() -> None:
+    from concurrent.futures import ProcessPoolExecutor
+
+    import viscache as vc
+    from viscache.commands.doctor import _scene
+
+    with ProcessPoolExecutor(1) as pool, pytest.raises(ValueError, match="built-in name when an"):
+        sweep(_scene(), vc.Direct(), over={"c_e": [4]}, size=(8, 8), executor=pool,
+              metrics=["rmse"])  # fmt: skip

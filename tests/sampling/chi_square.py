@@ -11,7 +11,7 @@ Density = Callable[[Floats], Floats]
 
 
 def uniforms(n: int, dims: int, seed: int = 1) -> npt.NDArray[np.float32]:
-    """Random points in [0, 1), (n, dims), from NumPy's generator and not from the code under test."""
+    """Random points in [0, 1), (n, dims), from NumPy's generator, not from the code under test."""
     return np.random.default_rng(seed).random((n, dims), dtype=np.float32)
 
 
@@ -58,7 +58,7 @@ def sphere_p_value(
     sub: int = 8,
     n_samples: int | None = None,
 ) -> float:
-    """Chi-squared of directions; samples that are missing from `n_samples` fill a bin of their own."""
+    """Chi-squared of directions; samples missing from `n_samples` fill a bin of their own."""
     n = n_samples or len(directions)
     mass = sphere_mass(density, bins, z_range, sub)
     x, y, z = np.asarray(directions, dtype=float).T

@@ -40,6 +40,22 @@ def test_the_last_number_finds_the_last_weight_that_is_not_zero() -> None:
     assert index.tolist() == [1, 2]
 
 
+@pytest.mark.extreme
+@pytest.mark.parametrize("n", [3, 7, 49, 1000])
+def test_numbers_beside_a_boundary_find_their_side_of_it(n: int) -> None:
+    """u·n may round up to an integer while u·total stays below the boundary."""
+    weights = np.where(np.arange(n) % 3 == 1, 0.0, np.random.default_rng(n).random(n) + 0.1)
+    distribution = Distribution(weights)
+    edges = np.concatenate([np.arange(1, n) / n, np.cumsum(weights)[:-1] / weights.sum()])
+    u = np.concatenate([np.nextafter(edges, 0), edges, np.nextafter(edges, 1)])
+    index, _, rest = distribution.sample(u)
+    assert rest.min() >= 0 and rest.max() < 1
+    assert (weights[index] > 0).all()
+    cumulative = np.concatenate([[0], np.cumsum(weights)])
+    assert (cumulative[index] <= u * distribution.total).all()
+    assert (u * distribution.total < cumulative[index + 1]).all()
+
+
 @pytest.mark.stat
 def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
     weights = np.random.default_rng(1).random(50) ** 3
@@ -53,7 +69,9 @@ def test_indices_follow_the_weights_and_the_rest_is_uniform() -> None:
     assert p_value(counts[1:7], counts[1:7].sum() * np.full(6, 1 / 6)) < 1e-6
 
 
-@pytest.mark.parametrize("weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]])
+@pytest.mark.parametrize(
+    "weights", [[], [0.0, 0.0], [1.0, -1.0, 3.0], [np.nan], [np.inf, 1.0], [1e308, 1e308]]
+)
 def test_unusable_weights_are_refused(weights: list[float]) -> None:
     with pytest.raises(ValueError, match="weights must"):
         Distribution(np.array(weights))

@@ -15,7 +15,9 @@ SEEDS = [(0, 0), (1, 2), (0xFFFFFFFF, 0x80000000), (0x12345678, 0x9ABCDEF0)]
 def is_net(points: npt.NDArray[np.float32], m: int) -> bool:
     """Whether each elementary interval of area 2^-m holds exactly one of 2^m points."""
     for k in range(m + 1):
-        cell = (points[:, 0] * 2**k).astype(int) * 2 ** (m - k) + (points[:, 1] * 2 ** (m - k)).astype(int)
+        cell = (points[:, 0] * 2**k).astype(int) * 2 ** (m - k) + (
+            points[:, 1] * 2 ** (m - k)
+        ).astype(int)
         if not np.array_equal(np.sort(cell), np.arange(2**m)):
             return False
     return True
@@ -47,7 +49,9 @@ def test_over_seeds_each_point_is_uniform() -> None:
     rng = np.random.default_rng(4)
     for index in (0, 1, 7, 100):
         seeds = rng.integers(0, 2**32, (4096, 2))
-        points = np.array([_core.sampling.sobol02(np.array([index]), int(a), int(b))[0] for a, b in seeds])
+        points = np.array(
+            [_core.sampling.sobol02(np.array([index]), int(a), int(b))[0] for a, b in seeds]
+        )
         cell = (points[:, 0] * 16).astype(int) * 16 + (points[:, 1] * 16).astype(int)
         assert stats.chisquare(np.bincount(cell, minlength=256)).pvalue >= 1e-3 / 4
 

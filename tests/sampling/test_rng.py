@@ -47,10 +47,14 @@ def test_floats_are_the_upper_24_bits() -> None:
 
 
 def uniformity(values: npt.NDArray[np.float32], bins: int = 256) -> float:
-    return float(stats.chisquare(np.bincount((values.ravel() * bins).astype(int), minlength=bins)).pvalue)
+    return float(
+        stats.chisquare(np.bincount((values.ravel() * bins).astype(int), minlength=bins)).pvalue
+    )
 
 
-def pair_uniformity(a: npt.NDArray[np.float32], b: npt.NDArray[np.float32], bins: int = 32) -> float:
+def pair_uniformity(
+    a: npt.NDArray[np.float32], b: npt.NDArray[np.float32], bins: int = 32
+) -> float:
     cell = (a.ravel() * bins).astype(int) * bins + (b.ravel() * bins).astype(int)
     return float(stats.chisquare(np.bincount(cell, minlength=bins * bins)).pvalue)
 
@@ -88,11 +92,11 @@ def test_every_bit_is_set_half_of_the_time() -> None:
 
 @pytest.mark.stat
 def test_a_poor_generator_is_found() -> None:
-    """Negative controls: a counter as key without mixing, and a stream one percent off uniform."""
+    """Negative controls: a counter without mixing, and a stream a few percent off uniform."""
     counter = ((np.arange(N_KEYS) * 2654435761) % 2**32 / 2**32).astype(np.float32)
     assert pair_uniformity(counter[:-1], counter[1:]) < 1e-6
     good = _core.sampling.random(keys(2), 8)
-    assert uniformity(good**np.float32(1.03)) < 1e-6
+    assert uniformity(good ** np.float32(1.07)) < 1e-6
     assert np.corrcoef(good.ravel(), good.ravel())[0, 1] > 4 / np.sqrt(good.size)
 
 

@@ -1,6 +1,7 @@
 #pragma once
 // The cache itself (AQVC Sec. 4.1): an array of 32-bit words, 31 bits of digest and one of visibility.
-// No probing: a write replaces what was there. And a map of full keys that never forgets, for tests and experiments.
+// No probing: a write replaces what was there. And a map of full keys that never forgets, for tests and
+// experiments.
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -32,11 +33,21 @@ struct TableCounts {
 class BitTable {
 public:
     BitTable(uint64_t slots, int digest_bits, HashScheme scheme)
-        : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu)), 0), scheme_(scheme), digest_bits_(digest_bits),
+        : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu)), 0),
+          scheme_(scheme),
+          digest_bits_(digest_bits),
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
 
+    KeyHead head(const std::array<int32_t, 8>& slots) const {
+        return {slots, hash_slots(hash_seed(scheme_), slots, scheme_)};
+    }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        return get_hashed(hash_end(hash_slots(head.state, far.slots, scheme_), scheme_));
+    }
     std::optional<bool> get(const FullKey& key) const { return get_hashed(hash_key(key, scheme_)); }
-    void put(const FullKey& key, bool visible, TableCounts& counts) { put_hashed(hash_key(key, scheme_), visible, counts); }
+    void put(const FullKey& key, bool visible, TableCounts& counts) {
+        put_hashed(hash_key(key, scheme_), visible, counts);
+    }
 
     std::optional<bool> get_hashed(KeyHash h) const {
         const uint32_t word = words_[slot(h)];
@@ -46,8 +57,10 @@ public:
         uint32_t& word = words_[slot(h)];
         counts.expected_false_hits += double(occupied_) * false_rate_;
         counts.writes += 1;
-        if (!word) ++occupied_;
-        else if (word >> 1 != digest(h)) ++counts.evictions;
+        if (!word)
+            ++occupied_;
+        else if (word >> 1 != digest(h))
+            ++counts.evictions;
         word = digest(h) << 1 | uint32_t(visible);
     }
     void clear() {
@@ -68,13 +81,18 @@ private:
     std::vector<uint32_t> words_;
     HashScheme scheme_;
     int digest_bits_;
-    double false_rate_;  ///< chance that a new key finds its digest in one occupied slot, per slot of the table
+    double
+        false_rate_;  ///< chance that a new key finds its digest in one occupied slot, per slot of the table
     uint64_t occupied_ = 0;
 };
 
 /// Exact map of full keys.
 class ExactTable {
 public:
+    KeyHead head(const std::array<int32_t, 8>& slots) const { return {slots, {}}; }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        return get(CellGrid::full_key(head.slots, far));
+    }
     std::optional<bool> get(const FullKey& key) const {
         const auto found = map_.find(key);
         return found == map_.end() ? std::nullopt : std::optional(found->second);

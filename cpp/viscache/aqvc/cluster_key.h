@@ -1,8 +1,8 @@
 #pragma once
 // From points to cells and keys (AQVC Sec. 3.3, 3.5): the integer tuples whose holders share one bit.
 //
-// Key slots: 0 semantic index | 1–3 normal bin of X | 4–6 voxel of X | 7 R of X | 8–14 the far end, zero padded:
-// surface = 7 slots like X, point and direction = 3 float bit patterns, solid angle = i, j, R.
+// Key slots: 0 semantic index | 1–3 normal bin of X | 4–6 voxel of X | 7 R of X | 8–14 the far end, zero
+// padded: surface = 7 slots like X, point and direction = 3 float bit patterns, solid angle = i, j, R.
 // Everything is computed in double from float input; -ffp-contract=off keeps the bits the same everywhere.
 #include <array>
 #include <bit>
@@ -30,10 +30,10 @@ struct Cell {
 
 /// A point in the grid of its normal: all that its cells of any size need.
 struct Anchor {
-    double x = 0, y = 0, z = 0;          ///< q·e + B_R along the axes of the grid
-    double slope_x = 0, slope_y = 0;     ///< rise of the tangent plane in cells of z per cell of x, y
+    double x = 0, y = 0, z = 0;       ///< q·e + B_R along the axes of the grid
+    double slope_x = 0, slope_y = 0;  ///< rise of the tangent plane in cells of z per cell of x, y
     int32_t bin = 0;
-    bool valid = false;                  ///< finite, with a normal
+    bool valid = false;  ///< finite, with a normal
 };
 
 /// A cell together with where the point lies in it.
@@ -107,23 +107,34 @@ public:
 
     Anchor anchor(Vec3 p, Vec3 n) const;
     PlacedCell cell(const Anchor& a, const Rung& r) const;
-    /// The neighbour at (dx, dy). It follows the tangent plane, or keeps z if `level` is set or the option is off.
+    /// The neighbour at (dx, dy). It follows the tangent plane, or keeps z if `level` is set or the option is
+    /// off.
     // Differs: AQVC keeps z, which leaves tilted surfaces. v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
     Cell neighbour(const Anchor& a, const PlacedCell& p, int dx, int dy, bool level = false) const {
         Cell c = p.cell;
         c.x += dx, c.y += dy;
-        if (parameters_.tangent_neighbours && !level) c.z = floor_to_int(p.fz - (dx * a.slope_x + dy * a.slope_y));
+        if (parameters_.tangent_neighbours && !level)
+            c.z = floor_to_int(p.fz - (dx * a.slope_x + dy * a.slope_y));
         return c;
     }
     void write_cell(const Cell& c, int32_t* slots) const;
     /// Key of the far end, or valid = false where it has none (not finite, no normal).
-    bool far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key, ClampCounts& clamps) const;
-    FullKey full_key(const Cell& eye, const FarKey& far) const {
-        FullKey k{};
-        k[0] = int32_t(far.semantic);
-        write_cell(eye, &k[1]);
+    bool far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,
+                 ClampCounts& clamps) const;
+    /// Slots 0–7 of a key.
+    std::array<int32_t, 8> head_slots(Semantic s, const Cell& eye) const {
+        std::array<int32_t, 8> head{int32_t(s)};
+        write_cell(eye, &head[1]);
+        return head;
+    }
+    static FullKey full_key(const std::array<int32_t, 8>& head, const FarKey& far) {
+        FullKey k;
+        for (size_t i = 0; i < 8; ++i) k[i] = head[i];
         for (size_t i = 0; i < 7; ++i) k[8 + i] = far.slots[i];
         return k;
+    }
+    FullKey full_key(const Cell& eye, const FarKey& far) const {
+        return full_key(head_slots(far.semantic, eye), far);
     }
 
 private:
@@ -149,16 +160,18 @@ inline void CellGrid::make_frames() {
             for (int k = 0; k <= n; ++k) {
                 double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1, z = 2.0 * k / n - 1;
                 const double l = std::sqrt(x * x + y * y + z * z);
-                if (l > 0) x /= l, y /= l, z /= l;
-                else x = 0, y = 0, z = 1;
+                if (l > 0)
+                    x /= l, y /= l, z /= l;
+                else
+                    x = 0, y = 0, z = 1;
                 const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
                 frames_.push_back({{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}});
             }
 }
 
 /// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋, d_z = 2 ω_q/C_N − 1: the bin of the normal and the point in its grid.
-// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and splits walls
-// along the axes on normals' noise.
+// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and
+// splits walls along the axes on normals' noise.
 inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
     Anchor a;
     a.valid = is_finite(p) && is_finite(n) && (n.x != 0 || n.y != 0 || n.z != 0);
@@ -220,7 +233,8 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
             const auto [u, v] = octahedral_square(far);
             const double last = r.resolution - 1;
             key.slots = {fold_coordinate(int64_t(std::min(last, std::floor(u * r.resolution))), r.folded),
-                         fold_coordinate(int64_t(std::min(last, std::floor(v * r.resolution))), r.folded), r.slot};
+                         fold_coordinate(int64_t(std::min(last, std::floor(v * r.resolution))), r.folded),
+                         r.slot};
             return true;
         }
     }

@@ -28,8 +28,8 @@ inline double far_resolution(Semantic s, double density, double radius, const Aq
 class Columns {
 public:
     /// `usable[eye]` tells whether the eye point has cells.
-    void prepare(const FarEnds& lights, const BitMatrix& wanted, const CellGrid& grid, const AqvcParameters& p,
-                 const std::vector<uint8_t>& usable, ClampCounts& clamps) {
+    void prepare(const FarEnds& lights, const BitMatrix& wanted, const CellGrid& grid,
+                 const AqvcParameters& p, const std::vector<uint8_t>& usable, ClampCounts& clamps) {
         lights_ = &lights;
         wanted_ = &wanted;
         key_lights(grid, p, clamps);
@@ -77,8 +77,8 @@ private:
             const Vec3 normal = s == Semantic::kSurface ? Vec3{l.nx[k], l.ny[k], l.nz[k]} : Vec3{};
             FarKey key;
             const double density = s == Semantic::kPoint || s == Semantic::kDirection ? 0 : l.density[k];
-            if (!is_traceable(end) || !grid.far_key(s, far, normal, far_resolution(s, density, grid.radius(), p), key,
-                                                    clamps))
+            if (!is_traceable(end) ||
+                !grid.far_key(s, far, normal, far_resolution(s, density, grid.radius(), p), key, clamps))
                 continue;
             const auto [found, fresh] = column_of.try_emplace(key.slots, uint32_t(lights_of_.size()));
             if (fresh) lights_of_.emplace_back();

@@ -29,23 +29,54 @@ constexpr uint32_t mix32(uint32_t h) {
 }
 }  // namespace detail
 
-/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants are ours.
-// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so lights at
-// (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
-inline KeyHash hash_key(std::span<const int32_t, 15> key, HashScheme scheme) {
+/// The recurrences after some slots of a key: d, or κ above c.
+struct HashState {
+    uint64_t bits = 0;
+    uint32_t salt = 0;  ///< of the next slot, for kScheme1Mixed
+};
+
+inline HashState hash_seed(HashScheme scheme) {
+    return {scheme == HashScheme::kScheme2 ? 88172645463325252ull : uint64_t{12345} << 32 | 67890, 0};
+}
+
+/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants
+/// are ours.
+// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so
+// lights at (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
+inline HashState hash_slots(HashState state, std::span<const int32_t> slots, HashScheme scheme) {
     using namespace detail;
     if (scheme == HashScheme::kScheme2) {
-        uint64_t d = 88172645463325252ull;
-        for (int32_t j : key) d = xorshift64(lcg64(d)) ^ uint32_t(j);
-        d = xorshift64(lcg64(d));
+        for (int32_t j : slots) state.bits = xorshift64(lcg64(state.bits)) ^ uint32_t(j);
+        return state;
+    }
+    uint32_t kappa = uint32_t(state.bits >> 32), c = uint32_t(state.bits);
+    for (int32_t slot : slots) {
+        const uint32_t j =
+            scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + state.salt);
+        kappa = lcg1(kappa) ^ j, c = lcg2(c) + j, state.salt += 0x9e3779b9u;
+    }
+    state.bits = uint64_t{kappa} << 32 | c;
+    return state;
+}
+
+/// The last step of the recurrences.
+inline KeyHash hash_end(HashState state, HashScheme scheme) {
+    using namespace detail;
+    if (scheme == HashScheme::kScheme2) {
+        const uint64_t d = xorshift64(lcg64(state.bits));
         return {uint32_t(d >> 32), uint32_t(d & 0x7fffffffu)};
     }
-    uint32_t kappa = 12345, c = 67890, salt = 0;
-    for (int32_t slot : key) {
-        const uint32_t j = scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + salt);
-        kappa = lcg1(kappa) ^ j, c = lcg2(c) + j, salt += 0x9e3779b9u;
-    }
-    return {lcg1(kappa), lcg2(c) >> 1};
+    return {lcg1(uint32_t(state.bits >> 32)), lcg2(uint32_t(state.bits)) >> 1};
 }
+
+inline KeyHash hash_key(std::span<const int32_t, 15> key, HashScheme scheme) {
+    return hash_end(hash_slots(hash_seed(scheme), key, scheme), scheme);
+}
+
+/// The eye point's half of a key, hashed once for all its far ends.
+struct KeyHead {
+    std::array<int32_t, 8> slots{};
+    HashState state;
+};
 
 }  // namespace viscache

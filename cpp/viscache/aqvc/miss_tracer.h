@@ -18,6 +18,8 @@ class MissTracer {
 public:
     MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
 
+    /// `flush` ends with `Cancelled` soon after `control` says so.
+    void watch(const Control& control) { control_ = &control; }
     void add(const Miss& miss) { misses_.push_back(miss); }
     /// Beyond this many misses a flush pays: memory stays bounded at any C_E.
     bool full() const { return misses_.size() >= size_t{1} << 19; }
@@ -25,8 +27,11 @@ public:
     uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
         const uint64_t rays = misses_.size();
         sort_by_light(lights.count);
-        for (size_t first = 0; first < misses_.size(); first += 16)
-            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)}, value);
+        for (size_t first = 0; first < misses_.size(); first += 16) {
+            if (control_ && first % 4096 == 0) control_->check();
+            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)},
+                    value);
+        }
         misses_.clear();
         return rays;
     }
@@ -46,11 +51,13 @@ private:
             const Miss& m = rays[std::min(i, rays.size() - 1)];
             const Vec3 o = eyes.origin[m.eye];
             packet.ox[i] = o.x, packet.oy[i] = o.y, packet.oz[i] = o.z;
-            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light], packet.dz[i] = lights.tz[m.light];
+            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light],
+            packet.dz[i] = lights.tz[m.light];
         }
         aim16(packet, lights.semantic, extent_);
         const uint32_t mask = (1u << rays.size()) - 1;
-        uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
+        uint32_t visible =
+            mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
         for (; visible; visible &= visible - 1) {
             const Miss& m = rays[size_t(std::countr_zero(visible))];
             value.set(m.row, m.column);
@@ -59,6 +66,7 @@ private:
 
     const RayCaster& caster_;
     float extent_;
+    const Control* control_ = nullptr;
     std::vector<Miss> misses_, sorted_;
     std::vector<uint32_t> begin_;
 };

@@ -3,8 +3,10 @@
 namespace viscache {
 
 Pairs::Pairs(const AqvcParameters& p) {
-    if (p.storage == Storage::kExact) exact_.emplace();
-    else table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash);
+    if (p.storage == Storage::kExact)
+        exact_.emplace();
+    else
+        table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash);
     pending_slots_.assign(1024, 0);
 }
 
@@ -20,9 +22,13 @@ void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std:
     for (size_t first = 0, last; first < queries.size(); first = last) {
         last = first + 1;
         if (!c.run_of_eye.empty())
-            while (last < queries.size() && c.run_of_eye[queries[last].eye] == c.run_of_eye[queries[first].eye]) ++last;
-        if (table_) run_batch(*table_, c, queries, first, last, visible, counters, clamps);
-        else run_batch(*exact_, c, queries, first, last, visible, counters, clamps);
+            while (last < queries.size() &&
+                   c.run_of_eye[queries[last].eye] == c.run_of_eye[queries[first].eye])
+                ++last;
+        if (table_)
+            run_batch(*table_, c, queries, first, last, visible, counters, clamps);
+        else
+            run_batch(*exact_, c, queries, first, last, visible, counters, clamps);
     }
 }
 
@@ -33,8 +39,10 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // Look up everything before anything is written.
-    for (size_t i = first; i < last; ++i)
+    for (size_t i = first; i < last; ++i) {
+        check_cancelled(i);
         look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
+    }
     trace(c, queries);
     // Commit in order of the queries, then answer all who waited.
     TableCounts counts;
@@ -54,9 +62,9 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
 template <class Table>
 void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
                     std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
-    const bool traceable =
-        is_traceable(c.tile.eyes->origin[q.eye]) && is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
-    if (!traceable || !key_query(c, q, clamps)) {
+    const bool traceable = is_traceable(c.tile.eyes->origin[q.eye]) &&
+                           is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
+    if (!traceable || !key_query(table, c, q, clamps)) {
         ++counters.bypassed;
         if (!traceable) return;
         dependants_.push_back({index, uint32_t(rays_.size())});
@@ -73,7 +81,8 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
     dependants_.push_back({index, ray});
 }
 
-bool Pairs::key_query(const PairContext& c, const ShadowQuery& q, ClampCounts& clamps) {
+template <class Table>
+bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps) {
     if (!c.tile.usable[q.eye]) return false;
     const CellGrid& grid = *c.tile.grid;
     const std::vector<double>& levels = c.levels[q.group];
@@ -81,29 +90,31 @@ bool Pairs::key_query(const PairContext& c, const ShadowQuery& q, ClampCounts& c
     if (s == Semantic::kSurface && c.parameters.res_rule == ResolutionRule::kEq6) {
         // Both ends have the resolution of the pair, so both keys change with the level.
         paired_cells_.levels.clear(), fars_.clear();
-        paired_cells_.anchor = c.tile.anchor[q.eye];
+        paired_cells_.anchor = c.tile.anchor[q.eye], paired_cells_.semantic = s;
         for (size_t d = 0; d < levels.size(); ++d) {
-            const double r = resolution_pair(c.tile.eyes->density[q.eye], q.density, levels[d], grid.radius());
+            const double r =
+                resolution_pair(c.tile.eyes->density[q.eye], q.density, levels[d], grid.radius());
             const PlacedCell placed = grid.cell(paired_cells_.anchor, grid.ladder.rung(r, clamps));
             FarKey far;
             if (!grid.far_key(s, q.far, q.far_normal, r, far, clamps)) return false;
             if (paired_cells_.repeats(placed) && fars_.back() == far) continue;
-            paired_cells_.levels.push_back({placed, int(d)}), fars_.push_back(far);
+            paired_cells_.add(table, grid, placed, int(d)), fars_.push_back(far);
         }
         cells_ = &paired_cells_;
         return true;
     }
     fars_.resize(1);
-    if (!grid.far_key(s, q.far, q.far_normal, far_resolution(s, q.density, grid.radius(), c.parameters), fars_[0],
-                      clamps))
+    if (!grid.far_key(s, q.far, q.far_normal, far_resolution(s, q.density, grid.radius(), c.parameters),
+                      fars_[0], clamps))
         return false;
     EyeCells& own = eye_cells_[q.group];
     cells_ = &own.cells;
-    if (own.eye == q.eye) return true;
+    if (own.eye == q.eye && own.cells.semantic == s) return true;
     own.eye = q.eye, own.cells.levels.clear(), own.cells.anchor = c.tile.anchor[q.eye];
+    own.cells.semantic = s;
     for (size_t d = 0; d < levels.size(); ++d) {
         const PlacedCell placed = c.tile.cell(q.eye, levels[d], clamps);
-        if (!own.cells.repeats(placed)) own.cells.levels.push_back({placed, int(d)});
+        if (!own.cells.repeats(placed)) own.cells.add(table, grid, placed, int(d));
     }
     return true;
 }
@@ -131,6 +142,7 @@ uint32_t Pairs::pending_with(const FullKey& key) {
 void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
     ray_visible_.assign(rays_.size(), 0);
     for (size_t first = 0; first < rays_.size(); first += 16) {
+        check_cancelled(first);
         const int n = int(std::min<size_t>(16, rays_.size() - first));
         RayPacket16 packet;
         for (int i = 0; i < n; ++i)

@@ -1,9 +1,9 @@
 #pragma once
 // Alg. 2 for connections that belong to one eye point each, against the tile's table.
 //
-// Batches of eye points, in Halton–Morton order and never across a segment, read the table as it was before them;
-// equal misses of a batch share the ray of the first query. Then they are committed in order. With batch = 1 every
-// query is a batch: Alg. 2 as printed.
+// Batches of eye points, in Halton–Morton order and never across a segment, read the table as it was before
+// them; equal misses of a batch share the ray of the first query. Then they are committed in order. With
+// batch = 1 every query is a batch: Alg. 2 as printed.
 #include <optional>
 #include <vector>
 
@@ -20,7 +20,7 @@ struct PairContext {
     const TileAnchors& tile;
     const AqvcParameters& parameters;
     const std::array<std::vector<double>, kLightGroups>& levels;  ///< C_E of every group and level
-    const std::vector<uint32_t>& run_of_eye;                      ///< queries of one run form a batch; empty: one query
+    const std::vector<uint32_t>& run_of_eye;  ///< queries of one run form a batch; empty: one query
     const RayCaster& caster;
     float extent;
 };
@@ -28,6 +28,8 @@ struct PairContext {
 class Pairs {
 public:
     explicit Pairs(const AqvcParameters& p);
+    /// `run` ends with `Cancelled` soon after `control` says so.
+    void watch(const Control& control) { control_ = &control; }
     void begin_tile();
     /// Answers queries (bit i of `visible` for queries[i], zeroed on entry) and counts rays per group.
     void run(const PairContext& context, std::span<const ShadowQuery> queries, std::span<Word> visible,
@@ -50,21 +52,26 @@ private:
     };
 
     template <class Table>
-    void run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first, size_t last,
-                   std::span<Word> visible, Counters& counters, ClampCounts& clamps);
+    void run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
+                   size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     template <class Table>
     void look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
                  std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     /// Cells and far keys of a query; false if it has none.
-    bool key_query(const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
+    template <class Table>
+    bool key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
     void trace(const PairContext& c, std::span<const ShadowQuery> queries);
+    void check_cancelled(size_t step) const {
+        if (control_ && step % 4096 == 0) control_->check();
+    }
     uint32_t pending_with(const FullKey& key);
 
+    const Control* control_ = nullptr;
     std::optional<BitTable> table_;  ///< one of the two
     std::optional<ExactTable> exact_;
     std::array<EyeCells, kLightGroups> eye_cells_;
-    CellLevels paired_cells_;     ///< Eq. 6: cells of one query
-    const CellLevels* cells_ = nullptr;
+    CellLevels paired_cells_;  ///< Eq. 6: cells of one query
+    CellLevels* cells_ = nullptr;
     std::vector<FarKey> fars_;
     std::vector<PendingRay> rays_;
     std::vector<uint8_t> ray_visible_;

@@ -12,44 +12,44 @@
 
 namespace viscache {
 
-enum class NormalMode { kRound, kFloor };           ///< how Eq. 4 turns a normal into integers; the paper: floor
-enum class ResolutionRule { kEq7, kEq6 };           ///< cells of surface-surface connections
+enum class NormalMode { kRound, kFloor };  ///< how Eq. 4 turns a normal into integers; the paper: floor
+enum class ResolutionRule { kEq7, kEq6 };  ///< cells of surface-surface connections
 enum class EnvironmentRule { kDerived, kPrinted };  ///< Eq. 9
 enum class VplKey { kPoint, kSurface };
 enum class Refinement { kAuto, kOn, kOff };
 enum class LevelRule { kFinest, kLog2 };
 enum class HashScheme { kScheme2, kScheme1, kScheme1Mixed };
 enum class PixelOrder { kHaltonMorton, kScanline, kRandom };
-enum class Form { kWaves, kRows, kPairs };          ///< how groups of shared lights are processed
-enum class Storage { kTable, kExact };              ///< of `pairs`: the lossy table of Sec. 4.1, or a map of full keys
+enum class Form { kWaves, kRows, kPairs };  ///< how groups of shared lights are processed
+enum class Storage { kTable, kExact };  ///< of `pairs`: the lossy table of Sec. 4.1, or a map of full keys
 
 struct AqvcParameters {
-    double c_e = 12;                              ///< a cluster spans about C_E × C_E eye samples
-    std::array<double, kLightGroups> c_e_group{}; ///< C_E of single light groups; <= 0: c_e
-    int c_n = 8;                                  ///< normal bins per axis
-    double c_z = 4;                               ///< cells are this much thinner along the normal
-    double c_r = 1.2;                             ///< ratio of the ladder of resolutions
+    double c_e = 12;                               ///< a cluster spans about C_E × C_E eye samples
+    std::array<double, kLightGroups> c_e_group{};  ///< C_E of single light groups; <= 0: c_e
+    int c_n = 8;                                   ///< normal bins per axis
+    double c_z = 4;                                ///< cells are this much thinner along the normal
+    double c_r = 1.2;                              ///< ratio of the ladder of resolutions
     NormalMode normal_mode = NormalMode::kRound;
-    bool grid_offset = true;                      ///< shift the grids, so that no plane of a scene lies on a cell face
-    uint32_t grid_seed = 0;                       ///< another shift per number
-    bool tangent_neighbours = true;               ///< neighbour cells follow the tangent plane
+    bool grid_offset = true;         ///< shift the grids, so that no plane of a scene lies on a cell face
+    uint32_t grid_seed = 0;          ///< another shift per number
+    bool tangent_neighbours = true;  ///< neighbour cells follow the tangent plane
     ResolutionRule res_rule = ResolutionRule::kEq7;
     EnvironmentRule env_rule = EnvironmentRule::kDerived;
     VplKey vpl_key = VplKey::kPoint;
     Refinement refinement = Refinement::kAuto;
-    LevelRule level_rule = LevelRule::kFinest;    ///< kLog2: C_MSR = max(1, ceil(log2 C_E)) levels
+    LevelRule level_rule = LevelRule::kFinest;  ///< kLog2: C_MSR = max(1, ceil(log2 C_E)) levels
     double level_step = 4;
     double c_finest = 4;
-    int max_levels = 0;                           ///< cuts the list of levels; 0: no limit
+    int max_levels = 0;  ///< cuts the list of levels; 0: no limit
     HashScheme hash = HashScheme::kScheme2;
     int digest_bits = 31;
     uint64_t table_bytes = uint64_t{4} << 20;
     PixelOrder order = PixelOrder::kHaltonMorton;
-    double c_pg = 3.7;                            ///< growth of the order's segments
-    double cosmin = 0.05;                         ///< floor of cos θ in densities; the renderer's business
+    double c_pg = 3.7;     ///< growth of the order's segments
+    double cosmin = 0.05;  ///< floor of cos θ in densities; the renderer's business
     Form form = Form::kWaves;
     Storage storage = Storage::kTable;
-    int batch = 0;                                ///< eye points per batch; 0: 1024 for pairs, 256 for rows; 1: one query
+    int batch = 0;  ///< eye points per batch; 0: 1024 for pairs, 256 for rows; 1: one query
 
     double group_c_e(int group) const {
         const double own = c_e_group[size_t(group)];
@@ -75,7 +75,8 @@ inline void AqvcParameters::validate() const {
     require(c_n <= 64, "c_n must be <= 64", c_n);
     require(c_z >= 0.01 && c_z <= 1024, "c_z must be in [0.01, 1024]", c_z);
     require(c_r >= 1.001 && c_r <= 16, "c_r must be in [1.001, 16]", c_r);
-    require(level_step >= 1.1 && std::isfinite(level_step), "level_step must be >= 1.1 and finite", level_step);
+    require(level_step >= 1.1 && std::isfinite(level_step), "level_step must be >= 1.1 and finite",
+            level_step);
     require(positive(c_finest), "c_finest must be > 0 and finite", c_finest);
     require(max_levels >= 0 && max_levels <= kMaxLevels, "max_levels must be in [0, 32]", max_levels);
     require(digest_bits >= 1 && digest_bits <= 31, "digest_bits must be in [1, 31]", digest_bits);
@@ -86,8 +87,8 @@ inline void AqvcParameters::validate() const {
     require(batch >= 0, "batch must be >= 0", batch);
 }
 
-/// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: lights shared by all
-/// pixels, unless clusters are smaller than a pixel anyway (AQVC Sec. 3.6).
+/// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: lights shared
+/// by all pixels, unless clusters are smaller than a pixel anyway (AQVC Sec. 3.6).
 inline bool refines(const AqvcParameters& p, int group, int spp) {
     if (p.refinement != Refinement::kAuto) return p.refinement == Refinement::kOn;
     const auto g = LightGroup(group);
@@ -97,8 +98,8 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
 }
 
 /// C_E of every level, coarse to fine: c₀ = C_E, then c / level_step down to c_finest.
-// Differs: AQVC halves C_E down to 1–2 eye samples; the default stops at 4 in steps of 4, which costs 1.7 times fewer
-// rays for 15 % more error. LevelRule::kLog2 with level_step 2 is the paper's list.
+// Differs: AQVC halves C_E down to 1–2 eye samples; the default stops at 4 in steps of 4, which costs 1.7
+// times fewer rays for 15 % more error. LevelRule::kLog2 with level_step 2 is the paper's list.
 inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp) {
     std::vector<double> levels = {p.group_c_e(group)};
     if (!refines(p, group, spp)) return levels;

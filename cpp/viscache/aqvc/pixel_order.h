@@ -1,6 +1,6 @@
 #pragma once
-// The order in which a tile's eye points are processed (AQVC Sec. 4.3): representatives must not all lie at one side
-// of their clusters, and neighbours should be known before they are asked about.
+// The order in which a tile's eye points are processed (AQVC Sec. 4.3): representatives must not all lie at
+// one side of their clusters, and neighbours should be known before they are asked about.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -36,8 +36,9 @@ inline uint64_t reversed_digits(uint64_t i, uint64_t base, int digits) {
     return r;
 }
 
-/// When the Halton sequence of bases 2 and 3 visits each position of a width × height grid: rank[y·width + x].
-/// Points of the smallest enclosing 2^a × 3^b grid that fall outside are left out, so every position occurs once.
+/// When the Halton sequence of bases 2 and 3 visits each position of a width × height grid: rank[y·width +
+/// x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are left out, so every position
+/// occurs once.
 inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
     uint64_t columns = 1, rows = 1;
     int a = 0, b = 0;
@@ -55,7 +56,8 @@ inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
 /// Segment ends C_PI, C_PI·C_PG, C_PI·C_PG², … with C_PI = max(1, count / C_E²), up to count.
 inline std::vector<uint32_t> segment_ends(size_t count, double c_e, double c_pg) {
     std::vector<uint32_t> ends;
-    for (double end = std::max(1.0, double(count) / (c_e * c_e)); std::floor(end) < double(count); end *= c_pg)
+    for (double end = std::max(1.0, double(count) / (c_e * c_e)); std::floor(end) < double(count);
+         end *= c_pg)
         if (ends.empty() || uint32_t(end) > ends.back()) ends.push_back(uint32_t(end));
     if (count) ends.push_back(uint32_t(count));
     return ends;
@@ -92,9 +94,12 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
     // First by the sequence; positions may hold several eye points, which stay in index order.
     for (size_t i = 0; i < n; ++i) {
         const uint64_t at = placed ? uint64_t(eyes.order_y[i]) * eyes.tile_width + eyes.order_x[i] : i;
-        if (halton) key_[i] = ranks_[at];
-        else if (p.order == PixelOrder::kRandom) key_[i] = mix64(at + 0x9e3779b97f4a7c15ull);
-        else key_[i] = at;
+        if (halton)
+            key_[i] = ranks_[at];
+        else if (p.order == PixelOrder::kRandom)
+            key_[i] = mix64(at + 0x9e3779b97f4a7c15ull);
+        else
+            key_[i] = at;
     }
     sort_by(out.eye, 0, n);
     if (!halton) {

@@ -18,16 +18,26 @@ double checked_radius(float radius) {
 }
 
 void add_clamps(const ClampCounts& clamps, Counters& counters) {
-    counters.clamped_low += clamps.low, counters.clamped_high += clamps.high, counters.clamped_nan += clamps.nan;
+    counters.clamped_low += clamps.low, counters.clamped_high += clamps.high,
+        counters.clamped_nan += clamps.nan;
 }
 
 }  // namespace
 
 QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
                                float scene_radius, float offset_extent, int spp)
-    : caster_(caster), parameters_(checked(parameters)), grid_(parameters_, scene_center, checked_radius(scene_radius)),
-      extent_(offset_extent), tracer_(caster, offset_extent), pairs_(parameters_) {
+    : caster_(caster),
+      parameters_(checked(parameters)),
+      grid_(parameters_, scene_center, checked_radius(scene_radius)),
+      extent_(offset_extent),
+      tracer_(caster, offset_extent),
+      pairs_(parameters_) {
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
+}
+
+void QuantizedCache::watch(const Control& control) {
+    VisibilityOracle::watch(control);
+    tracer_.watch(control), pairs_.watch(control);
 }
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
@@ -54,16 +64,18 @@ PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
     return {order_.eye, run_end_};
 }
 
-void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                           Counters& counters) {
+void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                           BitMatrix& visible, Counters& counters) {
     if (wanted.rows() == 0 || lights.count == 0) return;
     if (wanted.rows() != tile_.size() || wanted.columns() != lights.count)
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
     // Eq. 6 couples the two ends: the key does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
-    if (parameters_.form == Form::kPairs || coupled) block_by_pairs(eyes, lights, wanted, visible, counters);
-    else block_by_rows(eyes, lights, wanted, visible, counters);
+    if (parameters_.form == Form::kPairs || coupled)
+        block_by_pairs(eyes, lights, wanted, visible, counters);
+    else
+        block_by_rows(eyes, lights, wanted, visible, counters);
     GroupCounters& group = counters.groups[size_t(lights.group)];
     const RowKernels& kernels = row_kernels(active_isa());
     for (size_t i = 0; i < wanted.rows(); ++i) {
@@ -84,7 +96,8 @@ void QuantizedCache::block_by_rows(const EyeBlock& eyes, const FarEnds& lights, 
     if (columns_.count() > 0) {
         if (parameters_.form == Form::kRows) {
             make_order(eyes);
-            rays += rows_.run(tile_, order_, batch(256), columns_, levels, tracer_, *answer, counters, clamps);
+            rays +=
+                rows_.run(tile_, order_, batch(256), columns_, levels, tracer_, *answer, counters, clamps);
         } else {
             rays += waves_.run(tile_, columns_, levels, tracer_, *answer, counters, clamps);
         }
@@ -106,7 +119,8 @@ uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& li
             tracer_.add({eye, eye, k, k});
     };
     for (uint32_t i = 0; i < eyes.size(); ++i) {
-        if (!tile_.usable[i]) for_each_bit(wanted.row_span(i), [&](size_t k) { ask(i, uint32_t(k)); });
+        if (!tile_.usable[i])
+            for_each_bit(wanted.row_span(i), [&](size_t k) { ask(i, uint32_t(k)); });
         else
             for (uint32_t k : keyless)
                 if (wanted.get(i, k)) ask(i, k);
@@ -141,8 +155,8 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
     }
 }
 
-void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                               Counters& counters) {
+void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                               std::span<Word> visible, Counters& counters) {
     make_order(eyes);
     ClampCounts clamps;
     const PairContext context{tile_, parameters_, levels_, run_of_eye_, caster_, extent_};
@@ -150,8 +164,8 @@ void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
     add_clamps(clamps, counters);
 }
 
-void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                           Counters& counters) {
+void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                           std::span<Word> visible, Counters& counters) {
     ask_pairs(eyes, queries, visible, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         ++counters.groups[queries[i].group].queries;

@@ -4,8 +4,9 @@
 // Groups of shared lights go through level waves (or rows in pixel order, or the hash table, by parameter);
 // connections of one eye point each go through the tile's table. Nothing outlives the tile.
 //
-// How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell in
-// waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest level.
+// How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell
+// in waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest
+// level.
 #include <array>
 #include <vector>
 
@@ -23,10 +24,12 @@ namespace viscache {
 
 class QuantizedCache final : public VisibilityOracle {
 public:
-    /// The scene's bounding sphere gives c and B_R; `offset_extent` is the scene's, `spp` the samples per pixel.
-    QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center, float scene_radius,
-                   float offset_extent, int spp);
+    /// The scene's bounding sphere gives c and B_R; `offset_extent` is the scene's, `spp` the samples per
+    /// pixel.
+    QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
+                   float scene_radius, float offset_extent, int spp);
 
+    void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
@@ -39,14 +42,16 @@ public:
 private:
     void ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                    Counters& counters);
-    void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                        Counters& counters);
-    void block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                       Counters& counters);
-    uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                             Counters& counters);
+    void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Counters& counters);
+    void block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                       BitMatrix& visible, Counters& counters);
+    uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                             BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
-    uint32_t batch(uint32_t automatic) const { return parameters_.batch ? uint32_t(parameters_.batch) : automatic; }
+    uint32_t batch(uint32_t automatic) const {
+        return parameters_.batch ? uint32_t(parameters_.batch) : automatic;
+    }
 
     const RayCaster& caster_;
     AqvcParameters parameters_;

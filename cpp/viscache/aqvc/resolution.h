@@ -13,7 +13,8 @@
 namespace viscache {
 
 /// [AQVC Eq. 2] Expected number of paths that share two patches.
-inline double expected_paths(double n_paths, double p_eye, double area_eye, double p_light, double area_light) {
+inline double expected_paths(double n_paths, double p_eye, double area_eye, double p_light,
+                             double area_light) {
     return n_paths * p_eye * area_eye * p_light * area_light;
 }
 
@@ -29,21 +30,25 @@ inline double patch_area(double resolution, double radius) {
 }
 
 /// [AQVC Eq. 6] One resolution for both ends, smallest patches: R = 2 B_R (P_e P_l N_P / C_E²)^(1/4).
-// Differs: the exponent is printed as −4. Eq. 3 and 5 give (2 B_R / R)⁴ = C_E² / (P_e P_l N_P), a fourth root.
-// P_e P_l N_P = D_e·D_l; roots come before products, so that densities of 1e±30 stay in range.
+// Differs: the exponent is printed as −4. Eq. 3 and 5 give (2 B_R / R)⁴ = C_E² / (P_e P_l N_P), a fourth
+// root. P_e P_l N_P = D_e·D_l; roots come before products, so that densities of 1e±30 stay in range.
 inline double resolution_pair(double density_eye, double density_light, double c_e, double radius) {
     return 2 * radius * std::sqrt(std::sqrt(density_eye) * std::sqrt(density_light)) / std::sqrt(c_e);
 }
 
-/// [AQVC Eq. 7] Clusters of C_E × C_E eye samples on screen: R_e = 2 B_R √(P_e N_S) / C_E, R_l = 2 B_R √(P_l M).
+/// [AQVC Eq. 7] Clusters of C_E × C_E eye samples on screen: R_e = 2 B_R √(P_e N_S) / C_E, R_l = 2 B_R √(P_l
+/// M).
 inline double resolution_eye(double density_eye, double c_e, double radius) {
     return 2 * radius * std::sqrt(density_eye) / c_e;
 }
-inline double resolution_light(double density_light, double radius) { return 2 * radius * std::sqrt(density_light); }
+inline double resolution_light(double density_light, double radius) {
+    return 2 * radius * std::sqrt(density_light);
+}
 
-/// [AQVC Eq. 9] Cells across the octahedral map of directions, one light sample per cell: R(ω) = √(4π P(ω) M).
-// Differs: printed as √(P(ω) M / 4π). A cell covers 4π/R² and must be 1/(P(ω) M) large, so 4π multiplies: for the
-// uniform density 1/4π and M = 256 this gives 16 × 16 cells, the printed form one cell for the whole sky.
+/// [AQVC Eq. 9] Cells across the octahedral map of directions, one light sample per cell: R(ω) = √(4π P(ω)
+/// M).
+// Differs: printed as √(P(ω) M / 4π). A cell covers 4π/R² and must be 1/(P(ω) M) large, so 4π multiplies: for
+// the uniform density 1/4π and M = 256 this gives 16 × 16 cells, the printed form one cell for the whole sky.
 inline double resolution_environment(double density, EnvironmentRule rule) {
     constexpr double kFourPi = 12.566370614359172954;
     return rule == EnvironmentRule::kDerived ? std::sqrt(kFourPi * density) : std::sqrt(density / kFourPi);
@@ -61,10 +66,10 @@ struct Rung {
     bool folded = false;    ///< R > R_max: coordinates do not fit 32 bits and are mixed down
 };
 
-/// [AQVC Eq. 8] R ← ⌊C_R^⌊log_{C_R} R + 0.5⌋⌋ as a table of thresholds C_R^(k − ½): no pow or log per query and the
-/// same integers on every machine.
-// Differs: R < 1 becomes 1 (the printed form gives 0 below C_R^(−½)); not-a-number and infinite R become the finest
-// 32-bit rung, all of them counted.
+/// [AQVC Eq. 8] R ← ⌊C_R^⌊log_{C_R} R + 0.5⌋⌋ as a table of thresholds C_R^(k − ½): no pow or log per query
+/// and the same integers on every machine.
+// Differs: R < 1 becomes 1 (the printed form gives 0 below C_R^(−½)); not-a-number and infinite R become the
+// finest 32-bit rung, all of them counted.
 class Ladder {
 public:
     Ladder(double c_r, double c_z) : r_max_(std::floor(0x1p30 / std::max(1.0, c_z))) {
@@ -100,8 +105,10 @@ public:
 private:
     /// Last k in [lo, hi) with thresholds[k] <= r; thresholds[lo] <= r holds.
     size_t index_from(size_t lo, size_t hi, double r) const {
-        return size_t(std::upper_bound(thresholds_.begin() + std::ptrdiff_t(lo), thresholds_.begin() + std::ptrdiff_t(hi),
-                                       r) - thresholds_.begin()) - 1;
+        return size_t(std::upper_bound(thresholds_.begin() + std::ptrdiff_t(lo),
+                                       thresholds_.begin() + std::ptrdiff_t(hi), r) -
+                      thresholds_.begin()) -
+               1;
     }
     double r_max_;
     size_t finest_ = 0;

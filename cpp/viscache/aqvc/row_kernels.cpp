@@ -19,7 +19,8 @@ VISCACHE_INLINE uint64_t ones(const Row512& v) {
     return n;
 }
 
-VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word* known, Word* miss, size_t words) {
+VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word* known, Word* miss,
+                                      size_t words) {
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
         const Row512 k = load(known + w), m = load(need + w) & load(active + w) & ~k;
@@ -29,8 +30,8 @@ VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word
     return any(left);
 }
 
-VISCACHE_INLINE void write_down_body(const Word* mask, const Word* value, Word* known_below, Word* value_below,
-                                     size_t words) {
+VISCACHE_INLINE void write_down_body(const Word* mask, const Word* value, Word* known_below,
+                                     Word* value_below, size_t words) {
     for (size_t w = 0; w < words; w += 8) {
         const Row512 k = load(known_below + w), fresh = load(mask + w) & ~k;
         store(known_below + w, k | fresh);
@@ -45,14 +46,17 @@ VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_
     return d;
 }
 
-VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4], Word* disagree, size_t words) {
-    for (size_t w = 0; w < words; w += 8) store(disagree + w, differing(own, neighbours, w) | ~load(own.known + w));
+VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4], Word* disagree,
+                                       size_t words) {
+    for (size_t w = 0; w < words; w += 8)
+        store(disagree + w, differing(own, neighbours, w) | ~load(own.known + w));
 }
 
-VISCACHE_INLINE void settle_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need, size_t words,
-                                 bool last_above, RowCounts& counts) {
+VISCACHE_INLINE void settle_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need,
+                                 size_t words, bool last_above, RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 asked = load(a + w), d = load(disagree + w), rest = asked & d, hit = asked & load(own.known + w);
+        const Row512 asked = load(a + w), d = load(disagree + w), rest = asked & d,
+                     hit = asked & load(own.known + w);
         store(visible + w, load(visible + w) | (asked & ~d & load(own.value + w)));
         store(a + w, rest), store(need + w, load(need + w) | rest);
         counts.lookups += ones(asked), counts.hits += ones(hit);
@@ -72,8 +76,8 @@ VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t wor
     return any(left);
 }
 
-VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4], bool last, Word* miss, Word* visible,
-                              size_t words, RowCounts& counts) {
+VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4], bool last, Word* miss,
+                              Word* visible, size_t words, RowCounts& counts) {
     Row512 missing{}, going{};
     for (size_t w = 0; w < words; w += 8) {
         const Row512 asked = load(a + w), hit = asked & load(own.known + w), m = asked & ~hit;
@@ -92,31 +96,33 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
     return n;
 }
 
-// One struct of static functions per instruction set. A macro, because a target attribute cannot be a parameter.
-#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                            \
-    struct Name {                                                                                                     \
-        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {                    \
-            return take_misses_body(n, a, k, m, w);                                                                   \
-        }                                                                                                             \
-        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {                   \
-            write_down_body(m, v, k2, v2, w);                                                                         \
-        }                                                                                                             \
-        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                           \
-            disagreement_body(o, n, d, w);                                                                            \
-        }                                                                                                             \
-        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,              \
-                                  RowCounts& c) {                                                                     \
-            settle_body(a, o, d, v, n, w, l, c);                                                                      \
-        }                                                                                                             \
-        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                              \
-            return finish_body(a, o, v, w, c);                                                                        \
-        }                                                                                                             \
-        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w,            \
-                               RowCounts& c) {                                                                        \
-            return step_body(a, o, n, l, m, v, w, c);                                                                 \
-        }                                                                                                             \
-        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                            \
-        static constexpr RowKernels kernels{take_misses, write_down, disagreement, settle, finish, step, count};      \
+// One struct of static functions per instruction set. A macro, because a target attribute cannot be a
+// parameter.
+#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                 \
+    struct Name {                                                                                          \
+        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {         \
+            return take_misses_body(n, a, k, m, w);                                                        \
+        }                                                                                                  \
+        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {        \
+            write_down_body(m, v, k2, v2, w);                                                              \
+        }                                                                                                  \
+        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                \
+            disagreement_body(o, n, d, w);                                                                 \
+        }                                                                                                  \
+        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,   \
+                                  RowCounts& c) {                                                          \
+            settle_body(a, o, d, v, n, w, l, c);                                                           \
+        }                                                                                                  \
+        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                   \
+            return finish_body(a, o, v, w, c);                                                             \
+        }                                                                                                  \
+        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w, \
+                               RowCounts& c) {                                                             \
+            return step_body(a, o, n, l, m, v, w, c);                                                      \
+        }                                                                                                  \
+        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                 \
+        static constexpr RowKernels kernels{take_misses, write_down, disagreement, settle,                 \
+                                            finish,      step,       count};                               \
     };
 
 VISCACHE_ROW_VARIANT(Portable, )

@@ -5,8 +5,8 @@
 namespace viscache {
 
 uint64_t Rows::run(const TileAnchors& tile, const TileOrder& order, uint32_t batch, const Columns& columns,
-                   const std::vector<double>& levels, MissTracer& tracer, BitMatrix& visible, Counters& counters,
-                   ClampCounts& clamps) {
+                   const std::vector<double>& levels, MissTracer& tracer, BitMatrix& visible,
+                   Counters& counters, ClampCounts& clamps) {
     number_cells(tile, levels, clamps);
     counters.cells += numbers_.size();
     for (BitMatrix* m : {&known_, &value_, &pending_}) m->reset(numbers_.size() + 1, columns.count());
@@ -62,13 +62,14 @@ void Rows::walk(uint32_t eye, BitMatrix& visible, Counters& counters) {
         RowPair neighbours[4] = {};
         if (!last)
             for (size_t q = 0; q < 4; ++q) neighbours[q] = row(step.neighbours[q]);
-        const int left = kernels_.step(active_.row(0), row(step.row), neighbours, last, miss_.row(entries_.size()),
-                                       visible.row(eye), words_, counts);
+        const int left = kernels_.step(active_.row(0), row(step.row), neighbours, last,
+                                       miss_.row(entries_.size()), visible.row(eye), words_, counts);
         if (left & 1) entries_.push_back({eye, step.row, step.level});
         if (!(left & 2)) break;
         if (s + 2 == steps_begin_[eye + 1]) counts.boundary += kernels_.count(active_.row(0), words_);
     }
-    counters.lookups += counts.lookups, counters.hits += counts.hits, counters.boundary_queries += counts.boundary;
+    counters.lookups += counts.lookups, counters.hits += counts.hits,
+        counters.boundary_queries += counts.boundary;
 }
 
 /// Traces each missing bit once, for the first eye point of the batch that asked; then answers all who asked.

@@ -1,8 +1,9 @@
 #pragma once
 // Alg. 2 in pixel order for a whole light group at once: an exact, tile-cleared table laid out as bit rows.
 //
-// With batch = 1 the answers, and the rays of every level, are those of Alg. 2 asked one query at a time. Larger
-// batches read the rows as they were before the batch, then trace and commit its misses in processing order.
+// With batch = 1 the answers, and the rays of every level, are those of Alg. 2 asked one query at a time.
+// Larger batches read the rows as they were before the batch, then trace and commit its misses in processing
+// order.
 #include <vector>
 
 #include "viscache/aqvc/columns.h"
@@ -18,8 +19,8 @@ class Rows {
 public:
     /// Answers the columns' bits into `visible` (eye points × columns, zeroed). Returns the number of rays.
     uint64_t run(const TileAnchors& tile, const TileOrder& order, uint32_t batch, const Columns& columns,
-                 const std::vector<double>& levels, MissTracer& tracer, BitMatrix& visible, Counters& counters,
-                 ClampCounts& clamps);
+                 const std::vector<double>& levels, MissTracer& tracer, BitMatrix& visible,
+                 Counters& counters, ClampCounts& clamps);
 
 private:
     /// One distinct cell of an eye point.

@@ -1,6 +1,6 @@
 #pragma once
-// Numbers for the cells that a tile's eye points touch, so that visibility becomes dense bit rows: one row per cell,
-// one column per far end.
+// Numbers for the cells that a tile's eye points touch, so that visibility becomes dense bit rows: one row
+// per cell, one column per far end.
 #include <cstdint>
 #include <vector>
 
@@ -43,14 +43,16 @@ private:
     static uint64_t hash(const Cell& c, uint32_t tag) {
         uint64_t h = uint64_t(c.x) * 0x9e3779b97f4a7c15ull + uint64_t(c.y) * 0xc2b2ae3d27d4eb4full;
         h ^= h >> 29;
-        h = (h + uint64_t(c.z)) * 0xff51afd7ed558ccdull + (uint64_t(uint32_t(c.bin)) << 32 | uint32_t(c.slot)) + tag;
+        h = (h + uint64_t(c.z)) * 0xff51afd7ed558ccdull +
+            (uint64_t(uint32_t(c.bin)) << 32 | uint32_t(c.slot)) + tag;
         h ^= h >> 32, h *= 0xc4ceb9fe1a85ec53ull;
         return h ^ h >> 29;
     }
     size_t locate(const Cell& cell, uint32_t tag) const {
         const size_t mask = slots_.size() - 1;
         size_t i = size_t(hash(cell, tag)) & mask;
-        while (slots_[i] && !(cells_[slots_[i] - 1].tag == tag && cells_[slots_[i] - 1].cell == cell)) i = (i + 1) & mask;
+        while (slots_[i] && !(cells_[slots_[i] - 1].tag == tag && cells_[slots_[i] - 1].cell == cell))
+            i = (i + 1) & mask;
         return i;
     }
     void grow() {

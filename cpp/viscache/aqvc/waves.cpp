@@ -30,8 +30,8 @@ uint64_t Waves::run(const TileAnchors& tile, const Columns& columns, const std::
     return rays + finish(*tile.eyes, columns, tracer, visible, counters);
 }
 
-/// Cells get numbers level by level, in order of first touch along the eye points. An eye point whose ladder resolution
-/// did not change keeps the cell of the level before.
+/// Cells get numbers level by level, in order of first touch along the eye points. An eye point whose ladder
+/// resolution did not change keeps the cell of the level before.
 void Waves::number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps) {
     numbers_.clear();
     representative_.clear();
@@ -49,7 +49,8 @@ void Waves::number_cells(const TileAnchors& tile, const std::vector<double>& lev
                 continue;
             }
             // Neighbours along the Morton order mostly share their cell.
-            if (last == kNoCell || !(placed.cell == last_cell)) last = numbers_.number(placed.cell, uint32_t(d));
+            if (last == kNoCell || !(placed.cell == last_cell))
+                last = numbers_.number(placed.cell, uint32_t(d));
             last_cell = placed.cell;
             number = last;
             offer_representative(number, i, d, placed);
@@ -58,7 +59,8 @@ void Waves::number_cells(const TileAnchors& tile, const std::vector<double>& lev
     }
 }
 
-/// Keeps the eye point nearest the centre; one that stands for a coarser cell already comes before all that do not.
+/// Keeps the eye point nearest the centre; one that stands for a coarser cell already comes before all that
+/// do not.
 void Waves::offer_representative(uint32_t cell, uint32_t eye, size_t level, const PlacedCell& placed) {
     bool coarser = false;
     for (size_t d = 0; d < level && !coarser; ++d) coarser = representative_[cell_of(d, eye)].eye == eye;
@@ -81,7 +83,8 @@ void Waves::find_neighbours(const TileAnchors& tile, Counters& counters) {
             for (size_t q = 0; q < 4; ++q) {
                 const auto [dx, dy] = kNeighbourOffsets[q];
                 uint32_t n = numbers_.find(tile.grid->neighbour(anchor, r.placed, dx, dy), uint32_t(d));
-                if (n == kNoCell) n = numbers_.find(tile.grid->neighbour(anchor, r.placed, dx, dy, true), uint32_t(d));
+                if (n == kNoCell)
+                    n = numbers_.find(tile.grid->neighbour(anchor, r.placed, dx, dy, true), uint32_t(d));
                 neighbours_[c][q] = n == kNoCell ? absent : n;
                 counters.nil_neighbours += n == kNoCell;
             }
@@ -89,7 +92,8 @@ void Waves::find_neighbours(const TileAnchors& tile, Counters& counters) {
         }
 }
 
-/// Traces what is wanted of a level's cells, wanted by their representatives and unknown. Level 0 wants everything.
+/// Traces what is wanted of a level's cells, wanted by their representatives and unknown. Level 0 wants
+/// everything.
 uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer) {
     uint64_t rays = 0;
     for (uint32_t c = level_begin_[level]; c < level_begin_[level + 1]; ++c) {
@@ -97,9 +101,8 @@ uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& c
         const Word* active = columns.asked().row(eye);
         const Word* need = level == 0 ? active : need_.row(c);
         if (!kernels_.take_misses(need, active, known_.row(c), miss_.row(c), words_)) continue;
-        for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
-            tracer.add({eye, c, uint32_t(k), columns.light(eye, uint32_t(k))});
-        });
+        for_each_bit(std::span<const Word>(miss_.row(c), words_),
+                     [&](size_t k) { tracer.add({eye, c, uint32_t(k), columns.light(eye, uint32_t(k))}); });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
     }
     return rays + tracer.flush(eyes, columns.lights(), value_);
@@ -110,7 +113,8 @@ void Waves::write_down(size_t level) {
         for (size_t below = level + 1; below < levels_; ++below) {
             const uint32_t finer = cell_of(below, representative_[c].eye);
             if (finer != c)
-                kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer), words_);
+                kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer),
+                                    words_);
         }
 }
 
@@ -128,10 +132,11 @@ void Waves::settle_level(size_t level, BitMatrix& visible, Counters& counters) {
         const bool again = c < level_begin_[level], last_above = level + 2 == levels_;
         const uint32_t next = cell_of(level + 1, i);
         if (next == c && again) continue;
-        kernels_.settle(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next), words_, last_above,
-                        again ? repeated : counts);
+        kernels_.settle(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next), words_,
+                        last_above, again ? repeated : counts);
     }
-    counters.lookups += counts.lookups, counters.hits += counts.hits, counters.boundary_queries += counts.boundary;
+    counters.lookups += counts.lookups, counters.hits += counts.hits,
+        counters.boundary_queries += counts.boundary;
 }
 
 uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
@@ -140,10 +145,10 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
     uint64_t rays = 0;
     for (uint32_t i = 0; i < eyes_; ++i) {
         const uint32_t c = cell_of(levels_ - 1, i);
-        if (c == kNoCell || !kernels_.finish(active_.row(i), row(c), visible.row(i), words_, counts)) continue;
-        for_each_bit(active_.row_span(i), [&](size_t k) {
-            tracer.add({i, i, uint32_t(k), columns.light(i, uint32_t(k))});
-        });
+        if (c == kNoCell || !kernels_.finish(active_.row(i), row(c), visible.row(i), words_, counts))
+            continue;
+        for_each_bit(active_.row_span(i),
+                     [&](size_t k) { tracer.add({i, i, uint32_t(k), columns.light(i, uint32_t(k))}); });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), visible);
     }
     rays += tracer.flush(eyes, columns.lights(), visible);

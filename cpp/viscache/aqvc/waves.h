@@ -1,9 +1,9 @@
 #pragma once
 // Level waves: Alg. 2 for all eye points and lights of a block at once, level by level from coarse to fine.
 //
-// Differs from the pixel order of AQVC: all values of a level are known before anything is refined, so there is no
-// processing order and nearly no unknown neighbour. Each cell is asked through one representative, the eye point
-// nearest its centre. Per level:
+// Differs from the pixel order of AQVC: all values of a level are known before anything is refined, so there
+// is no processing order and nearly no unknown neighbour. Each cell is asked through one representative, the
+// eye point nearest its centre. Per level:
 //   1. trace the representatives' wanted bits that are unknown, sorted by light;
 //   2. store each answer in the finer cells that hold the same eye point as well;
 //   3. per cell: disagree = OR over four neighbours of known_n & (value_n ^ value) | ~known;
@@ -51,7 +51,8 @@ private:
     std::vector<uint32_t> cell_;         ///< [level][eye point]; kNoCell where the eye point bypasses
     std::vector<uint32_t> level_begin_;  ///< first cell of each level, and the end
     std::vector<Representative> representative_;
-    std::vector<std::array<uint32_t, 4>> neighbours_;  ///< of all cells but the finest; numbers_.size() if absent
+    std::vector<std::array<uint32_t, 4>>
+        neighbours_;  ///< of all cells but the finest; numbers_.size() if absent
     /// Rows of bits: per cell (one row of zeros at the end), per cell that can be refined, per eye point.
     BitMatrix known_, value_, need_, miss_, disagree_, active_;
 };

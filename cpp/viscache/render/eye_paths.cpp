@@ -8,6 +8,7 @@ namespace viscache {
 
 namespace {
 
+constexpr size_t kRaysPerCall = 4096;
 constexpr float kMinThroughput = 1e-3f;  // branches below this luminance are dropped, in the reference as well
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
@@ -99,9 +100,9 @@ public:
         for (auto [px, py] : morton_pixels(out_.width, out_.height))
             for (int s = 0; s < spp; ++s) current_.push_back(primary(tile, px, py, s, grid));
     }
-    void run() {
+    void run(const Control& control) {
         while (!current_.empty()) {
-            step();
+            step(control);
             current_.swap(next_);
             next_.clear();
         }
@@ -127,12 +128,16 @@ private:
         return b;
     }
 
-    void step() {
-        rays_.resize(current_.size()), hits_.resize(current_.size());
-        for (size_t i = 0; i < current_.size(); ++i) rays_[i] = current_[i].ray;
-        t_.caster.intersect(rays_, hits_);
+    void step(const Control& control) {
+        for (size_t first = 0; first < current_.size(); first += kRaysPerCall) {
+            control.check();
+            const size_t n = std::min(kRaysPerCall, current_.size() - first);
+            rays_.resize(n), hits_.assign(n, {});
+            for (size_t i = 0; i < n; ++i) rays_[i] = current_[first + i].ray;
+            t_.caster.intersect(rays_, hits_);
+            for (size_t i = 0; i < n; ++i) arrive(current_[first + i], hits_[i]);
+        }
         counters_.camera_rays += current_.size();
-        for (size_t i = 0; i < current_.size(); ++i) arrive(current_[i], hits_[i]);
     }
 
     void arrive(Branch& b, const Hit& hit) {
@@ -156,6 +161,10 @@ private:
         transfer(b.d, b.ray, hit.t, s.ng);
         b.distance += hit.t;
         const Material& material = t_.scene.materials()[size_t(s.material)];
+        if (t_.integrator.ambient) {  // geometry alone decides: mirrors and glass are surfaces like others
+            store(b, s, material, front);
+            return;
+        }
         switch (material.kind) {
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: store(b, s, material, front); break;
@@ -250,10 +259,10 @@ private:
 
 }  // namespace
 
-void EyePathTracer::trace(const Tile& tile, EyeTile& out, Counters& counters) const {
+void EyePathTracer::trace(const Tile& tile, EyeTile& out, Counters& counters, const Control& control) const {
     TilePaths paths(*this, out, counters);
     paths.start(tile);
-    paths.run();
+    paths.run(control);
 }
 
 }  // namespace viscache

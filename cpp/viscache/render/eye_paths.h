@@ -2,6 +2,7 @@
 // The near ends of a tile: camera paths through mirrors and glass, stored as eye points.
 #include <vector>
 
+#include "viscache/math/parallel.h"
 #include "viscache/render/film_camera.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/tiles.h"
@@ -41,7 +42,7 @@ struct EyePathTracer {
     FrameSettings frame;
 
     /// Traces all samples of the tile's pixels, along its Morton curve.
-    void trace(const Tile& tile, EyeTile& out, Counters& counters) const;
+    void trace(const Tile& tile, EyeTile& out, Counters& counters, const Control& control) const;
 };
 
 }  // namespace viscache

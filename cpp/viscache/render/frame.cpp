@@ -4,6 +4,7 @@
 
 #include "viscache/render/local_samples.h"
 #include "viscache/render/vpl.h"
+#include "viscache/scene/check.h"
 #include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
@@ -13,7 +14,9 @@ namespace {
 constexpr int kTileSamples = 128;          // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256; // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kPairsPerBatch = 256;     // eye points whose own samples are asked for together
+constexpr size_t kEyesPerBatch = 256;      // eye points whose own samples are asked for together,
+constexpr size_t kPairsPerBatch = 1 << 16; // or fewer: their queries stay below this number
+constexpr size_t kRowsPerCheck = 256;      // eye points between looks at the wish to stop
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -57,8 +60,8 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         const size_t n = size_t(integrator.n_vpls);
         auto candidates = trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth,
                                      frame.seed, frame.threads, control, counters);
-        const auto vpls = resample_vpls(candidates, n, scene, caster, film, integrator, frame.seed, counters);
-        const auto density = vpl_densities(vpls);
+        const auto vpls = resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
+        const auto density = vpl_densities(vpls, frame.threads, control);
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
         lights.bound2 = bound * bound;
@@ -87,19 +90,20 @@ struct FrameContext {
 /// One thread's work on tiles; buffers are kept between them.
 class TileWorker {
 public:
-    TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle)
-        : c_(context), oracle_(std::move(oracle)) {}
+    TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
+        : c_(context), oracle_(std::move(oracle)) {
+        oracle_->watch(control);
+    }
 
     void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages, const Control& control) {
         StageClock clock;
-        c_.tracer.trace(tile, eyes_, counters);
+        c_.tracer.trace(tile, eyes_, counters, control);
         clock.lap(stages.eye_paths);
         for (int g = 0; g < kLightGroups; ++g) sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
         oracle_->begin_tile(eyes_.block);
         clock.lap(stages.visibility);
         for (const SharedLights& lights : c_.shared) {
-            control.check();
-            add_shared(lights, counters, stages, clock);
+            add_shared(lights, counters, stages, clock, control);
         }
         add_local(counters, stages, clock, control);
         write(tile, out);
@@ -107,15 +111,19 @@ public:
     }
 
 private:
-    void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock) {
+    void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock,
+                    const Control& control) {
         wanted_.reset(eyes_.size(), lights.ends.count), visible_.reset(eyes_.size(), lights.ends.count);
-        for (size_t i = 0; i < eyes_.size(); ++i)
+        for (size_t i = 0; i < eyes_.size(); ++i) {
+            if (i % kRowsPerCheck == 0) control.check();
             if (reflects(i)) counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
+        }
         clock.lap(stages.contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         clock.lap(stages.visibility);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         for (size_t i = 0; i < eyes_.size(); ++i) {
+            if (i % kRowsPerCheck == 0) control.check();
             const ShadingPoint& sp = eyes_.shading[i];
             const Rgb value = sp.kind == MaterialKind::kGlossy
                                   ? sum_row_glossy(lights, shade(i), sp, visible_.row(i))
@@ -130,28 +138,29 @@ private:
         const bool area = s.direct && !c_.scene.area_lights().empty() && s.n_area > 0;
         const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0;
         if (area)
-            add_batches(counters, stages, clock, control, [&](uint32_t eye) {
+            add_batches(s.n_area, counters, stages, clock, control, [&](uint32_t eye) {
                 if (reflects(eye)) add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
         if (environment)
-            add_batches(counters, stages, clock, control, [&](uint32_t eye) {
+            add_batches(s.n_environment + s.n_brdf, counters, stages, clock, control, [&](uint32_t eye) {
                 if (reflects(eye)) add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
         if (s.ambient)
-            add_batches(counters, stages, clock, control,
+            add_batches(s.n_ambient, counters, stages, clock, control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
     }
 
-    /// Runs of eye points in the oracle's order: make their samples, ask, add up.
+    /// Runs of eye points in the oracle's order: make their samples (at most `samples` each), ask, add up.
     template <class MakeSamples>
-    void add_batches(Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control,
+    void add_batches(int samples, Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control,
                      MakeSamples make_samples) {
         const PairOrder order = oracle_->pair_order(eyes_.block);
+        const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
         size_t run = 0;
         for (size_t first = 0; first < eyes_.size();) {
             control.check();
             const size_t last = run < order.run_end.size() ? order.run_end[run++]
-                                                           : std::min(first + kPairsPerBatch, eyes_.size());
+                                                           : std::min(first + eyes, eyes_.size());
             local_.clear();
             for (size_t i = first; i < last; ++i) make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
             clock.lap(stages.contributions);
@@ -214,6 +223,7 @@ FrameResult empty_result(const FrameContext& c) {
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          const OracleFactory& make_oracle, Control& control) {
+    check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
     const double start = wall_seconds();
@@ -239,7 +249,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     parallel_for(tiles.size(), out.threads, [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
-        if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle());
+        if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
         mine->render(tiles[i], out, counted[i], stages[i], control);
         control.done.fetch_add(1);
     });

@@ -18,15 +18,18 @@ void LocalQueries::add(const ShadowQuery& query, Rgb value, Counters& counters) 
 
 namespace {
 
-/// Two randomised (0,2)-sequences keyed by one eye point and purpose.
+/// Randomised low-discrepancy samples keyed by one eye point and purpose: a (0,2)-sequence for positions, and
+/// beside it one number each for choices, in a shuffled order: else choice and position would go hand in hand.
 struct EyeSamples {
-    uint32_t sx, sy, tx, ty;
+    uint32_t sx, sy, choice_scramble, choice_shuffle;
     EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
         Rng rng(seed, purpose, stream, 0);
-        sx = rng.next_u32(), sy = rng.next_u32(), tx = rng.next_u32(), ty = rng.next_u32();
+        sx = rng.next_u32(), sy = rng.next_u32(), choice_scramble = rng.next_u32(), choice_shuffle = rng.next_u32();
     }
     Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
-    float choice(int i) const { return sobol02(uint32_t(i), tx, ty).x; }
+    float choice(int i) const {
+        return sobol02(owen_scramble(uint32_t(i), choice_shuffle), choice_scramble, 0).x;
+    }
 };
 
 ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max = kInfinity) {

@@ -28,7 +28,7 @@ struct IntegratorSettings {
 
     // Virtual point lights
     int vpl_max_depth = 4;          ///< bounces after the light
-    int vpl_candidates = 4;         ///< traced candidates per VPL that is kept
+    int vpl_candidates = 4;         ///< candidates per VPL that is kept
     int vpl_eye_points = 64;        ///< camera points that judge the candidates
     float vpl_bound = 0.01f;        ///< × scene diagonal: added (squared) to d² in the geometry term; 0 = unbounded
 

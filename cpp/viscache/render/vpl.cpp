@@ -1,6 +1,6 @@
 #include "viscache/render/vpl.h"
 
-#include <numeric>
+#include <array>
 
 #include "viscache/render/light_sampling.h"
 #include "viscache/sampling/rng.h"
@@ -11,6 +11,9 @@ namespace viscache {
 namespace {
 
 constexpr size_t kPathsPerChunk = 256;
+constexpr size_t kCandidatesPerChunk = 256;
+constexpr size_t kPilotPaths = 4096;
+constexpr size_t kMaxPathsPerCandidate = 256;
 constexpr double kFloor = 0.1;          // share of the probability that follows flux alone
 constexpr float kCompatibleCos = 0.7f;  // normals within 45°
 
@@ -68,17 +71,19 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
 
 }  // namespace
 
-std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t paths, int max_depth, uint64_t seed,
-                            int threads, Control& control, Counters& counters) {
-    const LightSampler lights(scene);
-    if (lights.empty() || paths == 0) return {};
+namespace {
+
+/// VPLs of `paths` light paths; `pass` keys the random numbers.
+std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster, size_t paths,
+                             int max_depth, uint64_t seed, uint64_t pass, int threads, Control& control,
+                             Counters& counters) {
     const size_t chunks = (paths + kPathsPerChunk - 1) / kPathsPerChunk;
     std::vector<std::vector<Vpl>> found(chunks);
     std::vector<Counters> counted(chunks);
     parallel_for(chunks, threads, [&](size_t chunk, int) {
         control.check();
         for (size_t i = chunk * kPathsPerChunk; i < std::min(paths, (chunk + 1) * kPathsPerChunk); ++i) {
-            Rng emission(seed, Purpose::kVplEmission, i, 0), bounce(seed, Purpose::kVplBounce, i, 0);
+            Rng emission(seed, Purpose::kVplEmission, i, pass), bounce(seed, Purpose::kVplBounce, i, pass);
             const auto emitted = lights.emit(emission);
             if (!emitted) continue;
             Photon photon{emitted->ray, emitted->flux / float(paths)};
@@ -91,6 +96,20 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
         counters.merge(counted[c]);
     }
     return all;
+}
+
+}  // namespace
+
+std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t candidates, int max_depth,
+                            uint64_t seed, int threads, Control& control, Counters& counters) {
+    const LightSampler lights(scene);
+    if (lights.empty() || candidates == 0) return {};
+    // A pilot tells how many VPLs a path leaves: few where light only enters through windows. Its own VPLs are
+    // dropped, so that the number of paths is independent of the paths that count.
+    const auto pilot = trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
+    const double per_path = std::max(double(pilot.size()), 1.0) / double(kPilotPaths);
+    const double paths = std::min(std::ceil(double(candidates) / per_path), double(kMaxPathsPerCandidate) * double(candidates));
+    return trace_paths(lights, scene, caster, size_t(paths), max_depth, seed, 1, threads, control, counters);
 }
 
 namespace {
@@ -119,19 +138,18 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
     return points;
 }
 
-/// Exact contribution of every candidate to the judging points.
-std::vector<double> judge(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
-                          const std::vector<float>& albedo, const Scene& scene, const RayCaster& caster, float bound2,
-                          Counters& counters) {
-    std::vector<double> value(candidates.size(), 0.0);
-    const float extent = scene.offset_extent();
+/// Exact contributions of the candidates in [first, last) to the judging points. Returns the number of rays.
+uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last, const std::vector<EyeShade>& eyes,
+               const std::vector<float>& albedo, float extent, const RayCaster& caster, float bound2,
+               std::vector<double>& value) {
+    uint64_t traced = 0;
     std::vector<Ray> rays;
     std::vector<size_t> who;
     std::vector<float> what;
     std::vector<uint8_t> blocked;
     for (size_t e = 0; e < eyes.size(); ++e) {
         rays.clear(), who.clear(), what.clear();
-        for (size_t i = 0; i < candidates.size(); ++i) {
+        for (size_t i = first; i < last; ++i) {
             const Vpl& v = candidates[i];
             const Vec3 d = v.position - eyes[e].position;
             const float d2 = length2(d), near_cos = dot(eyes[e].ng, d), far_cos = -dot(v.normal, d);
@@ -144,10 +162,25 @@ std::vector<double> judge(const std::vector<Vpl>& candidates, const std::vector<
         }
         blocked.resize(rays.size());
         caster.occluded(rays, blocked);
-        counters.light_rays += rays.size();
+        traced += rays.size();
         for (size_t j = 0; j < rays.size(); ++j)
             if (!blocked[j]) value[who[j]] += what[j];
     }
+    return traced;
+}
+
+/// The same for all candidates, by all threads.
+std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
+                              const std::vector<float>& albedo, float extent, const RayCaster& caster, float bound2,
+                              int threads, Control& control, Counters& counters) {
+    std::vector<double> value(candidates.size(), 0.0);
+    std::atomic<uint64_t> rays{0};
+    parallel_for((candidates.size() + kCandidatesPerChunk - 1) / kCandidatesPerChunk, threads, [&](size_t chunk, int) {
+        control.check();
+        const size_t first = chunk * kCandidatesPerChunk, last = std::min(candidates.size(), first + kCandidatesPerChunk);
+        rays += judge(candidates, first, last, eyes, albedo, extent, caster, bound2, value);
+    });
+    counters.light_rays += rays;
     return value;
 }
 
@@ -155,21 +188,22 @@ std::vector<double> judge(const std::vector<Vpl>& candidates, const std::vector<
 
 std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
                                const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
-                               uint64_t seed, Counters& counters) {
+                               const FrameSettings& frame, Control& control, Counters& counters) {
     if (candidates.empty() || wanted == 0) return {};
     std::vector<float> albedo;
-    const auto eyes = judging_points(scene, caster, film, settings.vpl_eye_points, seed, albedo, counters);
+    const auto eyes = judging_points(scene, caster, film, settings.vpl_eye_points, frame.seed, albedo, counters);
     const float bound = settings.vpl_bound * scene.bounds().diagonal();
     // With an unbounded geometry term single pairs would dominate: judge with the default bound
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
-    const auto value = judge(candidates, eyes, albedo, scene, caster, judge_bound * judge_bound, counters);
+    const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster, judge_bound * judge_bound,
+                                 frame.threads, control, counters);
     double total_value = 0, total_flux = 0;
     for (size_t i = 0; i < candidates.size(); ++i)
         total_value += value[i], total_flux += luminance(candidates[i].flux);
     if (!(total_flux > 0)) return {};
     // Systematic resampling: one random offset, `wanted` equal steps through the cumulative probability
     std::vector<Vpl> kept;
-    const double offset = Rng(seed, Purpose::kVplResampling, 0, 0).next();
+    const double offset = Rng(frame.seed, Purpose::kVplResampling, 0, 0).next();
     double cumulative = 0;
     size_t next = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {
@@ -186,18 +220,34 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
     return kept;
 }
 
-std::vector<float> vpl_densities(const std::vector<Vpl>& vpls) {
-    std::vector<float> density(vpls.size(), 0.f), squares;
-    for (size_t i = 0; i < vpls.size(); ++i) {
-        squares.clear();
-        for (size_t j = 0; j < vpls.size(); ++j)
-            if (j != i && dot(vpls[i].normal, vpls[j].normal) > kCompatibleCos)
-                squares.push_back(length2(vpls[i].position - vpls[j].position));
-        if (squares.empty()) continue;
-        const size_t fourth = std::min<size_t>(3, squares.size() - 1);
-        std::nth_element(squares.begin(), squares.begin() + long(fourth), squares.end());
-        density[i] = squares[fourth] > 0 ? 4 / (kPi * squares[fourth]) : kInfinity;
+namespace {
+
+/// Density of one VPL among all.
+float density_at(const std::vector<Vpl>& vpls, size_t i) {
+    std::array<float, 4> nearest;  // squared distances, ascending
+    nearest.fill(kInfinity);
+    for (size_t j = 0; j < vpls.size(); ++j) {
+        if (j == i || !(dot(vpls[i].normal, vpls[j].normal) > kCompatibleCos)) continue;
+        float d2 = length2(vpls[i].position - vpls[j].position);
+        for (float& n : nearest)
+            if (d2 < n) std::swap(d2, n);
     }
+    // Fewer than four: the farthest there is
+    for (size_t k = 4; k-- > 0;)
+        if (nearest[k] < kInfinity) return nearest[k] > 0 ? 4 / (kPi * nearest[k]) : kInfinity;
+    return 0;
+}
+
+}  // namespace
+
+std::vector<float> vpl_densities(const std::vector<Vpl>& vpls, int threads, Control& control) {
+    std::vector<float> density(vpls.size(), 0.f);
+    constexpr size_t kChunk = 16;
+    parallel_for((vpls.size() + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
+        control.check();
+        for (size_t i = chunk * kChunk; i < std::min(vpls.size(), (chunk + 1) * kChunk); ++i)
+            density[i] = density_at(vpls, i);
+    });
     return density;
 }
 

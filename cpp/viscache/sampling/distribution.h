@@ -48,12 +48,14 @@ public:
         const double x = u * total();
         // The guide narrows the search to a few entries: one jump instead of a walk through a large table
         const size_t cell = std::min(size_t(u * double(guide_.size() - 1)), guide_.size() - 2);
-        const auto first = cumulative_.begin() + 1 + guide_[cell];
+        auto first = cumulative_.begin() + 1 + guide_[cell];
+        while (first[-1] > x) --first;  // u·n rounded up into the next cell
         const auto last = cumulative_.begin() + 1 + std::min<size_t>(guide_[cell + 1] + 1, size());
         auto above = std::upper_bound(first, last, x);
         if (above == last) above = std::upper_bound(last, cumulative_.end(), x);
         // u·total rounded up to the total: the last index with weight
-        if (above == cumulative_.end()) above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
+        if (above == cumulative_.end())
+            above = std::lower_bound(cumulative_.begin() + 1, cumulative_.end(), total());
         const size_t i = size_t(above - cumulative_.begin()) - 1;
         const double width = cumulative_[i + 1] - cumulative_[i];
         return {i, width / total(), std::min(float((x - cumulative_[i]) / width), 0x1.fffffep-1f)};

@@ -105,13 +105,16 @@ void check_description(const SceneDescription& d) {
         if (e.image < -1 || e.image >= int(d.images.size()))
             fail("environment: image must be -1 or in [0, ", d.images.size(), "), got ", e.image);
     }
-    for (const Camera& c : d.cameras) {
-        if (!usable(c.origin)) fail("camera '", c.name, "': origin must be finite, got ", text(c.origin));
-        if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
-            fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ", c.fov_y_rad * 180 / kPi);
-        if (!is_finite(c.forward) || length(c.forward) < 0.5f)
-            fail("camera '", c.name, "': origin and target must differ");
-    }
+    for (const Camera& c : d.cameras) check_camera(c);
+}
+
+void check_camera(const Camera& c) {
+    if (!usable(c.origin)) fail("camera '", c.name, "': origin must be finite, got ", text(c.origin));
+    if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
+        fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ", c.fov_y_rad * 180 / kPi);
+    for (Vec3 axis : {c.forward, c.right, c.up})
+        if (!(std::fabs(length(axis) - 1) < 1e-3f))
+            fail("camera '", c.name, "': origin and target must be finite and differ");
 }
 
 }  // namespace viscache

@@ -29,7 +29,9 @@ struct StbFree {
     void operator()(void* p) const { stbi_image_free(p); }
 };
 
-bool is_alpha(int channel, int channels) { return (channels == 2 || channels == 4) && channel == channels - 1; }
+bool is_alpha(int channel, int channels) {
+    return (channels == 2 || channels == 4) && channel == channels - 1;
+}
 
 /// 8-bit values to float through a table.
 void decode_bytes(Image& image, const stbi_uc* data, bool srgb) {

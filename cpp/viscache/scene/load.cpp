@@ -17,6 +17,7 @@ Reader reader_for(const std::string& path) {
     if (extension == ".ply") return loading::load_ply;
     if (extension == ".xml") return loading::load_mitsuba;
     if (extension == ".pbrt") return loading::load_pbrt;
+    if (extension == ".gltf" || extension == ".glb") return loading::load_gltf;
     if (extension == ".serialized") return loading::load_serialized;
     loading::fail(path, "unknown scene format '" + extension +
                             "'; known are .obj .ply .gltf .glb .xml (Mitsuba) .pbrt .serialized");
@@ -24,25 +25,37 @@ Reader reader_for(const std::string& path) {
 
 void check_lights(const SceneDescription& s, const std::string& path) {
     for (const PointLight& l : s.point_lights)
-        if (!is_finite(l.position) || !is_finite(l.intensity)) loading::fail(path, "a point light is not finite");
+        if (!is_finite(l.position) || !is_finite(l.intensity))
+            loading::fail(path, "a point light is not finite");
     for (const DirectionalLight& l : s.directional_lights)
         if (!is_finite(l.direction) || !is_finite(l.irradiance) || length2(l.direction) == 0)
             loading::fail(path, "a directional light is not finite or has no direction");
     for (const SphereLight& l : s.sphere_lights)
         if (!is_finite(l.center) || !is_finite(l.radiance) || !(l.radius > 0) || !std::isfinite(l.radius))
             loading::fail(path, "a sphere light is not finite or has no radius");
-    if (s.environment && !is_finite(s.environment->scale)) loading::fail(path, "the environment is not finite");
+    if (s.environment && !is_finite(s.environment->scale))
+        loading::fail(path, "the environment is not finite");
 }
 
 void check_cameras(const SceneDescription& s, const std::string& path) {
     for (const Camera& c : s.cameras) {
-        const bool ok = is_finite(c.origin) && is_finite(c.right) && is_finite(c.up) && is_finite(c.forward) &&
-                        c.fov_y_rad > 0 && c.fov_y_rad < kPi;
-        if (!ok) loading::fail(path, "camera '" + c.name + "' is not finite or its field of view is not in (0, 180)");
+        const bool ok = is_finite(c.origin) && is_finite(c.right) && is_finite(c.up) &&
+                        is_finite(c.forward) && c.fov_y_rad > 0 && c.fov_y_rad < kPi;
+        if (!ok)
+            loading::fail(path,
+                          "camera '" + c.name + "' is not finite or its field of view is not in (0, 180)");
         if (c.width < 1 || c.height < 1 || c.width > 1 << 16 || c.height > 1 << 16)
             loading::fail(path, "camera '" + c.name + "' asks for " + std::to_string(c.width) + " x " +
                                     std::to_string(c.height) + " pixels; both must be in [1, 65536]");
     }
+}
+
+void make_printable(SceneDescription& s) {
+    for (Mesh& mesh : s.meshes) mesh.name = loading::printable(std::move(mesh.name));
+    for (Camera& camera : s.cameras) camera.name = loading::printable(std::move(camera.name));
+    for (Image& image : s.images) image.where = loading::printable(std::move(image.where));
+    for (Warning& w : s.warnings)
+        w.where = loading::printable(std::move(w.where)), w.text = loading::printable(std::move(w.text));
 }
 
 }  // namespace
@@ -56,6 +69,7 @@ SceneDescription load_scene_file(const std::string& path, bool strict) {
         check_lights(scene, path);
         check_cameras(scene, path);
         loading::decode_images(state);
+        make_printable(scene);
     } catch (const std::bad_alloc&) {
         loading::fail(path, "not enough memory");
     } catch (const SceneError&) {

@@ -85,8 +85,8 @@ void MitsubaReader::read_elements(Node scene) {
             include(node);
         } else if (tag == "alias") {
             ids_[attribute(node, "as")] = target_of(node);
-        } else if (tag != "integrator" && tag != "bsdf" && tag != "texture" && tag != "sampler" && tag != "film" &&
-                   tag != "spectrum" && tag != "rgb") {
+        } else if (tag != "integrator" && tag != "bsdf" && tag != "texture" && tag != "sampler" &&
+                   tag != "film" && tag != "spectrum" && tag != "rgb") {
             warn_at(node, "element <" + std::string(tag) + "> is not modelled; skipped");
         }
     }

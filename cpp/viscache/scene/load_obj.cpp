@@ -46,7 +46,8 @@ void check_face(std::string_view rest, const std::string& where) {
             const std::string_view digits = w.substr(begin, end - begin);
             const auto index = parse_integer(digits);
             const bool may_be_empty = part == 1;
-            if (part > 2 || (!index && !(may_be_empty && digits.empty())) || (index && std::abs(*index) > 0x7ffffffe))
+            if (part > 2 || (!index && !(may_be_empty && digits.empty())) ||
+                (index && std::abs(*index) > 0x7ffffffe))
                 fail(where, "a face corner must be v, v/vt, v//vn or v/vt/vn, got " + quoted(w));
             if (index && *index == 0) fail(where, "indices start at 1, got 0 in " + quoted(w));
             begin = end + 1;
@@ -66,7 +67,8 @@ void check_obj_line(std::string_view line, const std::string& where) {
 void check_mtl_line(std::string_view line, const std::string& where) {
     const std::string_view key = next_word(line);
     if (key == "Kd" || key == "Ks" || key == "Ke" || key == "Ns" || key == "Ni" || key == "d" || key == "Tr")
-        if (std::string_view rest = line; !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
+        if (std::string_view rest = line;
+            !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
             check_numbers(line, 1, where);
 }
 
@@ -74,7 +76,8 @@ void check_mtl_line(std::string_view line, const std::string& where) {
 class CheckedLines : public std::streambuf {
 public:
     using Check = void (*)(std::string_view, const std::string&);
-    CheckedLines(std::string& text, const std::string& path, Check check) : text_(text), path_(path), check_(check) {}
+    CheckedLines(std::string& text, const std::string& path, Check check)
+        : text_(text), path_(path), check_(check) {}
 
     std::string where() const { return at_line(path_, line_); }
     size_t line() const { return line_; }
@@ -118,11 +121,15 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
         m.roughness = clamp_roughness(std::sqrt(2.f / (in.shininess + 2.f)));
     }
     const std::string where = mtl + ": material '" + in.name + "'";
-    if (!in.diffuse_texname.empty()) m.base_texture = loading.add_image(resolve(mtl, in.diffuse_texname), where, true);
-    if (!in.alpha_texname.empty()) m.alpha_texture = loading.add_image(resolve(mtl, in.alpha_texname), where, false);
+    if (!in.diffuse_texname.empty())
+        m.base_texture = loading.add_image(resolve(mtl, in.diffuse_texname), where, true);
+    if (!in.alpha_texname.empty())
+        m.alpha_texture = loading.add_image(resolve(mtl, in.alpha_texname), where, false);
     if (in.dissolve < 1 && m.kind != MaterialKind::kDielectric && in.alpha_texname.empty())
-        loading.warn(where, "constant transparency d = " + std::to_string(in.dissolve) + " is not modelled; opaque");
-    if (!in.bump_texname.empty() || !in.normal_texname.empty()) loading.warn(where, "bump maps are not modelled");
+        loading.warn(where,
+                     "constant transparency d = " + std::to_string(in.dissolve) + " is not modelled; opaque");
+    if (!in.bump_texname.empty() || !in.normal_texname.empty())
+        loading.warn(where, "bump maps are not modelled");
     return m;
 }
 
@@ -234,8 +241,8 @@ tinyobj::callback_t callbacks() {
 void check_corner(const Corner& c, const Collected& all, const std::string& where) {
     const auto check = [&](int64_t i, size_t count, const char* what) {
         if (i >= int64_t(count))
-            fail(where, std::string("a face uses ") + what + " index " + std::to_string(i + 1) + ", the file has " +
-                            std::to_string(count));
+            fail(where, std::string("a face uses ") + what + " index " + std::to_string(i + 1) +
+                            ", the file has " + std::to_string(count));
     };
     check(c.v, all.positions.size(), "vertex");
     check(c.t, all.uvs.size(), "texture coordinate");
@@ -288,7 +295,8 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
     Collected all(lines);
     MtlReader mtl(lines, path, materials);
     std::string warning, error;
-    if (!tinyobj::LoadObjWithCallback(in, callbacks(), &all, &mtl, &warning, &error)) fail(lines.where(), error);
+    if (!tinyobj::LoadObjWithCallback(in, callbacks(), &all, &mtl, &warning, &error))
+        fail(lines.where(), error);
     if (all.faces.empty()) fail(path, "the file has no faces");
 
     std::vector<Mesh> meshes;
@@ -300,8 +308,11 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
         if (materials) {
             const bool known = id >= 0 && size_t(id) < all.materials.size();
             mesh.material = materials->add_material(
-                known ? convert(all.materials[size_t(id)], mtl.files.at(size_t(id)), *materials) : Material{});
-            if (known) mesh.name = all.materials[size_t(id)].name, mesh.emission = rgb(all.materials[size_t(id)].emission);
+                known ? convert(all.materials[size_t(id)], mtl.files.at(size_t(id)), *materials)
+                      : Material{});
+            if (known)
+                mesh.name = all.materials[size_t(id)].name,
+                mesh.emission = rgb(all.materials[size_t(id)].emission);
         }
         check_mesh(mesh, path);
         meshes.push_back(std::move(mesh));

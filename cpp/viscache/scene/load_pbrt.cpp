@@ -1,7 +1,20 @@
 // pbrt-v3 text: directives, transforms, attribute blocks and object instances.
 #include "viscache/scene/pbrt_reader.h"
 
+#include <filesystem>
+
 namespace viscache::loading {
+
+std::string PbrtReader::path_named(const std::string& name, const std::string& asked_at) const {
+    // pbrt-v3 looks from the folder of the main file; files that were moved together are found from their
+    // own.
+    const std::string from_main = resolve(main_path_, name);
+    const std::string from_here = resolve(asked_at.substr(0, asked_at.rfind(':')), name);
+    std::error_code error;
+    return !std::filesystem::exists(from_main, error) && std::filesystem::exists(from_here, error)
+               ? from_here
+               : from_main;
+}
 
 void PbrtReader::save(char kind, const PbrtToken& token) {
     if (saved_.size() > 100000) fail(token.where(), "blocks are nested more than 100,000 deep");
@@ -11,8 +24,10 @@ void PbrtReader::save(char kind, const PbrtToken& token) {
 void PbrtReader::restore(char kind, const PbrtToken& token) {
     if (saved_.empty() || saved_.back().kind != kind)
         fail(token.where(), std::string(token.text) + " has no matching begin");
-    if (kind == 't') now_.ctm = saved_.back().graphics.ctm;
-    else now_ = std::move(saved_.back().graphics);
+    if (kind == 't')
+        now_.ctm = saved_.back().graphics.ctm;
+    else
+        now_ = std::move(saved_.back().graphics);
     saved_.pop_back();
 }
 
@@ -22,7 +37,8 @@ Affine PbrtReader::read_matrix(const PbrtToken& token) {
     for (double& x : v) x = tokens_.expect_number();
     tokens_.expect(PbrtToken::kClose, "']'");
     // The file lists columns.
-    if (v[3] != 0 || v[7] != 0 || v[11] != 0 || v[15] != 1) fail(token.where(), "only affine matrices are read");
+    if (v[3] != 0 || v[7] != 0 || v[11] != 0 || v[15] != 1)
+        fail(token.where(), "only affine matrices are read");
     Affine t;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 4; ++j) t.m[i][j] = v[j * 4 + i];
@@ -34,7 +50,8 @@ Affine PbrtReader::read_look_at(const PbrtToken& token) {
     for (float& x : v) x = float(tokens_.expect_number());
     const Vec3 eye{v[0], v[1], v[2]}, target{v[3], v[4], v[5]}, up{v[6], v[7], v[8]};
     const Vec3 forward = normalize(target - eye), right = normalize(cross(normalize(up), forward));
-    if (length2(forward) == 0 || length2(right) == 0) fail(token.where(), "LookAt needs a target other than the eye, and an up vector across the view");
+    if (length2(forward) == 0 || length2(right) == 0)
+        fail(token.where(), "LookAt needs a target other than the eye, and an up vector across the view");
     const Vec3 columns[4] = {right, cross(forward, right), forward, eye};
     Affine camera_to_world;
     for (int j = 0; j < 4; ++j)
@@ -74,11 +91,13 @@ bool PbrtReader::transform_directive(const PbrtToken& token) {
     } else if (name == "CoordSysTransform") {
         const std::string system = name_argument();
         const auto found = coordinate_systems_.find(system);
-        if (found == coordinate_systems_.end()) fail(token.where(), "the coordinate system '" + system + "' is not defined");
+        if (found == coordinate_systems_.end())
+            fail(token.where(), "the coordinate system '" + system + "' is not defined");
         now_.ctm = found->second;
     } else if (name == "ActiveTransform") {
         const PbrtToken which = tokens_.expect(PbrtToken::kWord, "All, StartTime or EndTime");
-        if (which.text != "All") loading_.warn(token.where(), "moving transforms are not modelled; all of them apply");
+        if (which.text != "All")
+            loading_.warn(token.where(), "moving transforms are not modelled; all of them apply");
     } else if (name == "TransformTimes") {
         read(2), loading_.warn(token.where(), "moving transforms are not modelled");
     } else {
@@ -123,7 +142,7 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
         now_.reversed = !now_.reversed;
     } else if (name == "Include") {
         const PbrtToken file = tokens_.expect(PbrtToken::kString, "a file name in quotes");
-        tokens_.push(resolve(*file.path, std::string(file.text)), file.where());
+        tokens_.push(path_named(std::string(file.text), file.where()), file.where());
     } else {
         return false;
     }
@@ -172,12 +191,14 @@ bool PbrtReader::directive(const PbrtToken& token) {
 }
 
 void PbrtReader::read_scene(const std::string& path) {
+    main_path_ = path;
     tokens_.push(path, "");
     while (!world_ended_) {
         const PbrtToken token = tokens_.next();
         if (token.kind == PbrtToken::kEnd) fail(token.where(), "the file ends before WorldEnd");
         if (token.kind != PbrtToken::kWord || !directive(token))
-            fail(token.where(), "a directive must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
+            fail(token.where(),
+                 "a directive must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
     }
     finish_camera();
 }

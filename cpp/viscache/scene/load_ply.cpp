@@ -25,8 +25,8 @@ struct Element {
 struct Header {
     bool ascii = false;
     std::vector<Element> elements;
-    size_t end = 0;     ///< byte where the data starts
-    size_t lines = 0;   ///< lines of the header
+    size_t end = 0;    ///< byte where the data starts
+    size_t lines = 0;  ///< lines of the header
 };
 
 std::optional<Type> type_named(std::string_view s) {
@@ -43,9 +43,13 @@ std::optional<Type> type_named(std::string_view s) {
 
 size_t size_of(Type t) {
     switch (t) {
-        case Type::kInt8: case Type::kUint8: return 1;
-        case Type::kInt16: case Type::kUint16: return 2;
-        case Type::kInt32: case Type::kUint32: case Type::kFloat: return 4;
+        case Type::kInt8:
+        case Type::kUint8: return 1;
+        case Type::kInt16:
+        case Type::kUint16: return 2;
+        case Type::kInt32:
+        case Type::kUint32:
+        case Type::kFloat: return 4;
         case Type::kDouble: return 8;
     }
     return 1;
@@ -81,11 +85,13 @@ void read_property(Header& h, const std::vector<std::string>& w, const std::stri
 }
 
 /// One header line; true at end_header.
-bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_format, const std::string& where) {
+bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_format,
+                      const std::string& where) {
     if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
     if (w[0] == "format") {
         if (w.size() != 3 || (w[1] != "ascii" && w[1] != "binary_little_endian"))
-            fail(where, "format '" + (w.size() > 1 ? w[1] : "") + "'; ascii and binary_little_endian are read");
+            fail(where,
+                 "format '" + (w.size() > 1 ? w[1] : "") + "'; ascii and binary_little_endian are read");
         h.ascii = w[1] == "ascii", has_format = true;
     } else if (w[0] == "element") {
         const auto count = w.size() == 3 ? parse_integer(w[2]) : std::nullopt;
@@ -112,7 +118,8 @@ Header read_header(std::string_view text, const std::string& path) {
         const auto words = words_of(text.substr(begin, newline - begin));
         begin = newline + 1;
         if (h.lines == 1) {
-            if (words.size() != 1 || words[0] != "ply") fail(where, "not a PLY file: it must start with 'ply'");
+            if (words.size() != 1 || words[0] != "ply")
+                fail(where, "not a PLY file: it must start with 'ply'");
         } else if (read_header_line(h, words, has_format, where)) {
             if (!has_format) fail(where, "the PLY header has no format line");
             h.end = begin;
@@ -175,7 +182,9 @@ private:
         while (end < data_.size() && !(std::strchr(" \t\r\n", data_[end]) && data_[end] != '\0')) ++end;
         if (end == at_) fail(where(), "the file ends inside the data");
         const auto value = parse_number(data_.substr(at_, end - at_));
-        if (!value) fail(where(), "a number must stand here, got '" + std::string(data_.substr(at_, std::min<size_t>(end - at_, 40))) + "'");
+        if (!value)
+            fail(where(), "a number must stand here, got '" +
+                              std::string(data_.substr(at_, std::min<size_t>(end - at_, 40))) + "'");
         at_ = end;
         return *value;
     }
@@ -203,9 +212,14 @@ void check_count(const Element& e, const Values& values, bool ascii, const std::
 
 /// Where a vertex property goes: 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere.
 int slot_of(const std::string& name) {
-    const char* const names[8][4] = {{"x", "", "", ""},  {"y", "", "", ""},  {"z", "", "", ""},
-                                     {"nx", "", "", ""}, {"ny", "", "", ""}, {"nz", "", "", ""},
-                                     {"u", "s", "texture_u", "texture_s"}, {"v", "t", "texture_v", "texture_t"}};
+    const char* const names[8][4] = {{"x", "", "", ""},
+                                     {"y", "", "", ""},
+                                     {"z", "", "", ""},
+                                     {"nx", "", "", ""},
+                                     {"ny", "", "", ""},
+                                     {"nz", "", "", ""},
+                                     {"u", "s", "texture_u", "texture_s"},
+                                     {"v", "t", "texture_v", "texture_t"}};
     for (int slot = 0; slot < 8; ++slot)
         for (const char* known : names[slot])
             if (*known && name == known) return slot;
@@ -238,7 +252,8 @@ void read_vertices(Mesh& mesh, const Element& e, Values& values) {
 }
 
 void add_face(Mesh& mesh, std::vector<uint32_t>& face, uint64_t vertices, const std::string& where) {
-    if (face.size() < 3) fail(where, "a face has " + std::to_string(face.size()) + " corners, it must have 3 or more");
+    if (face.size() < 3)
+        fail(where, "a face has " + std::to_string(face.size()) + " corners, it must have 3 or more");
     for (uint32_t i : face)
         if (i >= vertices)
             fail(where, "a face uses vertex index " + std::to_string(i) + ", the file has " +

@@ -23,7 +23,8 @@ T get(std::string_view bytes, size_t at) {
 std::string at_byte(const std::string& path, size_t byte) { return path + ": byte " + std::to_string(byte); }
 
 uint16_t check_magic(const std::string& path, std::string_view bytes, size_t at) {
-    if (bytes.size() < 8 || at + 4 > bytes.size()) fail(at_byte(path, at), "the file ends inside a shape's header");
+    if (bytes.size() < 8 || at + 4 > bytes.size())
+        fail(at_byte(path, at), "the file ends inside a shape's header");
     if (get<uint16_t>(bytes, at) != 0x041C) fail(at_byte(path, at), "no .serialized shape starts here");
     const auto version = get<uint16_t>(bytes, at + 2);
     if (version != 3 && version != 4)
@@ -53,7 +54,8 @@ public:
             const uInt done = piece - stream_.avail_out;
             out += done, bytes -= done;
             if (bytes > 0 && (status != Z_OK || done == 0))
-                fail(where_, "the packed data is broken or ends early (zlib status " + std::to_string(status) + ")");
+                fail(where_,
+                     "the packed data is broken or ends early (zlib status " + std::to_string(status) + ")");
         }
     }
 
@@ -82,8 +84,8 @@ public:
     void check_room(uint64_t count, uint64_t each, const char* what) const {
         const uint64_t most = packed_size_ * kMostDeflateRatio + 1024;
         if (count > most / each)
-            fail(where_, std::to_string(count) + " " + what + " cannot come from " + std::to_string(packed_size_) +
-                             " packed bytes");
+            fail(where_, std::to_string(count) + " " + what + " cannot come from " +
+                             std::to_string(packed_size_) + " packed bytes");
     }
 
 private:
@@ -98,8 +100,8 @@ std::vector<uint64_t> offsets_of(const std::string& path, std::string_view bytes
     const uint64_t count = get<uint32_t>(bytes, bytes.size() - 4);
     const uint64_t width = version == 4 ? 8 : 4;
     if (count == 0 || count * width + 4 > bytes.size())
-        fail(at_byte(path, bytes.size() - 4), "the dictionary lists " + std::to_string(count) +
-                                                  " shapes, the file cannot hold them");
+        fail(at_byte(path, bytes.size() - 4),
+             "the dictionary lists " + std::to_string(count) + " shapes, the file cannot hold them");
     const uint64_t dictionary = bytes.size() - 4 - count * width;
     std::vector<uint64_t> offsets(count);
     for (uint64_t i = 0; i < count; ++i) {
@@ -115,12 +117,15 @@ std::vector<uint64_t> offsets_of(const std::string& path, std::string_view bytes
 
 }  // namespace
 
-size_t serialized_count(const std::string& path, std::string_view bytes) { return offsets_of(path, bytes).size() - 1; }
+size_t serialized_count(const std::string& path, std::string_view bytes) {
+    return offsets_of(path, bytes).size() - 1;
+}
 
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index) {
     const auto offsets = offsets_of(path, bytes);
     if (index + 1 >= offsets.size())
-        fail(path, "shape index " + std::to_string(index) + ", the file has " + std::to_string(offsets.size() - 1));
+        fail(path,
+             "shape index " + std::to_string(index) + ", the file has " + std::to_string(offsets.size() - 1));
     const uint64_t begin = offsets[index];
     const std::string where = path + ": shape " + std::to_string(index);
     const uint16_t version = check_magic(path, bytes, begin);

@@ -6,7 +6,42 @@
 
 namespace viscache::loading {
 
-void fail(const std::string& where, const std::string& what) { throw SceneError(where + ": " + what); }
+void fail(const std::string& where, const std::string& what) {
+    throw SceneError(printable(where + ": " + what));
+}
+
+namespace {
+
+/// Bytes of the UTF-8 character at `i`; 0 when there is none.
+size_t character_length(std::string_view text, size_t i) {
+    const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
+    const unsigned char first = byte(i);
+    if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+    const size_t n = first >= 0xc2 && first < 0xe0   ? 2
+                     : (first & 0xf0) == 0xe0        ? 3
+                     : first >= 0xf0 && first < 0xf5 ? 4
+                                                     : 0;
+    if (n == 0 || i + n > text.size()) return 0;
+    for (size_t k = 1; k < n; ++k)
+        if ((byte(i + k) & 0xc0) != 0x80) return 0;
+    // No overlong forms, no surrogates, nothing beyond U+10FFFF.
+    const unsigned char second = byte(i + 1);
+    if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) ||
+        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90))
+        return 0;
+    return n;
+}
+
+}  // namespace
+
+std::string printable(std::string text) {
+    for (size_t i = 0; i < text.size();) {
+        const size_t n = character_length(text, i);
+        if (n == 0) text[i] = '?';
+        i += std::max<size_t>(n, 1);
+    }
+    return text;
+}
 
 std::string at_line(const std::string& file, size_t line) { return file + ":" + std::to_string(line); }
 
@@ -165,10 +200,14 @@ void flip_normals(Mesh& mesh) {
 
 void append_mesh(Mesh& a, const Mesh& b) {
     const auto base = uint32_t(a.vertices.size());
-    if (base && a.normals.empty() != b.normals.empty()) a.normals.clear();
-    else a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
-    if (base && a.uvs.empty() != b.uvs.empty()) a.uvs.clear();
-    else a.uvs.insert(a.uvs.end(), b.uvs.begin(), b.uvs.end());
+    if (base && a.normals.empty() != b.normals.empty())
+        a.normals.clear();
+    else
+        a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
+    if (base && a.uvs.empty() != b.uvs.empty())
+        a.uvs.clear();
+    else
+        a.uvs.insert(a.uvs.end(), b.uvs.begin(), b.uvs.end());
     a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
     for (const Vec3u& t : b.triangles) a.triangles.push_back({t.x + base, t.y + base, t.z + base});
 }
@@ -224,7 +263,8 @@ Affine rotation(double degrees, double x, double y, double z) {
 std::optional<double> uniform_scale(const Affine& t) {
     double dots[3][3];
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) dots[i][j] = t.m[0][i] * t.m[0][j] + t.m[1][i] * t.m[1][j] + t.m[2][i] * t.m[2][j];
+        for (int j = 0; j < 3; ++j)
+            dots[i][j] = t.m[0][i] * t.m[0][j] + t.m[1][i] * t.m[1][j] + t.m[2][i] * t.m[2][j];
     const double s2 = (dots[0][0] + dots[1][1] + dots[2][2]) / 3;
     if (!(s2 > 0) || !std::isfinite(s2)) return {};
     for (int i = 0; i < 3; ++i)

@@ -19,6 +19,9 @@ constexpr int kMaxDepth = 64;  ///< of nested elements, includes and nodes
 /// Throws SceneError "where: what".
 [[noreturn]] void fail(const std::string& where, const std::string& what);
 
+/// `text` with what is not UTF-8, and control characters, replaced by '?': names in files may hold anything.
+std::string printable(std::string text);
+
 /// "file:line".
 std::string at_line(const std::string& file, size_t line);
 
@@ -92,7 +95,7 @@ std::optional<double> uniform_scale(const Affine& t);
 Mesh rectangle_mesh();  ///< [-1, 1]² at z = 0, facing +z
 Mesh cube_mesh();       ///< [-1, 1]³, 12 triangles facing out
 Mesh sphere_mesh(Vec3 center, float radius);
-Mesh disk_mesh();       ///< unit disk at z = 0, facing +z
+Mesh disk_mesh();  ///< unit disk at z = 0, facing +z
 
 /// Reflectance at 0° of a conductor and of a dielectric.
 float conductor_f0(float eta, float k);
@@ -102,7 +105,8 @@ Rgb clamp01(Rgb c);
 
 // Mesh files. `asked_at` is the place that names the file, for the error when it is missing.
 Mesh read_ply(const std::string& path, const std::string& asked_at = "");
-/// One mesh of everything (`materials` null), or one per material, with the MTL's materials added to `materials`.
+/// One mesh of everything (`materials` null), or one per material, with the MTL's materials added to
+/// `materials`.
 std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
 /// Shape `index` of a Mitsuba .serialized file whose content is `bytes`.
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);

@@ -23,7 +23,8 @@ bool is_convex(const std::vector<Vec3>& p, Vec3 n) {
     return true;
 }
 
-/// True when corner `i` of the ring can be cut off: it turns inwards and no other corner lies in its triangle.
+/// True when corner `i` of the ring can be cut off: it turns inwards and no other corner lies in its
+/// triangle.
 bool is_ear(const std::vector<Vec3>& p, const std::vector<uint32_t>& ring, size_t i, Vec3 n) {
     const size_t m = ring.size(), before = (i + m - 1) % m, after = (i + 1) % m;
     const Vec3 a = p[ring[before]], b = p[ring[i]], c = p[ring[after]];
@@ -69,8 +70,12 @@ Mesh rectangle_mesh() {
 Mesh cube_mesh() {
     Mesh m;
     // One rectangle per face, turned from +z to the face's direction.
-    const Affine faces[6] = {Affine{}, rotation(180, 0, 1, 0), rotation(90, 0, 1, 0),
-                             rotation(-90, 0, 1, 0), rotation(-90, 1, 0, 0), rotation(90, 1, 0, 0)};
+    const Affine faces[6] = {Affine{},
+                             rotation(180, 0, 1, 0),
+                             rotation(90, 0, 1, 0),
+                             rotation(-90, 0, 1, 0),
+                             rotation(-90, 1, 0, 0),
+                             rotation(90, 1, 0, 0)};
     for (const Affine& face : faces) {
         Mesh side = rectangle_mesh();
         for (Vec3& p : side.vertices) {

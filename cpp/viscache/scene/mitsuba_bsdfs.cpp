@@ -20,7 +20,8 @@ float MitsubaReader::roughness(Node node, double fallback) {
     if (property(node, "distribution") && lower(string(node, "distribution", "")) != "ggx")
         warn_at(node, "microfacets are GGX here; the distribution that is asked for is not modelled");
     if (property(node, "alpha_u") || property(node, "alpha_v"))
-        return clamp_roughness(float(std::sqrt(std::max(0.0, number(node, "alpha_u", 0.1) * number(node, "alpha_v", 0.1)))));
+        return clamp_roughness(
+            float(std::sqrt(std::max(0.0, number(node, "alpha_u", 0.1) * number(node, "alpha_v", 0.1)))));
     return clamp_roughness(float(number(node, "alpha", fallback)));
 }
 
@@ -30,7 +31,8 @@ double MitsubaReader::ior(Node owner, const char* name, double fallback) {
     const std::string value = attribute(node, "value");
     if (const auto known = ior_named(lower(value))) return *known;
     if (std::string_view(node.name()) == "string") {
-        warn_at(node, "the medium '" + value + "' is not known; index " + std::to_string(fallback) + " is used");
+        warn_at(node,
+                "the medium '" + value + "' is not known; index " + std::to_string(fallback) + " is used");
         return fallback;
     }
     const double x = number(owner, name, fallback);
@@ -54,7 +56,8 @@ Material MitsubaReader::conductor(Node node, bool rough) {
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
     m.roughness = rough ? roughness(node, 0.1) : 0.1f;
-    const std::string name = string(node, "material", version_major_ >= 2 && !property(node, "eta") ? "none" : "Cu");
+    const std::string name =
+        string(node, "material", version_major_ >= 2 && !property(node, "eta") ? "none" : "Cu");
     auto ior = conductor_named(name);
     if (!ior) {
         warn_at(node, "the conductor '" + name + "' is not known; a perfect mirror is used");
@@ -82,7 +85,8 @@ Material MitsubaReader::principled(Node node) {
     m.kind = MaterialKind::kGlossy;
     const ColorTexture base = color_texture(node, "base_color", kGrey);
     const float metallic = std::clamp(float(number(node, "metallic", 0)), 0.f, 1.f);
-    const float specular = 0.08f * float(number(node, "specular", 0.5)), r = float(number(node, "roughness", 0.5));
+    const float specular = 0.08f * float(number(node, "specular", 0.5)),
+                r = float(number(node, "roughness", 0.5));
     set_base(m, {base.color * (1 - metallic), base.image});
     m.specular = clamp01(Rgb{specular, specular, specular} * (1 - metallic) + base.color * metallic);
     m.roughness = clamp_roughness(r * r);
@@ -90,7 +94,8 @@ Material MitsubaReader::principled(Node node) {
         m = Material{};
         m.kind = MaterialKind::kDielectric, m.eta = float(ior(node, "eta", 1.5));
     }
-    warn_at(node, "'principled' is not modelled in full; base colour, metallic, specular and roughness are kept");
+    warn_at(node,
+            "'principled' is not modelled in full; base colour, metallic, specular and roughness are kept");
     return m;
 }
 
@@ -108,7 +113,8 @@ Material MitsubaReader::mask(Node node, int depth) {
     const ColorTexture opacity = color_texture(node, "opacity", kGrey);
     m.alpha_texture = opacity.image, m.alpha_cutoff = 0.5f;
     if (opacity.image < 0 && luminance(opacity.color) < 1)
-        warn_at(node, "constant opacity " + std::to_string(luminance(opacity.color)) + " is not modelled; opaque");
+        warn_at(node,
+                "constant opacity " + std::to_string(luminance(opacity.color)) + " is not modelled; opaque");
     return m;
 }
 
@@ -125,7 +131,8 @@ Material MitsubaReader::bsdf(Node node, int depth) {
     } else if (type == "diffuse" || type == "lambertian" || type == "roughdiffuse" || type == "difftrans") {
         set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey));
         if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
-        if (type == "difftrans") m.two_sided = true, warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
+        if (type == "difftrans")
+            m.two_sided = true, warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
     } else if (type == "plastic" || type == "roughplastic") {
         m = glossy(node, kGrey);
         m.two_sided = false;
@@ -135,14 +142,17 @@ Material MitsubaReader::bsdf(Node node, int depth) {
         set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
         m.specular = clamp01(color(node, "specular_reflectance", {.2f, .2f, .2f}));
         const double exponent = std::max(0.0, number(node, "exponent", 30));
-        m.roughness = type == "phong" ? clamp_roughness(float(std::sqrt(2 / (exponent + 2)))) : roughness(node, 0.1);
+        m.roughness =
+            type == "phong" ? clamp_roughness(float(std::sqrt(2 / (exponent + 2)))) : roughness(node, 0.1);
     } else if (type == "conductor" || type == "roughconductor") {
         m = conductor(node, type == "roughconductor");
         m.two_sided = false;
     } else if (type == "dielectric" || type == "roughdielectric" || type == "thindielectric") {
         m = dielectric(node);
-        if (type == "roughdielectric") warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
-        if (type == "thindielectric") m.eta = 1, warn_at(node, "'thindielectric' is not modelled; light passes unchanged");
+        if (type == "roughdielectric")
+            warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
+        if (type == "thindielectric")
+            m.eta = 1, warn_at(node, "'thindielectric' is not modelled; light passes unchanged");
     } else if (type == "principled" || type == "principledthin") {
         m = principled(node);
     } else if (type == "bumpmap" || type == "normalmap" || type == "coating" || type == "roughcoating" ||

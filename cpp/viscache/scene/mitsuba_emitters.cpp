@@ -69,14 +69,17 @@ float across_width(float diagonal, float aspect) {
 
 void MitsubaReader::sensor(Node node) {
     const std::string type = type_of(node);
-    if (type != "perspective" && type != "thinlens") return warn_at(node, "sensor '" + type + "' is not modelled; skipped");
+    if (type != "perspective" && type != "thinlens")
+        return warn_at(node, "sensor '" + type + "' is not modelled; skipped");
     if (type == "thinlens") warn_at(node, "'thinlens' is not modelled; a pinhole is used");
     Camera camera;
     camera.width = 768, camera.height = 576;
     if (const std::string id = attribute(node, "id"); !id.empty()) camera.name = id;
     for (const Node film : node.children("film")) {
-        camera.width = integer(film, "width", camera.width), camera.height = integer(film, "height", camera.height);
-        if (property(film, "crop_width") || property(film, "crop_height")) warn_at(film, "a crop is not modelled; the whole film is used");
+        camera.width = integer(film, "width", camera.width),
+        camera.height = integer(film, "height", camera.height);
+        if (property(film, "crop_width") || property(film, "crop_height"))
+            warn_at(film, "a crop is not modelled; the whole film is used");
     }
     if (camera.width < 1 || camera.height < 1) fail_at(node, "the film's width and height must be >= 1");
 
@@ -105,7 +108,8 @@ void MitsubaReader::sensor(Node node) {
     if (!(fov > 0 && fov < kPi)) fail_at(node, "the field of view must be in (0, 180) degrees");
     if (axis != "x" && axis != "y" && axis != "smaller" && axis != "larger" && axis != "diagonal")
         fail_at(node, "unknown fov_axis '" + axis + "'");
-    camera.fov_is_horizontal = axis != "y" && !(axis == "smaller" && aspect > 1) && !(axis == "larger" && aspect <= 1);
+    camera.fov_is_horizontal =
+        axis != "y" && !(axis == "smaller" && aspect > 1) && !(axis == "larger" && aspect <= 1);
     camera.fov_y_rad = axis == "diagonal" ? across_width(fov, aspect) : fov;
     loading_.scene.cameras.push_back(camera);
 }

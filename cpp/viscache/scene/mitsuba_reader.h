@@ -23,7 +23,8 @@ public:
 
 private:
     struct XmlFile {
-        XmlFile(std::string path, std::string text) : path(std::move(path)), text(std::move(text)), lines(this->text) {}
+        XmlFile(std::string path, std::string text)
+            : path(std::move(path)), text(std::move(text)), lines(this->text) {}
         std::string path, text;
         LineIndex lines;
         pugi::xml_document document;
@@ -62,7 +63,7 @@ private:
     ColorTexture texture(Node node, int depth = 0);
 
     // mitsuba_bsdfs.cpp
-    int material(Node bsdf);       ///< index; the same element gives the same material. -1: no surface (null)
+    int material(Node bsdf);  ///< index; the same element gives the same material. -1: no surface (null)
     int material_of(Node shape);
     Material bsdf(Node node, int depth);
     Material nested(Node node, int depth);
@@ -95,9 +96,9 @@ private:
     std::vector<std::string> open_;  ///< chain of includes
     std::map<std::string, std::string> parameters_;
     std::map<std::string, Node> ids_;
-    std::map<size_t, int> materials_;               ///< by bsdf element
-    std::map<size_t, std::vector<int>> groups_;     ///< by shapegroup element
-    std::map<std::string, std::string> serialized_; ///< contents by path
+    std::map<size_t, int> materials_;                ///< by bsdf element
+    std::map<size_t, std::vector<int>> groups_;      ///< by shapegroup element
+    std::map<std::string, std::string> serialized_;  ///< contents by path
     int version_major_ = 3;
 };
 

@@ -31,7 +31,8 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
     return mesh;
 }
 
-void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in_group, std::vector<int>* group) {
+void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in_group,
+                           std::vector<int>* group) {
     const Vec3 center = vector(node, "center").value_or(Vec3{0, 0, 0});
     const double radius = number(node, "radius", 1);
     if (!(radius > 0)) fail_at(node, "the radius of a sphere must be > 0");
@@ -49,7 +50,8 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
     if (flipped) flip_normals(mesh);
     mesh.name = attribute(node, "id"), mesh.material = material, mesh.in_world = !in_group;
     mesh.emission = in_group ? Rgb{} : emission;
-    if (max_component(mesh.emission) > 0) warn_at(node, "an emitting sphere that is stretched or turned inside out is tessellated");
+    if (max_component(mesh.emission) > 0)
+        warn_at(node, "an emitting sphere that is stretched or turned inside out is tessellated");
     const int index = loading_.add_mesh(std::move(mesh), where(node));
     if (group) group->push_back(index);
 }
@@ -68,7 +70,8 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
     auto mesh = shape_mesh(node, type);
     if (!mesh) return warn_at(node, "shape '" + type + "' is not modelled; skipped");
-    if (property(node, "max_smooth_angle")) warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
+    if (property(node, "max_smooth_angle"))
+        warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
     if (boolean(node, "face_normals", false)) mesh->normals.clear();
     transform_mesh(*mesh, transform(node));
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
@@ -84,7 +87,8 @@ const std::vector<int>& MitsubaReader::group_meshes(Node node) {
         for (const Node child : node.children()) {
             if (std::string_view(child.name()) != "shape") continue;
             const std::string type = type_of(child);
-            if (type == "instance" || type == "shapegroup") fail_at(child, "a shapegroup must not hold instances or groups");
+            if (type == "instance" || type == "shapegroup")
+                fail_at(child, "a shapegroup must not hold instances or groups");
             add_shape(child, &found->second);
         }
     return found->second;

@@ -56,7 +56,8 @@ std::vector<double> MitsubaReader::numbers(Node node, const std::string& text) c
         const size_t end = std::min(text.find_first_of(separators, i), text.size());
         const auto x = parse_number(std::string_view(text).substr(i, end - i));
         if (!x || !std::isfinite(*x))
-            fail_at(node, "a finite number must stand here, got '" + text.substr(i, std::min<size_t>(end - i, 40)) + "'");
+            fail_at(node, "a finite number must stand here, got '" +
+                              text.substr(i, std::min<size_t>(end - i, 40)) + "'");
         out.push_back(*x);
         i = text.find_first_not_of(separators, end);
     }
@@ -84,7 +85,8 @@ double MitsubaReader::number(Node owner, const char* name, double fallback) {
 
 int MitsubaReader::integer(Node owner, const char* name, int fallback) {
     const double x = number(owner, name, fallback);
-    if (x != std::floor(x) || std::abs(x) > 2e9) fail_at(property(owner, name), std::string("'") + name + "' must be an integer");
+    if (x != std::floor(x) || std::abs(x) > 2e9)
+        fail_at(property(owner, name), std::string("'") + name + "' must be an integer");
     return int(x);
 }
 
@@ -92,7 +94,8 @@ bool MitsubaReader::boolean(Node owner, const char* name, bool fallback) {
     const Node node = property(owner, name);
     if (!node) return fallback;
     const std::string value = lower(attribute(node, "value"));
-    if (value != "true" && value != "false") fail_at(node, std::string("'") + name + "' must be true or false, got '" + value + "'");
+    if (value != "true" && value != "false")
+        fail_at(node, std::string("'") + name + "' must be true or false, got '" + value + "'");
     return value == "true";
 }
 
@@ -151,7 +154,8 @@ Affine MitsubaReader::transform_step(Node step) {
                    attribute_number(step, "z", missing)};
     if (value.size() == 1) v[0] = v[1] = v[2] = value[0];
     if (value.size() == 3) std::copy(value.begin(), value.end(), v);
-    if (value.size() != 0 && value.size() != 1 && value.size() != 3) fail_at(step, "one or three numbers are needed");
+    if (value.size() != 0 && value.size() != 1 && value.size() != 3)
+        fail_at(step, "one or three numbers are needed");
     if (tag == "translate") return translation(v[0], v[1], v[2]);
     if (tag == "scale") return scaling(v[0], v[1], v[2]);
     if (tag == "rotate") return rotation(attribute_number(step, "angle", 0), v[0], v[1], v[2]);
@@ -179,7 +183,8 @@ Rgb MitsubaReader::rgb_value(Node node) const {
     }
     auto v = numbers(node, text);
     if (v.size() == 1) v = {v[0], v[0], v[0]};
-    if (v.size() != 3) fail_at(node, "a colour must be one or three numbers, got " + std::to_string(v.size()));
+    if (v.size() != 3)
+        fail_at(node, "a colour must be one or three numbers, got " + std::to_string(v.size()));
     Rgb c{float(v[0]), float(v[1]), float(v[2])};
     if (encoded) c = {srgb_to_linear(c.x), srgb_to_linear(c.y), srgb_to_linear(c.z)};
     return c;
@@ -187,7 +192,8 @@ Rgb MitsubaReader::rgb_value(Node node) const {
 
 Rgb MitsubaReader::spectrum_value(Node node) const {
     std::string text = attribute(node, "value");
-    if (node.attribute("filename")) text = read_file(resolve(file_of(node).path, attribute(node, "filename")), where(node));
+    if (node.attribute("filename"))
+        text = read_file(resolve(file_of(node).path, attribute(node, "filename")), where(node));
     const bool pairs = text.find(':') != std::string::npos || node.attribute("filename");
     if (!pairs) return rgb_value(node);
     std::replace(text.begin(), text.end(), ':', ' ');
@@ -195,7 +201,8 @@ Rgb MitsubaReader::spectrum_value(Node node) const {
     if (v.size() < 2 || v.size() % 2) fail_at(node, "a spectrum must be a list of nm:value");
     Spectrum spectrum;
     for (size_t i = 0; i < v.size(); i += 2) {
-        if (!spectrum.empty() && v[i] <= spectrum.back().first) fail_at(node, "the wavelengths of a spectrum must grow");
+        if (!spectrum.empty() && v[i] <= spectrum.back().first)
+            fail_at(node, "the wavelengths of a spectrum must grow");
         spectrum.emplace_back(v[i], v[i + 1]);
     }
     return max({0, 0, 0}, spectrum_to_rgb(spectrum));
@@ -205,23 +212,27 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (depth > kMaxDepth) fail_at(node, "references to textures are cyclic");
     const std::string_view tag = node.name();
     if (tag == "ref") return texture(target_of(node), depth + 1);
-    if (tag == "rgb" || tag == "srgb" || tag == "float" || tag == "integer" || tag == "color") return {rgb_value(node)};
+    if (tag == "rgb" || tag == "srgb" || tag == "float" || tag == "integer" || tag == "color")
+        return {rgb_value(node)};
     const std::string type = node.attribute("type") ? type_of(node) : "";
     if (tag == "blackbody" || type == "blackbody") {
         const bool inner = type == "blackbody";
-        const double kelvin = inner ? number(node, "temperature", 5000) : numbers(node, attribute(node, "temperature")).at(0);
+        const double kelvin =
+            inner ? number(node, "temperature", 5000) : numbers(node, attribute(node, "temperature")).at(0);
         if (!(kelvin > 0)) fail_at(node, "the temperature must be > 0");
-        return {blackbody_rgb(kelvin) * float(inner ? number(node, "scale", 1) : attribute_number(node, "scale", 1))};
+        return {blackbody_rgb(kelvin) *
+                float(inner ? number(node, "scale", 1) : attribute_number(node, "scale", 1))};
     }
     if (tag == "spectrum" && (type.empty() || node.attribute("value"))) return {spectrum_value(node)};
     if (type == "bitmap") {
         const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
-        if (property(node, "to_uv") || property(node, "uscale") || property(node, "vscale") || property(node, "uoffset") ||
-            property(node, "voffset"))
+        if (property(node, "to_uv") || property(node, "uscale") || property(node, "vscale") ||
+            property(node, "uoffset") || property(node, "voffset"))
             warn_at(node, "a transform of texture coordinates is not modelled; ignored");
         return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw)};
     }
-    if (type == "uniform" || type == "rgb" || type == "srgb") return {color(node, type == "uniform" ? "value" : "color", {.5f, .5f, .5f})};
+    if (type == "uniform" || type == "rgb" || type == "srgb")
+        return {color(node, type == "uniform" ? "value" : "color", {.5f, .5f, .5f})};
     if (type == "scale") {
         for (const Node child : node.children())
             if (std::string_view(child.name()) == "texture" || std::string_view(child.name()) == "ref") {
@@ -245,7 +256,9 @@ ColorTexture MitsubaReader::color_texture(Node owner, const char* name, Rgb fall
 
 Rgb MitsubaReader::color(Node owner, const char* name, Rgb fallback) {
     const ColorTexture t = color_texture(owner, name, fallback);
-    if (t.image >= 0) warn_at(property(owner, name), std::string("an image for '") + name + "' is not modelled; white is used");
+    if (t.image >= 0)
+        warn_at(property(owner, name),
+                std::string("an image for '") + name + "' is not modelled; white is used");
     return t.color;
 }
 

@@ -36,13 +36,15 @@ Rgb normalised_blackbody(double kelvin) {
 
 Rgb PbrtReader::spectrum_file(const PbrtParam& p) {
     if (p.strings.size() != 1) fail(p.where, "one spectrum file must be named");
-    std::string text = read_file(resolve(p.where.substr(0, p.where.rfind(':')), p.strings[0]), p.where);
+    std::string text = read_file(path_named(p.strings[0], p.where), p.where);
     std::vector<double> values;
     for (size_t i = 0; (i = text.find_first_not_of(" \t\r\n,", i)) != std::string::npos;) {
         const size_t end = std::min(text.find_first_of(text[i] == '#' ? "\n" : " \t\r\n,", i), text.size());
         if (text[i] != '#') {
             const auto x = parse_number(std::string_view(text).substr(i, end - i));
-            if (!x) fail(p.where, "the spectrum file '" + p.strings[0] + "' holds something that is not a number");
+            if (!x)
+                fail(p.where,
+                     "the spectrum file '" + p.strings[0] + "' holds something that is not a number");
             values.push_back(*x);
         }
         i = end;
@@ -63,7 +65,8 @@ std::optional<Rgb> PbrtReader::color_of(const PbrtParam& p) {
     } else if (p.type == "spectrum") {
         c = p.strings.empty() ? spectrum_to_rgb(spectrum_from(v, p.where)) : spectrum_file(p);
     } else if (p.type == "blackbody") {
-        if (v.empty() || v.size() > 2 || !(v[0] > 0)) fail(p.where, "a black body must be a temperature > 0 and a scale");
+        if (v.empty() || v.size() > 2 || !(v[0] > 0))
+            fail(p.where, "a black body must be a temperature > 0 and a scale");
         c = normalised_blackbody(v[0]) * float(v.size() == 2 ? v[1] : 1);
     } else if (p.type == "float") {
         if (v.size() != 1) fail(p.where, "'" + p.name + "' must be one number");
@@ -79,7 +82,8 @@ PbrtTexture PbrtReader::color_texture(const PbrtParams& params, const char* name
     const PbrtParam* p = params.find(name);
     if (!p) return {fallback};
     if (const auto c = color_of(*p)) return {*c};
-    if (p->type != "texture" || p->strings.size() != 1) fail(p->where, std::string("'") + name + "' must be a colour or a texture");
+    if (p->type != "texture" || p->strings.size() != 1)
+        fail(p->where, std::string("'") + name + "' must be a colour or a texture");
     const auto found = now_.textures->find(p->strings[0]);
     if (found == now_.textures->end()) fail(p->where, "the texture '" + p->strings[0] + "' is not defined");
     return found->second;
@@ -87,7 +91,9 @@ PbrtTexture PbrtReader::color_texture(const PbrtParams& params, const char* name
 
 Rgb PbrtReader::color(const PbrtParams& params, const char* name, Rgb fallback) {
     const PbrtTexture t = color_texture(params, name, fallback);
-    if (t.image >= 0) loading_.warn(params.find(name)->where, std::string("an image for '") + name + "' is not modelled; white is used");
+    if (t.image >= 0)
+        loading_.warn(params.find(name)->where,
+                      std::string("an image for '") + name + "' is not modelled; white is used");
     return t.color;
 }
 
@@ -100,19 +106,21 @@ void PbrtReader::texture(const std::string& where) {
     if (type == "imagemap") {
         const PbrtParam* file = params.find("filename");
         if (!file) fail(where, "an imagemap needs a filename");
-        const std::string path = resolve(file->where.substr(0, file->where.rfind(':')), params.string("filename", ""));
+        const std::string path = path_named(params.string("filename", ""), file->where);
         t.image = loading_.add_image(path, file->where, params.boolean("gamma", true));
         const float scale = float(params.number("scale", 1));
         t.color = {scale, scale, scale};
-        if (params.number("uscale", 1) != 1 || params.number("vscale", 1) != 1 || params.number("udelta", 0) != 0 ||
-            params.number("vdelta", 0) != 0 || params.string("mapping", "uv") != "uv")
+        if (params.number("uscale", 1) != 1 || params.number("vscale", 1) != 1 ||
+            params.number("udelta", 0) != 0 || params.number("vdelta", 0) != 0 ||
+            params.string("mapping", "uv") != "uv")
             loading_.warn(where, "a mapping of texture coordinates is not modelled; ignored");
     } else if (type == "constant") {
         t.color = color(params, "value", kOne);
     } else if (type == "scale") {
         const PbrtTexture a = color_texture(params, "tex1", kOne), b = color_texture(params, "tex2", kOne);
         t = {a.color * b.color, a.image >= 0 ? a.image : b.image};
-        if (a.image >= 0 && b.image >= 0) loading_.warn(where, "the product of two images is not modelled; the first is used");
+        if (a.image >= 0 && b.image >= 0)
+            loading_.warn(where, "the product of two images is not modelled; the first is used");
     } else {
         loading_.warn(where, "texture '" + type + "' is not modelled; grey is used");
         t.color = kHalf;
@@ -159,8 +167,11 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
     }
     m.base_color = clamp01(base.color), m.base_texture = base.image;
     if (type == "uber" && params.has("opacity"))
-        if (const PbrtTexture opacity = color_texture(params, "opacity", kOne); opacity.image >= 0) m.alpha_texture = opacity.image;
-    if (type != "plastic") loading_.warn(where, "material '" + type + "' is not modelled in full; a glossy coat over a diffuse base is used");
+        if (const PbrtTexture opacity = color_texture(params, "opacity", kOne); opacity.image >= 0)
+            m.alpha_texture = opacity.image;
+    if (type != "plastic")
+        loading_.warn(where, "material '" + type +
+                                 "' is not modelled in full; a glossy coat over a diffuse base is used");
     return m;
 }
 
@@ -179,7 +190,8 @@ int PbrtReader::material(const std::string& type, const PbrtParams& params, cons
     if (type == "matte" || type == "translucent") {
         const PbrtTexture base = color_texture(params, "Kd", type == "matte" ? kHalf : kQuarter);
         m.base_color = clamp01(base.color), m.base_texture = base.image;
-        if (type == "translucent") loading_.warn(where, "material 'translucent' is not modelled; diffuse reflection is used");
+        if (type == "translucent")
+            loading_.warn(where, "material 'translucent' is not modelled; diffuse reflection is used");
     } else if (type == "plastic" || type == "uber" || type == "substrate" || type == "disney") {
         m = coated(type, params, where);
     } else if (type == "metal") {

@@ -49,7 +49,10 @@ private:
     Affine read_look_at(const PbrtToken& token);
     void multiply(const Affine& t, const PbrtToken& token);
     void object_instance(const PbrtToken& token);
-    std::string name_argument() { return std::string(tokens_.expect(PbrtToken::kString, "a name in quotes").text); }
+    std::string path_named(const std::string& name, const std::string& asked_at) const;
+    std::string name_argument() {
+        return std::string(tokens_.expect(PbrtToken::kString, "a name in quotes").text);
+    }
 
     // pbrt_materials.cpp
     std::optional<Rgb> color_of(const PbrtParam& param);
@@ -67,7 +70,8 @@ private:
 
     // pbrt_shapes.cpp: shapes, lights, camera
     void shape(const std::string& where);
-    std::optional<Mesh> shape_mesh(const std::string& type, const PbrtParams& params, const std::string& where);
+    std::optional<Mesh> shape_mesh(const std::string& type, const PbrtParams& params,
+                                   const std::string& where);
     bool sphere_light(const PbrtParams& params, const std::string& where);
     int shape_material(const PbrtParams& params, const std::string& where);
     void orient(Mesh& mesh);
@@ -79,6 +83,7 @@ private:
     void finish_camera();
 
     Loading& loading_;
+    std::string main_path_;
     PbrtTokens tokens_;
     Graphics now_;
     std::vector<Saved> saved_;
@@ -86,7 +91,7 @@ private:
     std::map<std::string, std::vector<int>> objects_;
     std::vector<int>* object_ = nullptr;  ///< the object being defined
     std::optional<Camera> camera_;
-    float camera_fov_ = 90;               ///< degrees, across the smaller side of the film
+    float camera_fov_ = 90;  ///< degrees, across the smaller side of the film
     int film_width_ = 1280, film_height_ = 720;
     bool in_world_ = false, world_ended_ = false;
 };

@@ -12,12 +12,14 @@ Mesh inline_mesh(const PbrtParams& params, const std::string& where) {
     mesh.vertices = params.vec3s("P");
     const PbrtParam* indices = params.find("indices");
     if (mesh.vertices.empty() || !indices) fail(where, "a triangle mesh needs P and indices");
-    if (indices->numbers.empty() || indices->numbers.size() % 3) fail(indices->where, "'indices' must be triples");
+    if (indices->numbers.empty() || indices->numbers.size() % 3)
+        fail(indices->where, "'indices' must be triples");
     const size_t n = mesh.vertices.size();
     std::vector<uint32_t> flat;
     for (double x : indices->numbers) {
         if (!(x >= 0 && x < double(n)) || x != std::floor(x))
-            fail(indices->where, "'indices' holds " + std::to_string(x) + ", the mesh has " + std::to_string(n) + " vertices");
+            fail(indices->where, "'indices' holds " + std::to_string(x) + ", the mesh has " +
+                                     std::to_string(n) + " vertices");
         flat.push_back(uint32_t(x));
     }
     for (size_t i = 0; i < flat.size(); i += 3) mesh.triangles.push_back({flat[i], flat[i + 1], flat[i + 2]});
@@ -28,7 +30,8 @@ Mesh inline_mesh(const PbrtParams& params, const std::string& where) {
 
 }  // namespace
 
-std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtParams& params, const std::string& where) {
+std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtParams& params,
+                                           const std::string& where) {
     if (type == "trianglemesh") return inline_mesh(params, where);
     if (type == "loopsubdiv") {
         loading_.warn(where, "'loopsubdiv' is not modelled; its control mesh is used");
@@ -37,17 +40,19 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
     if (type == "plymesh") {
         const PbrtParam* file = params.find("filename");
         if (!file) fail(where, "a plymesh needs a filename");
-        const std::string path = resolve(file->where.substr(0, file->where.rfind(':')), params.string("filename", ""));
+        const std::string path = path_named(params.string("filename", ""), file->where);
         return read_ply(path, file->where);
     }
     if (type == "sphere") {
         const double radius = params.number("radius", 1);
         if (!(radius > 0)) fail(where, "the radius of a sphere must be > 0");
-        if (params.has("zmin") || params.has("zmax") || params.has("phimax")) loading_.warn(where, "partial spheres are not modelled; the whole sphere is used");
+        if (params.has("zmin") || params.has("zmax") || params.has("phimax"))
+            loading_.warn(where, "partial spheres are not modelled; the whole sphere is used");
         return sphere_mesh({0, 0, 0}, float(radius));
     }
     if (type == "disk") {
-        if (params.has("innerradius") || params.has("phimax")) loading_.warn(where, "partial disks are not modelled; the whole disk is used");
+        if (params.has("innerradius") || params.has("phimax"))
+            loading_.warn(where, "partial disks are not modelled; the whole disk is used");
         Mesh mesh = disk_mesh();
         const float radius = float(params.number("radius", 1)), height = float(params.number("height", 0));
         if (!(radius > 0)) fail(where, "the radius of a disk must be > 0");
@@ -57,7 +62,8 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
     return {};
 }
 
-/// pbrt keeps normals on their side in mirrored transforms; given shading normals decide the side of a triangle.
+/// pbrt keeps normals on their side in mirrored transforms; given shading normals decide the side of a
+/// triangle.
 void PbrtReader::orient(Mesh& mesh) {
     const bool mirrored = now_.ctm.determinant() < 0;
     transform_mesh(mesh, now_.ctm);
@@ -79,7 +85,8 @@ bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where
     if (!now_.area_light || object_ || !scale || now_.reversed) return false;
     const double radius = params.number("radius", 1);
     if (!(radius > 0)) fail(where, "the radius of a sphere must be > 0");
-    loading_.scene.sphere_lights.push_back({now_.ctm.point({0, 0, 0}), float(radius * *scale), now_.area_light->radiance});
+    loading_.scene.sphere_lights.push_back(
+        {now_.ctm.point({0, 0, 0}), float(radius * *scale), now_.area_light->radiance});
     return true;
 }
 
@@ -90,7 +97,8 @@ int PbrtReader::shape_material(const PbrtParams& params, const std::string& wher
     if (!alpha) return now_.material;
     const PbrtTexture t = color_texture(params, "alpha", kOne);
     if (t.image < 0) {
-        if (t.color.x < 1) loading_.warn(where, "constant alpha " + std::to_string(t.color.x) + " is not modelled; opaque");
+        if (t.color.x < 1)
+            loading_.warn(where, "constant alpha " + std::to_string(t.color.x) + " is not modelled; opaque");
         return now_.material;
     }
     Material m = loading_.scene.materials[size_t(now_.material)];
@@ -101,7 +109,8 @@ int PbrtReader::shape_material(const PbrtParams& params, const std::string& wher
 void PbrtReader::shape(const std::string& where) {
     const std::string type = name_argument();
     const PbrtParams params = PbrtParams::read(tokens_);
-    if (now_.material == kNoSurface) return loading_.warn(where, "a shape without a surface (material \"none\") is skipped");
+    if (now_.material == kNoSurface)
+        return loading_.warn(where, "a shape without a surface (material \"none\") is skipped");
     if (type == "sphere" && sphere_light(params, where)) return;
     auto mesh = shape_mesh(type, params, where);
     if (!mesh) return loading_.warn(where, "shape '" + type + "' is not modelled; skipped");
@@ -122,9 +131,11 @@ void PbrtReader::shape(const std::string& where) {
 void PbrtReader::area_light(const std::string& where) {
     const std::string type = name_argument();
     const PbrtParams params = PbrtParams::read(tokens_);
-    if (type != "diffuse" && type != "area") return loading_.warn(where, "area light '" + type + "' is not modelled; skipped");
+    if (type != "diffuse" && type != "area")
+        return loading_.warn(where, "area light '" + type + "' is not modelled; skipped");
     if (params.has("power")) loading_.warn(where, "'power' of an area light is not modelled; L is used");
-    now_.area_light = AreaLight{color(params, "L", kOne) * color(params, "scale", kOne), params.boolean("twosided", false)};
+    now_.area_light =
+        AreaLight{color(params, "L", kOne) * color(params, "scale", kOne), params.boolean("twosided", false)};
 }
 
 void PbrtReader::infinite_light(const PbrtParams& params, const std::string& where) {
@@ -132,7 +143,7 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     env.scale = color(params, "L", kOne) * color(params, "scale", kOne);
     const char* const name = params.has("mapname") ? "mapname" : "filename";
     if (const PbrtParam* map = params.find(name)) {
-        const std::string path = resolve(map->where.substr(0, map->where.rfind(':')), params.string(name, ""));
+        const std::string path = path_named(params.string(name, ""), map->where);
         env.image = loading_.add_image(path, map->where, true);
     }
     // pbrt's map: z up, column from atan2(y, x). In ours y is up and the column comes from atan2(x, -z).
@@ -148,11 +159,13 @@ void PbrtReader::light(const std::string& where) {
     if (params.has("power")) loading_.warn(where, "'power' of a light is not modelled; ignored");
     if (type == "point") {
         const Vec3 position = now_.ctm.point(params.point("from", {0, 0, 0}));
-        loading_.scene.point_lights.push_back({position, color(params, "I", kOne) * color(params, "scale", kOne)});
+        loading_.scene.point_lights.push_back(
+            {position, color(params, "I", kOne) * color(params, "scale", kOne)});
     } else if (type == "distant") {
         const Vec3 towards = now_.ctm.vector(params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1}));
         if (length2(towards) == 0) fail(where, "a distant light needs two different points");
-        loading_.scene.directional_lights.push_back({normalize(towards), color(params, "L", kOne) * color(params, "scale", kOne)});
+        loading_.scene.directional_lights.push_back(
+            {normalize(towards), color(params, "L", kOne) * color(params, "scale", kOne)});
     } else if (type == "infinite" || type == "exinfinite") {
         infinite_light(params, where);
     } else {
@@ -167,8 +180,10 @@ void PbrtReader::camera(const std::string& where) {
     if (!to_world) fail(where, "the camera's transform has no inverse");
     coordinate_systems_["camera"] = *to_world;
     if (type != "perspective") return loading_.warn(where, "camera '" + type + "' is not modelled; skipped");
-    if (params.has("frameaspectratio") || params.has("screenwindow")) loading_.warn(where, "screen windows are not modelled; the film's shape is used");
-    if (params.number("lensradius", 0) > 0) loading_.warn(where, "depth of field is not modelled; a pinhole is used");
+    if (params.has("frameaspectratio") || params.has("screenwindow"))
+        loading_.warn(where, "screen windows are not modelled; the film's shape is used");
+    if (params.number("lensradius", 0) > 0)
+        loading_.warn(where, "depth of field is not modelled; a pinhole is used");
     Camera c;
     c.origin = to_world->point({0, 0, 0});
     c.right = normalize(to_world->vector({1, 0, 0}));

@@ -16,7 +16,8 @@ PbrtToken PbrtTokens::read_string(File& file) {
     PbrtToken token{PbrtToken::kString, {}, &file.path, file.line};
     const size_t begin = ++file.at;
     while (file.at < file.text.size() && file.text[file.at] != '"' && file.text[file.at] != '\n') ++file.at;
-    if (file.at >= file.text.size() || file.text[file.at] == '\n') fail(token.where(), "a string does not end on its line");
+    if (file.at >= file.text.size() || file.text[file.at] == '\n')
+        fail(token.where(), "a string does not end on its line");
     token.text = std::string_view(file.text).substr(begin, file.at++ - begin);
     return token;
 }
@@ -43,10 +44,13 @@ PbrtToken PbrtTokens::read() {
         }
         const char c = text[file.at];
         if (c == '"') return read_string(file);
-        if (c == '[') return {PbrtToken::kOpen, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
-        if (c == ']') return {PbrtToken::kClose, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
+        if (c == '[')
+            return {PbrtToken::kOpen, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
+        if (c == ']')
+            return {PbrtToken::kClose, std::string_view(text).substr(file.at++, 1), &file.path, file.line};
         const size_t end = std::min(text.find_first_of(" \t\r\n\"[]#", file.at), text.size());
-        PbrtToken word{PbrtToken::kWord, std::string_view(text).substr(file.at, end - file.at), &file.path, file.line};
+        PbrtToken word{PbrtToken::kWord, std::string_view(text).substr(file.at, end - file.at), &file.path,
+                       file.line};
         file.at = end;
         return word;
     }
@@ -66,9 +70,11 @@ const PbrtToken& PbrtTokens::peek() {
 
 PbrtToken PbrtTokens::expect(PbrtToken::Kind kind, const char* what) {
     const PbrtToken token = next();
-    if (token.kind == PbrtToken::kEnd) fail(token.where(), std::string("the file ends where ") + what + " must stand");
+    if (token.kind == PbrtToken::kEnd)
+        fail(token.where(), std::string("the file ends where ") + what + " must stand");
     if (token.kind != kind)
-        fail(token.where(), std::string(what) + " must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
+        fail(token.where(),
+             std::string(what) + " must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
     return token;
 }
 
@@ -76,7 +82,8 @@ double PbrtTokens::expect_number() {
     const PbrtToken token = expect(PbrtToken::kWord, "a number");
     const auto x = parse_number(token.text);
     if (!x || !std::isfinite(*x))
-        fail(token.where(), "a finite number must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
+        fail(token.where(),
+             "a finite number must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
     return *x;
 }
 
@@ -90,7 +97,9 @@ void read_value(PbrtParam& p, const PbrtToken& token) {
         p.strings.emplace_back(token.text);
     } else if (token.kind == PbrtToken::kWord) {
         const auto x = parse_number(token.text);
-        if (!x) fail(token.where(), "a number must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
+        if (!x)
+            fail(token.where(),
+                 "a number must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");
         p.numbers.push_back(*x);
     } else if (token.kind == PbrtToken::kEnd) {
         fail(token.where(), "the file ends inside the values of '" + p.name + "'");
@@ -109,16 +118,21 @@ PbrtParams PbrtParams::read(PbrtTokens& tokens) {
         p.where = head.where();
         const size_t begin = head.text.find_first_not_of(" \t");
         const size_t split = begin == std::string_view::npos ? begin : head.text.find_first_of(" \t", begin);
-        const size_t name = split == std::string_view::npos ? split : head.text.find_first_not_of(" \t", split);
-        if (name == std::string_view::npos) fail(p.where, "a parameter must be \"type name\", got '" + std::string(head.text.substr(0, 40)) + "'");
+        const size_t name =
+            split == std::string_view::npos ? split : head.text.find_first_not_of(" \t", split);
+        if (name == std::string_view::npos)
+            fail(p.where,
+                 "a parameter must be \"type name\", got '" + std::string(head.text.substr(0, 40)) + "'");
         p.type = head.text.substr(begin, split - begin);
-        p.name = head.text.substr(name, std::min(head.text.find_first_of(" \t", name), head.text.size()) - name);
+        p.name =
+            head.text.substr(name, std::min(head.text.find_first_of(" \t", name), head.text.size()) - name);
         if (PbrtToken value = tokens.next(); value.kind == PbrtToken::kOpen) {
             while ((value = tokens.next()).kind != PbrtToken::kClose) read_value(p, value);
         } else {
             read_value(p, value);
         }
-        if (!p.strings.empty() && !p.numbers.empty()) fail(p.where, "numbers and strings are mixed in '" + p.name + "'");
+        if (!p.strings.empty() && !p.numbers.empty())
+            fail(p.where, "numbers and strings are mixed in '" + p.name + "'");
         out.params_.push_back(std::move(p));
     }
     return out;
@@ -133,13 +147,15 @@ const PbrtParam* PbrtParams::find(const char* name) const {
 double PbrtParams::number(const char* name, double fallback) const {
     const PbrtParam* p = find(name);
     if (!p || p->type == "texture") return fallback;
-    if (p->numbers.size() != 1 || !std::isfinite(p->numbers[0])) fail(p->where, std::string("'") + name + "' must be one finite number");
+    if (p->numbers.size() != 1 || !std::isfinite(p->numbers[0]))
+        fail(p->where, std::string("'") + name + "' must be one finite number");
     return p->numbers[0];
 }
 
 int PbrtParams::integer(const char* name, int fallback) const {
     const double x = number(name, fallback);
-    if (x != std::floor(x) || std::abs(x) > 2e9) fail(find(name)->where, std::string("'") + name + "' must be an integer");
+    if (x != std::floor(x) || std::abs(x) > 2e9)
+        fail(find(name)->where, std::string("'") + name + "' must be an integer");
     return int(x);
 }
 
@@ -167,7 +183,8 @@ Vec3 PbrtParams::point(const char* name, Vec3 fallback) const {
 std::vector<Vec3> PbrtParams::vec3s(const char* name) const {
     const PbrtParam* p = find(name);
     if (!p) return {};
-    if (p->numbers.empty() || p->numbers.size() % 3) fail(p->where, std::string("'") + name + "' must be triples of numbers");
+    if (p->numbers.empty() || p->numbers.size() % 3)
+        fail(p->where, std::string("'") + name + "' must be triples of numbers");
     std::vector<Vec3> rows;
     for (size_t i = 0; i < p->numbers.size(); i += 3)
         rows.push_back({float(p->numbers[i]), float(p->numbers[i + 1]), float(p->numbers[i + 2])});
@@ -177,9 +194,11 @@ std::vector<Vec3> PbrtParams::vec3s(const char* name) const {
 std::vector<Vec2> PbrtParams::vec2s(const char* name) const {
     const PbrtParam* p = find(name);
     if (!p) return {};
-    if (p->numbers.empty() || p->numbers.size() % 2) fail(p->where, std::string("'") + name + "' must be pairs of numbers");
+    if (p->numbers.empty() || p->numbers.size() % 2)
+        fail(p->where, std::string("'") + name + "' must be pairs of numbers");
     std::vector<Vec2> rows;
-    for (size_t i = 0; i < p->numbers.size(); i += 2) rows.push_back({float(p->numbers[i]), float(p->numbers[i + 1])});
+    for (size_t i = 0; i < p->numbers.size(); i += 2)
+        rows.push_back({float(p->numbers[i]), float(p->numbers[i + 1])});
     return rows;
 }
 

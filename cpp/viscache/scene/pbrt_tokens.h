@@ -35,8 +35,8 @@ private:
     PbrtToken read();
     PbrtToken read_string(File& file);
 
-    std::deque<File> files_;      ///< all files read: tokens point into them
-    std::vector<size_t> open_;    ///< those being read, innermost last
+    std::deque<File> files_;    ///< all files read: tokens point into them
+    std::vector<size_t> open_;  ///< those being read, innermost last
     std::optional<PbrtToken> peeked_;
 };
 

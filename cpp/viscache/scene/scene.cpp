@@ -41,7 +41,7 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description) {
     check_description(description);
     std::shared_ptr<Scene> scene(new Scene);
     scene->d_ = std::move(description);
-    scene->described_meshes_ = scene->d_.meshes.size();
+    scene->described_meshes_ = scene->d_.meshes.size(), scene->described_materials_ = scene->d_.materials.size();
     scene->measure();
     scene->build_lights();
     scene->add_sphere_light_meshes();
@@ -112,7 +112,13 @@ void Scene::build_lights() {
 }
 
 void Scene::add_sphere_light_meshes() {
-    for (const SphereLight& light : d_.sphere_lights) d_.meshes.push_back(tessellate(light));
+    if (d_.sphere_lights.empty()) return;
+    // They reflect nothing: no material of the description is meant for them
+    d_.materials.push_back({.base_color = {0, 0, 0}});
+    for (const SphereLight& light : d_.sphere_lights) {
+        d_.meshes.push_back(tessellate(light));
+        d_.meshes.back().material = int(d_.materials.size()) - 1;
+    }
 }
 
 SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {

@@ -20,6 +20,8 @@ public:
     const std::vector<Material>& materials() const { return d_.materials; }
     /// Number of meshes the description gave; those after it are tessellated sphere lights.
     size_t described_meshes() const { return described_meshes_; }
+    /// The same for materials: one more than described is theirs.
+    size_t described_materials() const { return described_materials_; }
     /// Bounds of everything placed, without sphere lights.
     const Bounds& bounds() const { return bounds_; }
     /// Centre and radius of the bounding sphere: c and B_R of the quantized cache.
@@ -54,7 +56,7 @@ private:
     void measure();
 
     SceneDescription d_;
-    size_t described_meshes_ = 0;
+    size_t described_meshes_ = 0, described_materials_ = 0;
     Bounds bounds_;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;

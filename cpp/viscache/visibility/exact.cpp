@@ -28,8 +28,10 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
 
 void ExactOracle::block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                  BitMatrix& visible) {
-    for (size_t first = 0; first < wanted.rows(); first += 16)
+    for (size_t first = 0; first < wanted.rows(); first += 16) {
+        check_cancelled();
         block_flag_.piece([&](Coherence flag) { return rows16_by_light(first, eyes, lights, wanted, visible, flag); });
+    }
 }
 
 /// Sixteen eye points towards all their lights, one light after another. Returns the number of rays.
@@ -69,6 +71,7 @@ void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, co
     RayPacket16 packet;
     size_t lane_light[16];
     for (size_t row = 0; row < wanted.rows(); ++row) {
+        check_cancelled();
         int used = 0;
         auto flush = [&] {
             if (!used) return;
@@ -147,12 +150,14 @@ void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queri
     constexpr size_t kPiece = 1024;
     sort_by_direction(eyes, queries, counters);
     const std::span<const uint32_t> order(order_by_direction_);
-    for (size_t first = 0; first < order.size(); first += kPiece)
+    for (size_t first = 0; first < order.size(); first += kPiece) {
+        check_cancelled();
         pairs_flag_.piece([&](Coherence flag) {
             const auto piece = order.subspan(first, std::min(kPiece, order.size() - first));
             trace_sorted(piece, eyes, queries, visible, flag);
             return piece.size();
         });
+    }
     for (size_t i = 0; i < queries.size(); ++i) {
         GroupCounters& group = counters.group(queries[i].group);
         group.queries += 1, group.rays += 1, group.occluded += !get_bit(visible.data(), i);

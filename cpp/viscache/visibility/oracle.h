@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "viscache/math/bits.h"
+#include "viscache/math/parallel.h"
 #include "viscache/math/vec.h"
 #include "viscache/visibility/counters.h"
 
@@ -65,6 +66,8 @@ struct PairOrder {
 class VisibilityOracle {
 public:
     virtual ~VisibilityOracle() = default;
+    /// Long calls end with `Cancelled` soon after this says so. `control` must outlive the oracle.
+    virtual void watch(const Control& control) { control_ = &control; }
     /// Forgets the tile before and learns the eye points of the next one.
     virtual void begin_tile(const EyeBlock& eyes) = 0;
     /// Eye points × one light group; only the set bits of `wanted` are asked. `visible` arrives zeroed, of equal size.
@@ -75,6 +78,15 @@ public:
     /// Any connections of the tile's eye points. Bit i of `visible` (zeroed on entry) answers queries[i].
     virtual void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                        Counters& counters) = 0;
+
+protected:
+    /// To be called every few milliseconds of work.
+    void check_cancelled() const {
+        if (control_) control_->check();
+    }
+
+private:
+    const Control* control_ = nullptr;
 };
 
 }  // namespace viscache

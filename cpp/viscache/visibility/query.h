@@ -7,8 +7,12 @@
 
 namespace viscache {
 
-/// Offsets are this many units in the last place of the largest coordinate in play; tuned by the extremes tests.
-constexpr float kOffsetUlps = 32.f;
+/// Offsets are this many units in the last place of the largest coordinate in play. Measured: 4 leave no
+/// self-intersection in 10^6 rays, half of them grazing, at any scale and up to 1e5 sizes off the origin, also on
+/// instances. More only lets rays out there pass through what stands close: 32 are 0.4 sizes.
+constexpr float kOffsetUlps = 8.f;
+/// The same for the ends of segments whose points a caller computed, with rounding of their own.
+constexpr float kSegmentUlps = 32.f;
 constexpr float kUlp = 1.1920929e-7f;  // 2^-23
 /// No coordinate or direction component may exceed this: Embree's live asserts abort at 2e18.
 constexpr float kMaxCoordinate = 1e16f;
@@ -33,7 +37,7 @@ inline Vec3 spawn(Vec3 p, Vec3 n, float extent) { return p + n * spawn_offset(p,
 /// Relative shortening of a segment x→y without normals: visible(x, y) traces t in [e, 1 − e].
 inline float segment_epsilon(Vec3 x, Vec3 y) {
     const float distance = length(y - x);
-    return distance > 0 ? kOffsetUlps * kUlp * std::max(max_abs(x), max_abs(y)) / distance : kInfinity;
+    return distance > 0 ? kSegmentUlps * kUlp * std::max(max_abs(x), max_abs(y)) / distance : kInfinity;
 }
 
 /// Segment from a spawned origin to a point y that lies in free space (a point light): stops just short of y.

@@ -7,9 +7,6 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 
 from __future__ import annotations
 
-from typing import Any
-
-from viscache import _core
 from viscache.scenes.apartment import apartment
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
@@ -50,7 +47,3 @@ __all__ = [
     "thin_wall",
     "window_room",
 ]
-
-
-def _finish(description: _core.SceneDescription) -> Any:
-    return description

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscache.scenes import decor, furniture
+from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
 from viscache.scenes.registry import at_least, scene
@@ -33,7 +33,7 @@ LEAST = 2_000
 HEIGHT = 2.7
 WEST, EAST, NORTH, SOUTH = -7.0, 7.0, -4.5, 4.5
 HALL_NORTH, HALL_SOUTH = 0.8, 2.1
-INTENSITY = 3.2  # W/sr per lamp
+INTENSITY = 7.0  # W/sr per lamp
 WARM = np.array([1.0, 0.88, 0.7])
 
 
@@ -58,12 +58,12 @@ def apartment(triangles: int = 750_000) -> Builder:
     _bedroom_b(b, rng)
     _child(b, rng)
     b.fit(triangles)
-    b.description.set_environment((1.6, 1.8, 2.1))
+    b.description.set_environment((1.1, 1.25, 1.45))
     b.camera((-0.1, 1.65, 0.35), (-4.6, 0.85, -3.2), 56.0, name="living")
-    b.camera((-6.7, 1.6, 4.2), (-3.6, 0.95, -1.5), 58.0, name="kitchen")
-    b.camera((3.8, 1.6, 0.4), (1.6, 0.7, -3.4), 60.0, name="bedroom")
-    b.camera((3.3, 1.6, 4.2), (0.6, 0.9, 2.4), 60.0, name="study")
-    b.camera((6.8, 1.6, 1.5), (-3.0, 1.2, 1.4), 55.0, name="hall")
+    b.camera((-3.25, 1.65, 4.1), (-5.7, 0.9, 1.2), 62.0, name="kitchen")
+    b.camera((3.2, 1.65, 0.55), (1.3, 0.75, -3.0), 60.0, name="bedroom")
+    b.camera((2.85, 1.65, 2.3), (0.5, 0.85, 3.7), 66.0, name="study")
+    b.camera((6.1, 1.6, 1.75), (-3.0, 1.2, 1.35), 55.0, name="hall")
     return b
 
 
@@ -91,12 +91,16 @@ def _shell(b: Builder) -> None:
     wall(b, (-3.0, HALL_SOUTH), (-3.0, s), h, "plaster", (), 0.12)
     wall(b, (0.0, HALL_SOUTH), (0.0, s), h, "plaster", (), 0.12)
     wall(b, (3.5, HALL_SOUTH), (3.5, s), h, "blue_wall", (), 0.12)
-    for x, z, yaw, opened in ((-1.98, HALL_SOUTH, 0, 70), (1.42, HALL_SOUTH, 0, 85), (4.62, HALL_SOUTH, 0, 80)):
+    for x, z, yaw, opened in (
+        (-1.98, HALL_SOUTH, 0, 70),
+        (1.42, HALL_SOUTH, 0, 12),
+        (4.62, HALL_SOUTH, 0, 80),
+    ):
         door(b, place([x, 0, z + 0.03], yaw=yaw), open_deg=opened)
     door(b, place([5.52, 0, HALL_NORTH - 0.02], yaw=0), open_deg=-75)
     runs = [[[w + 0.09, 0.04, n], [w + 0.09, 0.04, s]], [[w, 0.04, n + 0.09], [e, 0.04, n + 0.09]]]
     runs += [[[w, 0.04, s - 0.09], [e, 0.04, s - 0.09]], [[e - 0.09, 0.04, n], [e - 0.09, 0.04, s]]]
-    decor.skirting(b, runs)
+    fixtures.skirting(b, runs)
 
 
 def _doors(*starts: float) -> list[tuple[float, float, float, float]]:
@@ -131,7 +135,7 @@ def _drapes(b: Builder, at: Array, width: float, color: str) -> None:
 def _living(b: Builder, rng: np.random.Generator) -> None:
     for x in (-4.8, -1.6):
         _drapes(b, place([x, 0, NORTH + 0.08]), 2.0, "linen")
-        decor.radiator(b, place([x, 0, NORTH + 0.1]), 1.5, 0.5)
+        fixtures.radiator(b, place([x, 0, NORTH + 0.1]), 1.5, 0.5)
     furniture.rug(b, place([-4.6, 0, -2.3]), (3.0, 2.3), "rug_red")
     couch = place([-4.6, 0, -3.65])
     furniture.sofa(b, couch, "petrol", width=2.4, pillows="mustard cream rug_red navy")
@@ -148,7 +152,14 @@ def _living(b: Builder, rng: np.random.Generator) -> None:
     center = place([-1.7, 0, -2.5])
     furniture.rug(b, center, (3.0, 2.4), "rug_beige")
     furniture.table(b, center @ place([0, 0.012, 0]), (1.9, 0.95), "oak")
-    seats = [(-0.5, 0.74, 176), (0.5, 0.76, 186), (-0.5, -0.74, 4), (0.5, -0.75, -6), (1.24, 0.05, -88), (-1.22, 0, 92)]
+    seats = [
+        (-0.5, 0.74, 176),
+        (0.5, 0.76, 186),
+        (-0.5, -0.74, 4),
+        (0.5, -0.75, -6),
+        (1.24, 0.05, -88),
+        (-1.22, 0, 92),
+    ]
     spots = place([[x, 0.012, z] for x, z, _ in seats], yaw=[t for *_, t in seats])
     furniture.chair(b, center @ spots, "walnut", cushion="sage")
     top = center @ place([0, 0.764, 0])
@@ -164,7 +175,7 @@ def _living(b: Builder, rng: np.random.Generator) -> None:
         furniture.bookshelf(b, unit, rng, wood="oak", height=2.1)
     board = place([-6.85, 0, -0.35], yaw=90)
     furniture.cabinet(b, board, (1.7, 0.6, 0.42), "walnut", doors=3)
-    decor.screen(b, board @ place([0, 0.6, 0.2]), 1.1)
+    fixtures.screen(b, board @ place([0, 0.6, 0.2]), 1.1)
     decor.ornament(b, board @ place([0.7, 0.6, 0.2]), 0.09, "brick_red", 1.0)
     decor.picture(b, place([0.437, 1.55, -1.6], yaw=-90), (1.0, 0.7), "navy petrol sky cream", 0.4)
     decor.plant(b, place([-6.45, 0, -3.95]), rng, height=1.9, leaves=240, pot="cream")
@@ -180,25 +191,57 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
     top, stone = 0.9, paint(b, "stone")
     south = place([-4.95, 0, SOUTH - 0.09], yaw=180)
     furniture.cabinet(b, south, (3.6, 0.86, 0.58), "white_paint", doors=6)
-    b.add(soft_box((3.66, 0.04, 0.64), (14, 2, 6), power=26, bulge=0.02), stone, south @ place([0, 0.88, 0.31]))
+    b.add(
+        soft_box((3.66, 0.04, 0.64), (14, 2, 6), power=26, bulge=0.02),
+        stone,
+        south @ place([0, 0.88, 0.31]),
+    )
     sink = [[0.2, 0.004], [0.22, 0.012], [0.19, 0.006], [0.17, -0.1], [0.04, -0.14]]
-    b.add(revolve(sink, 28, 16, caps=(False, True)), paint(b, "steel"), south @ place([0.3, top + 0.004, 0.3]))
-    tap = [[0, 0, 0], [0, 0.24, 0], [0, 0.31, 0.07], [0, 0.27, 0.16], [0, 0.24, 0.165]]
-    b.add(tube(tap, [0.018, 0.012, 0.012, 0.011], 10, 26), paint(b, "steel"), south @ place([0.3, top, 0.06]))
+    b.add(
+        revolve(sink, 28, 16, caps=(False, True)),
+        paint(b, "steel"),
+        south @ place([0.3, top + 0.004, 0.3]),
+    )
+    tap = [[0.0, 0, 0], [0, 0.24, 0], [0, 0.31, 0.07], [0, 0.27, 0.16], [0, 0.24, 0.165]]
+    b.add(
+        tube(tap, [0.018, 0.012, 0.012, 0.011], 10, 26),
+        paint(b, "steel"),
+        south @ place([0.3, top, 0.06]),
+    )
     for k in range(4):  # pots on the hob
         spot = south @ place([-0.9 + 0.27 * (k % 2), top, 0.2 + 0.25 * (k // 2)])
-        pot = [[0.1, 0], [0.115, 0.01], [0.115, 0.11 + 0.03 * k], [0.12, 0.115 + 0.03 * k], [0.11, 0.11 + 0.03 * k], [0.1, 0.02]]
+        pot = [
+            [0.1, 0],
+            [0.115, 0.01],
+            [0.115, 0.11 + 0.03 * k],
+            [0.12, 0.115 + 0.03 * k],
+            [0.11, 0.11 + 0.03 * k],
+            [0.1, 0.02],
+        ]
         b.add(revolve(pot, 24, 18, caps=(True, True)), paint(b, "steel"), spot)
         grip = tube([[0, 0.1, 0.11], [0, 0.12, 0.2], [0, 0.125, 0.3]], [0.008, 0.011, 0.009], 7, 8)
         b.add(grip, paint(b, "black_metal"), spot @ place(yaw=150 + 40 * k))
     for k in range(7):
-        decor.bottle(b, south @ place([1.1 + 0.09 * k, top, 0.1 + 0.05 * (k % 2)], scale=0.9), ("forest", "plum", "cream")[k % 3])
+        decor.bottle(
+            b,
+            south @ place([1.1 + 0.09 * k, top, 0.1 + 0.05 * (k % 2)], scale=0.9),
+            ("forest", "plum", "cream")[k % 3],
+        )
     decor.bowl(b, south @ place([-0.35, top, 0.3]), 0.16, "mustard", fruit=True)
     west = place([WEST + 0.09, 0, 2.45], yaw=90)
     furniture.cabinet(b, west, (2.2, 0.86, 0.58), "white_paint", doors=4)
-    b.add(soft_box((2.2, 0.04, 0.62), (10, 2, 6), power=26, bulge=0.02), stone, west @ place([0, 0.88, 0.3]))
+    b.add(
+        soft_box((2.2, 0.04, 0.62), (10, 2, 6), power=26, bulge=0.02),
+        stone,
+        west @ place([0, 0.88, 0.3]),
+    )
     for k in range(3):
-        decor.vase(b, west @ place([-0.8 + 0.25 * k, top, 0.2], scale=0.75), k, ("cream", "sky", "terracotta")[k])
+        decor.vase(
+            b,
+            west @ place([-0.8 + 0.25 * k, top, 0.2], scale=0.75),
+            k,
+            ("cream", "sky", "terracotta")[k],
+        )
     for y in (1.45, 1.8):  # open shelves with crockery
         board = soft_box((2.0, 0.03, 0.26), (8, 2, 3), power=26, bulge=0.03)
         b.add(board, paint(b, "oak"), west @ place([0, y, 0.14]))
@@ -208,7 +251,11 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
     # Island with stools.
     island = place([-5.0, 0, 2.45])
     furniture.cabinet(b, island @ place([0, 0, -0.35]), (1.7, 0.86, 0.7), "petrol", doors=3)
-    b.add(soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02), paint(b, "oak"), island @ place([0, 0.885, 0]))
+    b.add(
+        soft_box((1.9, 0.045, 0.95), (12, 2, 8), power=20, bulge=0.02),
+        paint(b, "oak"),
+        island @ place([0, 0.885, 0]),
+    )
     decor.bowl(b, island @ place([-0.5, 0.905, 0.1]), 0.2, "porcelain", fruit=True)
     decor.book_pile(b, island @ place([0.5, 0.905, -0.1], yaw=15), rng, 3)
     decor.crockery(b, island @ place([0.2, 0.905, 0.2]), "sky")
@@ -219,7 +266,7 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
         for turn in (45, 135, 225, 315):
             leg = tube([[0, 0, 0.2], [0, 0.35, 0.15], [0, 0.67, 0.1]], [0.013, 0.017, 0.015], 8, 8)
             b.add(leg, paint(b, "black_metal"), stool @ place(yaw=turn))
-    decor.plant(b, place([-3.4, 0, 3.2]), rng, height=1.5, leaves=140, pot="navy")
+    decor.plant(b, place([-3.35, 0, 1.25]), rng, height=1.3, leaves=140, pot="navy")
     for x in (-5.5, -4.5):
         _pendant(b, x, 2.45, 0.95, "black_metal")
     _pendant(b, -5.9, 3.75, 0.5)
@@ -228,26 +275,68 @@ def _kitchen(b: Builder, rng: np.random.Generator) -> None:
 
 def _bath(b: Builder) -> None:
     white = paint(b, "porcelain")
-    rim = [[0.02, 0.13], [0.5, 0.14], [0.72, 0.3], [0.8, 0.55], [0.86, 0.57], [0.87, 0.52], [0.8, 0.3], [0.6, 0.02], [0.1, 0.0]]
+    rim = [
+        [0.02, 0.13],
+        [0.5, 0.14],
+        [0.72, 0.3],
+        [0.8, 0.55],
+        [0.86, 0.57],
+        [0.87, 0.52],
+        [0.8, 0.3],
+        [0.6, 0.02],
+        [0.1, 0.0],
+    ]
     tub = revolve(rim, 56, 34, caps=(True, True))
     b.add(tub, white, place([-1.15, 0.02, 4.02], scale=[1.0, 1.0, 0.42]))
-    basin = [[0.1, 0], [0.09, 0.3], [0.1, 0.62], [0.26, 0.78], [0.29, 0.82], [0.25, 0.82], [0.05, 0.7]]
-    b.add(revolve(basin, 34, 26, caps=(True, True)), white, place([-2.65, 0, 3.1], scale=[1.0, 1.0, 1.15]))
-    tap = tube([[0, 0, 0], [0, 0.14, 0], [0.08, 0.18, 0], [0.14, 0.13, 0]], 0.011, 8, 18)
+    basin = [
+        [0.1, 0],
+        [0.09, 0.3],
+        [0.1, 0.62],
+        [0.26, 0.78],
+        [0.29, 0.82],
+        [0.25, 0.82],
+        [0.05, 0.7],
+    ]
+    b.add(
+        revolve(basin, 34, 26, caps=(True, True)),
+        white,
+        place([-2.65, 0, 3.1], scale=[1.0, 1.0, 1.15]),
+    )
+    tap = tube([[0.0, 0, 0], [0, 0.14, 0], [0.08, 0.18, 0], [0.14, 0.13, 0]], 0.011, 8, 18)
     b.add(tap, paint(b, "steel"), place([-2.86, 0.8, 3.1]))
-    bowl = [[0.11, 0], [0.13, 0.2], [0.2, 0.36], [0.22, 0.4], [0.17, 0.41], [0.1, 0.25], [0.03, 0.2]]
-    b.add(revolve(bowl, 30, 22, caps=(True, True)), white, place([-0.45, 0, 2.9], scale=[1.25, 1, 1]))
+    bowl = [
+        [0.11, 0],
+        [0.13, 0.2],
+        [0.2, 0.36],
+        [0.22, 0.4],
+        [0.17, 0.41],
+        [0.1, 0.25],
+        [0.03, 0.2],
+    ]
+    b.add(
+        revolve(bowl, 30, 22, caps=(True, True)), white, place([-0.45, 0, 2.9], scale=[1.25, 1, 1])
+    )
     cistern = soft_box((0.2, 0.38, 0.4), (5, 7, 7), power=7, bulge=0.1)
     b.add(cistern, white, place([-0.18, 0.6, 2.9]))
     for k, color in enumerate(("sky", "cream", "terracotta")):
         cloth = curtain(0.4, 0.6, 4, 0.02)
-        b.add(cloth, paint(b, color), place([-2.85, 0.85, 3.75 + 0.0 * k], yaw=90) @ place([-0.15 * k, 0.05 * k, 0.02 * k]))
-    b.add(tube([[-2.86, 1.5, 3.5], [-2.855, 1.5, 3.9], [-2.86, 1.5, 4.3]], 0.01, 8, 8), paint(b, "steel"))
+        b.add(
+            cloth,
+            paint(b, color),
+            place([-2.85, 0.85, 3.75 + 0.0 * k], yaw=90) @ place([-0.15 * k, 0.05 * k, 0.02 * k]),
+        )
+    b.add(
+        tube([[-2.86, 1.5, 3.5], [-2.855, 1.5, 3.9], [-2.86, 1.5, 4.3]], 0.01, 8, 8),
+        paint(b, "steel"),
+    )
     furniture.rug(b, place([-1.4, 0.004, 3.1]), (1.0, 0.6), "sky")
     decor.basket(b, place([-2.6, 0, 2.45]), 0.2, "rug_beige")
     drape = curtain(1.0, 1.75, 8, 0.04)
     b.add(drape, paint(b, "linen"), place([-0.62, 0.6, 3.58]))
-    b.add(tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10), paint(b, "steel"))
+    b.add(
+        tube([[-2.1, 2.36, 3.58], [-1.1, 2.362, 3.58], [-0.08, 2.36, 3.58]], 0.012, 8, 10),
+        paint(b, "steel"),
+    )
     _pendant(b, -1.9, 2.9, 0.45, "steel")
     _pendant(b, -1.0, 3.2, 0.45, "steel")
 
@@ -258,17 +347,23 @@ def _hall(b: Builder, rng: np.random.Generator) -> None:
     furniture.cabinet(b, board, (1.2, 0.82, 0.3), "oak", doors=2)
     _table_lamp(b, board @ place([-0.35, 0.82, 0.15]), "terracotta")
     decor.ornament(b, board @ place([0.3, 0.82, 0.15]), 0.09, "navy", 2.0)
-    decor.picture(b, place([1.2, 1.6, HALL_NORTH + 0.063]), (0.8, 0.6), "plum rose_wall cream sky", 2.2)
-    decor.picture(b, place([4.2, 1.6, HALL_NORTH + 0.063]), (0.6, 0.8), "forest leaf_light mustard sky", 3.1)
-    stand = revolve([[0.2, 0], [0.2, 0.03], [0.03, 0.06], [0.025, 1.0], [0.03, 1.8], [0.01, 1.85]], 18, 40)
+    decor.picture(
+        b, place([1.2, 1.6, HALL_NORTH + 0.063]), (0.8, 0.6), "plum rose_wall cream sky", 2.2
+    )
+    decor.picture(
+        b, place([4.2, 1.6, HALL_NORTH + 0.063]), (0.6, 0.8), "forest leaf_light mustard sky", 3.1
+    )
+    stand = revolve(
+        [[0.2, 0], [0.2, 0.03], [0.03, 0.06], [0.025, 1.0], [0.03, 1.8], [0.01, 1.85]], 18, 40
+    )
     spot = place([6.6, 0, 1.15])
     b.add(stand, paint(b, "walnut"), spot)
     for turn in range(0, 360, 60):
         hook = tube([[0, 1.7, 0.02], [0, 1.66, 0.1], [0, 1.75, 0.16]], 0.01, 7, 9)
         b.add(hook, paint(b, "walnut"), spot @ place(yaw=turn))
-    for turn, color in ((10.0, "navy"), (125.0, "mustard"), (250.0, "grey_cloth")):
+    for yaw, color in ((10.0, "navy"), (125.0, "mustard"), (250.0, "grey_cloth")):
         coat = curtain(0.34, 1.05, 4, 0.06)
-        b.add(coat, paint(b, color), spot @ place(yaw=turn) @ place([0, 0.62, 0.17]))
+        b.add(coat, paint(b, color), spot @ place(yaw=yaw) @ place([0, 0.62, 0.17]))
     decor.plant(b, place([-2.6, 0, 1.75]), rng, height=1.3, leaves=110, pot="terracotta")
     for x in (-1.2, 4.8):
         _pendant(b, x, 1.45, 0.4)
@@ -278,8 +373,8 @@ def _study(b: Builder, rng: np.random.Generator) -> None:
     _drapes(b, place([1.8, 0, SOUTH - 0.08], yaw=180), 1.6, "navy")
     furniture.table(b, place([0.5, 0, 3.3], yaw=90), (1.5, 0.7), "oak", 0.74)
     desk = place([0.5, 0.742, 3.3], yaw=90)
-    decor.screen(b, desk @ place([0.0, 0, -0.12]), 0.6)
-    decor.laptop(b, desk @ place([0.5, 0, 0.05], yaw=-15))
+    fixtures.screen(b, desk @ place([0.0, 0, -0.12]), 0.6)
+    fixtures.laptop(b, desk @ place([0.5, 0, 0.05], yaw=-15))
     decor.book_pile(b, desk @ place([-0.55, 0, 0.05]), rng, 6)
     decor.cup(b, desk @ place([-0.3, 0, 0.2], yaw=30), "mustard")
     _table_lamp(b, desk @ place([-0.58, 0, -0.22]), "petrol")
@@ -303,7 +398,9 @@ def _bedroom_a(b: Builder, rng: np.random.Generator) -> None:
         _table_lamp(b, stand @ place([0, 0.5, 0.18]), color)
     decor.book_pile(b, place([0.85, 0.5, -1.36]), rng, 2)
     furniture.cabinet(b, place([3.93, 0, -2.5], yaw=-90), (2.2, 2.2, 0.58), "white_paint", doors=4)
-    furniture.bookshelf(b, place([1.75, 0, 0.72], yaw=180), rng, wood="beech", height=1.1, shelves=3)
+    furniture.bookshelf(
+        b, place([1.75, 0, 0.72], yaw=180), rng, wood="beech", height=1.1, shelves=3
+    )
     decor.vase(b, place([1.6, 1.06, 0.55]), 0, "sky")
     decor.bouquet(b, place([1.6, 1.36, 0.55]), rng, "lemon", 12)
     decor.picture(b, place([0.563, 1.7, -2.6], yaw=90), (1.2, 0.7), "petrol sky cream mustard", 0.8)
@@ -338,7 +435,11 @@ def _child(b: Builder, rng: np.random.Generator) -> None:
         color = ("brick_red", "lemon", "sky", "leaf_light", "orange")[k % 5]
         if k % 2:
             r = 0.05 + 0.012 * (k % 4)
-            b.add(bumpy_sphere(r, 8, float(k), 0.05), paint(b, color), place(p) @ place([0, r + 0.014, 0]))
+            b.add(
+                bumpy_sphere(r, 8, float(k), 0.05),
+                paint(b, color),
+                place(p) @ place([0, r + 0.014, 0]),
+            )
         else:
             block = soft_box((0.08, 0.08, 0.08), (5, 5, 5), power=9, bulge=0.05)
             b.add(block, paint(b, color), place(p) @ place([0, 0.054, 0], yaw=31 * k))

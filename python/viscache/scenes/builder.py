@@ -16,6 +16,7 @@ Rgb = tuple[float, float, float]
 MOST_DETAIL = 64.0
 LEAST_DETAIL = 0.02
 ROUGH_DETAIL = 0.4  # below it, clutter is left out before shapes get coarser
+BARE_DETAIL = 0.1  # below it, furniture is left out
 GOLDEN = 0.6180339887498949
 
 
@@ -186,14 +187,18 @@ class Builder:
         return sum(p.n_triangles(detail) for p in self._placements)
 
     def _drop_clutter(self, triangles: int) -> None:
-        rough = self._total(ROUGH_DETAIL)
-        clutter = sorted((p for p in self._placements if p.optional), key=lambda p: p.order)
-        gone: set[int] = set()
-        while rough > triangles and clutter:
-            part = clutter.pop()
-            rough -= part.n_triangles(ROUGH_DETAIL)
-            gone.add(id(part))
-        self._placements = [p for p in self._placements if id(p) not in gone]
+        # Clutter goes first; where even bare furniture is too much, that goes too, walls last.
+        for detail, everything in ((ROUGH_DETAIL, False), (BARE_DETAIL, True)):
+            tier = [p for p in self._placements if p.optional or everything]
+            total = self._total(detail)
+            gone: set[int] = set()
+            for part in sorted(tier, key=lambda p: -p.order):
+                if total <= triangles:
+                    break
+                if type(part.shape) is not Shape:
+                    total -= part.n_triangles(detail)
+                    gone.add(id(part))
+            self._placements = [p for p in self._placements if id(p) not in gone]
 
     # ------------------------------------------------------------ direct writing
 

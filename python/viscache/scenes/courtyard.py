@@ -4,15 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscache.scenes import decor, furniture
+from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder, join
 from viscache.scenes.palette import paint
 from viscache.scenes.registry import at_least, scene
-from viscache.scenes.shapes import Array, Shape, box, leaf, place, quad, revolve, rod, soft_box, surface, tube
+from viscache.scenes.shapes import (
+    Array,
+    Indices,
+    Shape,
+    box,
+    leaf,
+    place,
+    quad,
+    revolve,
+    soft_box,
+    surface,
+    tube,
+)
 
 SEED = 909
 FULL = 2_200_000
-LEAST = 20_000
+LEAST = 5_000
 INNER, BAY = 9.0, 3.0  # the court's half width and the distance of its columns
 TREES = ((-4.6, -4.4), (4.7, -4.6), (-4.8, 4.2), (4.6, 4.7), (-0.4, -6.4), (6.6, 0.4))
 
@@ -25,7 +37,7 @@ def courtyard(triangles: int = FULL) -> Builder:
     ----------
     triangles : int
         Placed triangles (those of instances count each time); the scene has this many to 1.25
-        times as many. At least 20 000.
+        times as many. At least 5000.
     """
     at_least("triangles", triangles, LEAST)
     b, rng = Builder("courtyard"), np.random.Generator(np.random.PCG64(SEED))
@@ -47,8 +59,20 @@ def _arcades(b: Builder) -> None:
     stone, wall, w = paint(b, "limestone"), paint(b, "plaster"), INNER
     out = w + 3.0
     b.add(quad([-out, 0, out], [out, 0, out], [out, 0, -out], [-out, 0, -out]), paint(b, "stone"))
-    shaft = np.array([[0.26, 0.0], [0.27, 0.06], [0.21, 0.1], [0.24, 0.16], [0.18, 0.22], [0.185, 1.0], [0.165, 2.2]])
-    shaft = np.concatenate([shaft, [[0.2, 2.26], [0.17, 2.3], [0.25, 2.46], [0.3, 2.5], [0.3, 2.58]]])
+    shaft = np.array(
+        [
+            [0.26, 0.0],
+            [0.27, 0.06],
+            [0.21, 0.1],
+            [0.24, 0.16],
+            [0.18, 0.22],
+            [0.185, 1.0],
+            [0.165, 2.2],
+        ]
+    )
+    shaft = np.concatenate(
+        [shaft, [[0.2, 2.26], [0.17, 2.3], [0.25, 2.46], [0.3, 2.5], [0.3, 2.58]]]
+    )
     column = revolve(shaft, 40, 46, flutes=(14, 0.025), caps=(False, True))
     arch = surface(_arch, 30, 10, closed=False, least=(5, 3))
     for side in range(4):
@@ -57,7 +81,9 @@ def _arcades(b: Builder) -> None:
         b.add(column, stone, frame @ place(np.stack([x, 0 * x, 0 * x - w], 1)))
         b.add(arch, stone, frame @ place(np.stack([x + BAY / 2, 0 * x + 2.55, 0 * x - w], 1)))
         b.add(box([-w - 0.2, 4.1, -w - 0.22], [w + 0.2, 6.6, -w + 0.22]), wall, frame)
-        cornice = tube(np.linspace([-w - 0.2, 4.12, -w + 0.22], [w + 0.2, 4.12, -w + 0.22], 5), 0.07, 9, 30)
+        cornice = tube(
+            np.linspace([-w - 0.2, 4.12, -w + 0.22], [w + 0.2, 4.12, -w + 0.22], 5), 0.07, 9, 30
+        )
         b.add(cornice, stone, frame)
         b.add(box([-out, 0, -out - 0.2], [out, 6.6, -out]), paint(b, "rose_wall"), frame)
         b.add(box([-out, 4.1, -out], [w, 4.2, -w - 0.2]), wall, frame)
@@ -65,7 +91,7 @@ def _arcades(b: Builder) -> None:
         # Windows of the upper floor: reveals with shutters.
         for k in np.arange(-w + BAY / 2, w, BAY):
             spot = frame @ place([k, 5.35, -w + 0.23])
-            decor.blind(b, spot @ place([0, -0.65, 0.03]), 0.9, 1.3, tilt=40, color="forest")
+            fixtures.blind(b, spot @ place([0, -0.65, 0.03]), 0.9, 1.3, tilt=40, color="forest")
             bar = soft_box((1.1, 0.09, 0.16), (6, 3, 3), power=8, bulge=0.1)
             b.add(bar, stone, spot @ place([[0, -0.72, 0.02], [0, 0.72, 0.02]]))
 
@@ -95,17 +121,37 @@ def _roof(b: Builder, frame: Array, out: float) -> None:
 
 def _fountain(b: Builder) -> None:
     stone, water = paint(b, "limestone"), paint(b, "water")
-    rim = [[1.75, 0], [1.8, 0.1], [1.68, 0.16], [1.68, 0.42], [1.82, 0.5], [1.8, 0.58], [1.6, 0.58], [1.55, 0.45], [1.5, 0.1]]
+    rim = [
+        [1.75, 0],
+        [1.8, 0.1],
+        [1.68, 0.16],
+        [1.68, 0.42],
+        [1.82, 0.5],
+        [1.8, 0.58],
+        [1.6, 0.58],
+        [1.55, 0.45],
+        [1.5, 0.1],
+    ]
     b.add(revolve(rim, 96, 40, flutes=(8, 0.03), caps=(False, False)), stone)
     post = [[0.45, 0.0], [0.4, 0.2], [0.22, 0.35], [0.3, 0.7], [0.16, 0.95], [0.2, 1.15]]
     bowl = [[0.2, 1.15], [0.75, 1.3], [0.82, 1.38], [0.78, 1.4], [0.7, 1.34], [0.12, 1.3]]
     b.add(revolve(post, 48, 30, flutes=(12, 0.04)), stone)
     b.add(revolve(bowl, 64, 30, flutes=(16, 0.03), caps=(False, False)), stone)
-    top = [[0.12, 1.3], [0.1, 1.6], [0.14, 1.8], [0.4, 1.92], [0.43, 1.97], [0.38, 1.96], [0.05, 1.9]]
+    top = [
+        [0.12, 1.3],
+        [0.1, 1.6],
+        [0.14, 1.8],
+        [0.4, 1.92],
+        [0.43, 1.97],
+        [0.38, 1.96],
+        [0.05, 1.9],
+    ]
     b.add(revolve(top, 48, 30, flutes=(10, 0.03), caps=(False, True)), stone)
     for radius, y, rings in ((1.56, 0.46, 30.0), (0.74, 1.365, 18.0)):
 
-        def ripples(u: Array, v: Array, radius: float = radius, y: float = y, rings: float = rings) -> Array:
+        def ripples(
+            u: Array, v: Array, radius: float = radius, y: float = y, rings: float = rings
+        ) -> Array:
             r, a = radius * (1 - 0.97 * v), 2 * np.pi * u
             h = 0.006 * np.sin(rings * r + 3 * np.sin(2 * a)) + 0.003 * np.sin(19 * r * np.cos(a))
             return np.stack([r * np.sin(a), y + h, r * np.cos(a)], axis=-1)
@@ -122,7 +168,11 @@ def _furnish(b: Builder, rng: np.random.Generator) -> None:
         furniture.round_table(b, spot, 0.42, 0.73, "forest")
         for n in range(3):
             turn = 120.0 * n + 15 * k
-            seat = spot @ place(yaw=turn) @ place([0, 0, 0.72 + 0.06 * np.sin(7.0 * n + k)], yaw=180 + 12 * np.sin(5.0 * n))
+            seat = (
+                spot
+                @ place(yaw=turn)
+                @ place([0, 0, 0.72 + 0.06 * np.sin(7.0 * n + k)], yaw=180 + 12 * np.sin(5.0 * n))
+            )
             furniture.chair(b, seat, "forest", cushion=("mustard", "brick_red", "cream")[k % 3])
         top = spot @ place([0, 0.73, 0])
         decor.cup(b, top @ place([0.16, 0, 0.1], yaw=30), "porcelain")
@@ -144,20 +194,21 @@ def _trunks(b: Builder, rng: np.random.Generator) -> Array:
         height = rng.uniform(2.3, 2.8)
         lean = rng.uniform(-0.25, 0.25, 2)
         fork = np.array([x + lean[0], height, z + lean[1]])
-        trunk = [[x, -0.1, z], [x + 0.3 * lean[0], height * 0.5, z + 0.7 * lean[1]], fork]
+        trunk = np.array([[x, -0.1, z], [x + 0.3 * lean[0], height * 0.5, z + 0.7 * lean[1]], fork])
         b.add(tube(trunk, [0.24, 0.16, 0.14, 0.13], 14, 30), bark)
         ring = soft_box((1.5, 0.16, 1.5), (14, 2, 14), power=4, bulge=0.3)
         b.add(ring, paint(b, "soil"), place([x, 0.02, z]))
         for n in range(7):
             turn = 2 * np.pi * (n * 0.618 + x)
             reach, rise = rng.uniform(0.9, 1.9), rng.uniform(0.7, 2.2)
-            tip = fork + [reach * np.cos(turn), rise, reach * np.sin(turn)]
+            tip = np.add(fork, [reach * np.cos(turn), rise, reach * np.sin(turn)])
             bend = fork + 0.5 * (tip - fork) + [0, 0.15, 0]
             b.add(tube([fork - [0, 0.1, 0], bend, tip], [0.09, 0.055, 0.02], 9, 16), bark)
             for m in range(3):
                 start = fork + (tip - fork) * (0.45 + 0.2 * m)
                 end = start + rng.normal(0, 0.38, 3) + [0, 0.3, 0]
-                twig = [start + [0, 0.05, 0], 0.5 * (start + end) + [0, 0.1, 0], end]
+                middle = 0.5 * (start + end) + [0, 0.1, 0]
+                twig = np.array([np.add(start, [0, 0.05, 0]), middle, end])
                 b.add(tube(twig, [0.03, 0.018, 0.008], 6, 8), bark, optional=True)
                 tips.append(end)
             tips.append(tip)
@@ -175,7 +226,13 @@ def _paving(b: Builder, rng: np.random.Generator, triangles: int) -> None:
     for p in middle:
         size = (rng.uniform(0.28, 0.315), 0.07, rng.uniform(0.28, 0.315))
         shape = soft_box(size, (4, 2, 4), power=6, bulge=0.25)
-        stones.append(_moved(shape, detail, place(p + [0, rng.uniform(-0.006, 0.006), 0], yaw=rng.uniform(-4, 4))))
+        stones.append(
+            _moved(
+                shape,
+                detail,
+                place(np.add(p, [0, rng.uniform(-0.006, 0.006), 0]), yaw=rng.uniform(-4, 4)),
+            )
+        )
     vertices, faces = join(stones)
     patch = b.add_mesh(vertices, faces, paint(b, "stone"), name="cobbles", in_world=False)
     for i in np.arange(-8, 9, 2.0):
@@ -199,7 +256,9 @@ def _foliage(b: Builder, rng: np.random.Generator, tips: Array, triangles: int) 
             side, along = rng.integers(4), rng.uniform(-INNER, INNER)
             height = 6.4 - abs(rng.normal(0, 1.1)) * (0.6 + np.sin(2.1 * along + side) ** 2)
             spot = [along, float(np.clip(height, 4.3, 6.7)), -INNER + 0.3]
-            at = place(yaw=90.0 * side) @ place(spot, pitch=75, roll=rng.uniform(0, 360), scale=[0.8, 0.4, 0.8])
+            at = place(yaw=90.0 * side) @ place(
+                spot, pitch=75, roll=rng.uniform(0, 360), scale=[0.8, 0.4, 0.8]
+            )
         b.add_instance([clusters[k % 4]], at)
 
 
@@ -213,13 +272,19 @@ def _cluster(b: Builder, rng: np.random.Generator, n: int, k: int) -> int:
         direction /= np.linalg.norm(direction)
         p = direction * 0.34 * rng.uniform(0.15, 1.0) ** 0.5 * [1, 0.7, 1]
         turn = np.degrees(np.arctan2(direction[0], direction[2])) + rng.uniform(-50, 50)
-        at = place(p, yaw=turn, pitch=rng.uniform(-20, 55), roll=rng.uniform(-30, 30), scale=rng.uniform(0.75, 1.2))
+        at = place(
+            p,
+            yaw=turn,
+            pitch=rng.uniform(-20, 55),
+            roll=rng.uniform(-30, 30),
+            scale=rng.uniform(0.75, 1.2),
+        )
         parts.append(_moved(blade, 1.0, at))
     vertices, faces = join(parts)
     color = paint(b, ("leaf", "leaf_light", "leaf", "leaf_light")[k])
     return b.add_mesh(vertices, faces, color, name=f"leaves {k}", in_world=False)
 
 
-def _moved(shape: Shape, detail: float, at: Array) -> tuple[Array, decor.npt.NDArray[np.uint32]]:
+def _moved(shape: Shape, detail: float, at: Array) -> tuple[Array, Indices]:
     vertices, faces = shape.mesh(detail)
     return vertices @ at[:3, :3].T + at[:3, 3], faces

@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import BOOK_COLORS, paint
 from viscache.scenes.shapes import (
     Array,
     bumpy_sphere,
-    cylinder,
     leaf,
     place,
     revolve,
@@ -29,7 +27,15 @@ from viscache.scenes.shapes import (
 _Border = Callable[[Array, int], Array]
 
 VASES: tuple[list[list[float]], ...] = (
-    [[0.05, 0], [0.09, 0.05], [0.11, 0.14], [0.07, 0.24], [0.035, 0.3], [0.045, 0.34], [0.05, 0.345]],
+    [
+        [0.05, 0],
+        [0.09, 0.05],
+        [0.11, 0.14],
+        [0.07, 0.24],
+        [0.035, 0.3],
+        [0.045, 0.34],
+        [0.05, 0.345],
+    ],
     [[0.06, 0], [0.065, 0.08], [0.075, 0.2], [0.05, 0.3], [0.055, 0.4], [0.07, 0.42]],
     [[0.07, 0], [0.13, 0.06], [0.14, 0.12], [0.1, 0.19], [0.055, 0.21], [0.06, 0.235]],
     [[0.04, 0], [0.045, 0.02], [0.025, 0.05], [0.06, 0.16], [0.085, 0.28], [0.08, 0.3]],
@@ -39,7 +45,9 @@ VASES: tuple[list[list[float]], ...] = (
 def vase(b: Builder, at: Array, kind: int, color: str, *, flutes: int = 0) -> None:
     """One of four turned vases, 0.23 to 0.42 m high, open and hollow at the top."""
     outer = np.array(VASES[kind % len(VASES)])
-    inner = np.array([[outer[-1, 0] - 0.012, outer[-1, 1]], [outer[-2, 0] * 0.8, outer[-1, 1] * 0.8]])
+    inner = np.array(
+        [[outer[-1, 0] - 0.012, outer[-1, 1]], [outer[-2, 0] * 0.8, outer[-1, 1] * 0.8]]
+    )
     depth = 0.05 if flutes else 0.0
     shape = revolve(np.concatenate([outer, inner]), 26, 26, flutes=(flutes, depth))
     b.add(shape, paint(b, color), at)
@@ -53,26 +61,49 @@ def bouquet(b: Builder, at: Array, rng: np.random.Generator, color: str, n: int 
         stem = tube([[0, -0.15, 0], [0, 0.06, 0.01], [0, h, reach[k]]], 0.0025, 4, 6)
         here = at @ place(yaw=angle[k])
         b.add(stem, paint(b, "leaf"), here, optional=k > 3)
-        b.add(sphere(0.02, 3, _petals), paint(b, color), here @ place([0, h + 0.012, reach[k]]), optional=k > 3)
-        b.add(leaf(0.09, 0.03), paint(b, "leaf_light"), here @ place([0, h * 0.5, reach[k] * 0.4], yaw=40), optional=True)
+        b.add(
+            sphere(0.02, 3, _petals),
+            paint(b, color),
+            here @ place([0, h + 0.012, reach[k]]),
+            optional=k > 3,
+        )
+        b.add(
+            leaf(0.09, 0.03),
+            paint(b, "leaf_light"),
+            here @ place([0, h * 0.5, reach[k] * 0.4], yaw=40),
+            optional=True,
+        )
 
 
 def _petals(p: Array) -> Array:
     angle = np.arctan2(p[:, 2], p[:, 0])
-    return p * (1.1 + 0.4 * np.cos(6 * angle) * (1 - (p[:, 1] / 0.02) ** 2))[:, None]
+    open_: Array = p * (1.1 + 0.4 * np.cos(6 * angle) * (1 - (p[:, 1] / 0.02) ** 2))[:, None]
+    return open_
 
 
 def bowl(b: Builder, at: Array, radius: float, color: str, *, fruit: bool = False) -> None:
     """Bowl of `radius`, optionally with fruit."""
     r = radius
-    profile = [[0.35 * r, 0], [0.4 * r, 0.03 * r], [0.8 * r, 0.28 * r], [r, 0.55 * r], [0.98 * r, 0.57 * r]]
+    profile = [
+        [0.35 * r, 0],
+        [0.4 * r, 0.03 * r],
+        [0.8 * r, 0.28 * r],
+        [r, 0.55 * r],
+        [0.98 * r, 0.57 * r],
+    ]
     profile += [[0.93 * r, 0.54 * r], [0.7 * r, 0.3 * r], [0.3 * r, 0.12 * r], [0.03 * r, 0.1 * r]]
     b.add(revolve(profile, 28, 22, caps=(True, True), dome=0.05), paint(b, color), at)
     if fruit:
         kinds = ("orange", "apple", "lemon", "apple", "orange", "leaf_light", "lemon")
         for k, name in enumerate(kinds):
             ring, turn = (0.42 * r, k * 60.0) if k < 6 else (0.0, 0.0)
-            spot = place([ring * np.sin(np.radians(turn)), 0.40 * r if k < 6 else 0.70 * r, ring * np.cos(np.radians(turn))])
+            spot = place(
+                [
+                    ring * np.sin(np.radians(turn)),
+                    0.40 * r if k < 6 else 0.70 * r,
+                    ring * np.cos(np.radians(turn)),
+                ]
+            )
             size = 0.23 * r * (1 + 0.1 * np.sin(5.0 * k))
             b.add(bumpy_sphere(size, 6, float(k), 0.03), paint(b, name), at @ spot)
 
@@ -80,9 +111,24 @@ def bowl(b: Builder, at: Array, radius: float, color: str, *, fruit: bool = Fals
 def crockery(b: Builder, at: Array, color: str = "porcelain") -> None:
     """A place setting: plate, smaller plate, cup with handle, fork and knife."""
     m = paint(b, color)
-    rim = np.array([[0.06, 0], [0.08, 0.004], [0.125, 0.018], [0.132, 0.02], [0.124, 0.022], [0.08, 0.009], [0.01, 0.008]])
+    rim = np.array(
+        [
+            [0.06, 0],
+            [0.08, 0.004],
+            [0.125, 0.018],
+            [0.132, 0.02],
+            [0.124, 0.022],
+            [0.08, 0.009],
+            [0.01, 0.008],
+        ]
+    )
     b.add(revolve(rim, 26, 12, caps=(True, True), dome=0.02), m, at)
-    b.add(revolve(rim * [0.72, 1], 22, 10, caps=(True, True), dome=0.02), m, at @ place([0, 0.011, 0]), optional=True)
+    b.add(
+        revolve(rim * [0.72, 1], 22, 10, caps=(True, True), dome=0.02),
+        m,
+        at @ place([0, 0.011, 0]),
+        optional=True,
+    )
     cup(b, at @ place([0.17, 0, -0.14], yaw=35), color)
     for x, w in ((-0.165, 0.022), (0.165, 0.016)):
         bar = soft_box((w, 0.004, 0.2), (2, 1, 7), power=4, bulge=0.1, warp=_cutlery)
@@ -91,13 +137,23 @@ def crockery(b: Builder, at: Array, color: str = "porcelain") -> None:
 
 def _cutlery(p: Array) -> Array:
     z = p[:, 2] / 0.1
-    return p * np.stack([0.45 + 0.55 * np.clip(z, 0, 1), 1 + 0 * z, 1 + 0 * z], 1) + np.stack([0 * z, 0.004 * z * z, 0 * z], 1)
+    return p * np.stack([0.45 + 0.55 * np.clip(z, 0, 1), 1 + 0 * z, 1 + 0 * z], 1) + np.stack(
+        [0 * z, 0.004 * z * z, 0 * z], 1
+    )
 
 
 def cup(b: Builder, at: Array, color: str) -> None:
     """Cup with a handle, 0.08 m high."""
     m = paint(b, color)
-    profile = [[0.025, 0], [0.028, 0.005], [0.04, 0.04], [0.042, 0.08], [0.039, 0.081], [0.036, 0.04], [0.006, 0.012]]
+    profile = [
+        [0.025, 0],
+        [0.028, 0.005],
+        [0.04, 0.04],
+        [0.042, 0.08],
+        [0.039, 0.081],
+        [0.036, 0.04],
+        [0.006, 0.012],
+    ]
     b.add(revolve(profile, 18, 16, caps=(True, True), dome=0.05), m, at)
     handle = [[0.038, 0.066, 0], [0.062, 0.062, 0], [0.064, 0.035, 0], [0.036, 0.022, 0]]
     b.add(tube(handle, 0.0045, 6, 10), m, at, optional=True)
@@ -105,7 +161,15 @@ def cup(b: Builder, at: Array, color: str) -> None:
 
 def bottle(b: Builder, at: Array, color: str) -> None:
     """Bottle, 0.3 m high."""
-    profile = [[0.033, 0], [0.037, 0.01], [0.037, 0.17], [0.03, 0.205], [0.014, 0.235], [0.013, 0.285], [0.015, 0.3]]
+    profile = [
+        [0.033, 0],
+        [0.037, 0.01],
+        [0.037, 0.17],
+        [0.03, 0.205],
+        [0.014, 0.235],
+        [0.013, 0.285],
+        [0.015, 0.3],
+    ]
     b.add(revolve(profile, 18, 18, caps=(True, True)), paint(b, color), at)
 
 
@@ -114,7 +178,10 @@ def book_pile(b: Builder, at: Array, rng: np.random.Generator, n: int = 5) -> No
     y = 0.0
     for _ in range(n):
         thick, x, z = rng.uniform(0.018, 0.045), rng.uniform(0.14, 0.22), rng.uniform(0.2, 0.29)
-        spot = place([rng.uniform(-0.01, 0.01), y + thick / 2, rng.uniform(-0.01, 0.01)], yaw=rng.uniform(-25, 25))
+        spot = place(
+            [rng.uniform(-0.01, 0.01), y + thick / 2, rng.uniform(-0.01, 0.01)],
+            yaw=rng.uniform(-25, 25),
+        )
         shape = soft_box((x, thick, z), (4, 3, 4), power=22, bulge=0.04)
         b.add(shape, paint(b, str(rng.choice(BOOK_COLORS))), at @ spot, optional=True)
         y += thick * 0.985
@@ -123,26 +190,57 @@ def book_pile(b: Builder, at: Array, rng: np.random.Generator, n: int = 5) -> No
 def candlestick(b: Builder, at: Array, height: float = 0.3) -> None:
     """Turned brass stick with a candle."""
     h = height * 0.6
-    profile = np.array([[0.05, 0], [0.05, 0.03], [0.02, 0.08], [0.012, 0.3], [0.025, 0.4], [0.012, 0.5], [0.014, 0.9], [0.03, 1.0]])
+    profile = np.array(
+        [
+            [0.05, 0],
+            [0.05, 0.03],
+            [0.02, 0.08],
+            [0.012, 0.3],
+            [0.025, 0.4],
+            [0.012, 0.5],
+            [0.014, 0.9],
+            [0.03, 1.0],
+        ]
+    )
     b.add(revolve(profile * [1, h], 16, 22, caps=(True, True)), paint(b, "brass"), at)
-    b.add(revolve([[0.011, h], [0.0105, height * 0.97], [0.004, height]], 10, 6, caps=(True, True)), paint(b, "cream"), at)
+    b.add(
+        revolve([[0.011, h], [0.0105, height * 0.97], [0.004, height]], 10, 6, caps=(True, True)),
+        paint(b, "cream"),
+        at,
+    )
 
 
 def ornament(b: Builder, at: Array, radius: float, color: str, phase: float) -> None:
     """Bumpy ceramic ball on a small ring."""
     b.add(bumpy_sphere(radius, 14, phase, 0.07), paint(b, color), at @ place([0, radius * 1.03, 0]))
-    ring = revolve([[0.5 * radius, 0], [0.55 * radius, 0.1 * radius], [0.42 * radius, 0.2 * radius]], 18, 5)
+    ring = revolve(
+        [[0.5 * radius, 0], [0.55 * radius, 0.1 * radius], [0.42 * radius, 0.2 * radius]], 18, 5
+    )
     b.add(ring, paint(b, "walnut"), at)
 
 
 def plant(
-    b: Builder, at: Array, rng: np.random.Generator, *, height: float = 1.5, leaves: int = 160, pot: str = "terracotta"
+    b: Builder,
+    at: Array,
+    rng: np.random.Generator,
+    *,
+    height: float = 1.5,
+    leaves: int = 160,
+    pot: str = "terracotta",
 ) -> None:
     """Potted plant with arching stems and broad leaves."""
     r = 0.13 + 0.05 * height
-    profile = np.array([[0.62, 0], [0.7, 0.05], [0.92, 0.9], [1.04, 0.93], [1.04, 1.12], [0.9, 1.12], [0.86, 1.0]]) * [r, 1.25 * r]
+    profile = np.array(
+        [[0.62, 0], [0.7, 0.05], [0.92, 0.9], [1.04, 0.93], [1.04, 1.12], [0.9, 1.12], [0.86, 1.0]]
+    ) * [r, 1.25 * r]
     b.add(revolve(profile, 26, 18), paint(b, pot), at)
-    earth = revolve([[0.88 * r, 1.26 * r], [0.5 * r, 1.29 * r], [0.1 * r, 1.31 * r]], 16, 5, caps=(False, True), flutes=(5, 0.03))
+    earth = revolve(
+        [[0.88 * r, 1.26 * r], [0.5 * r, 1.29 * r], [0.1 * r, 1.31 * r]],
+        16,
+        5,
+        caps=(False, True),
+        flutes=(5, 0.03),
+    )
     b.add(earth, paint(b, "soil"), at)
     n = max(3, leaves // 14)
     foot = 1.25 * r
@@ -150,42 +248,87 @@ def plant(
     for k in range(n):
         turn, reach = 360 * ((k * 0.618) % 1), rng.uniform(0.12, 0.42) * height * 0.6
         top = foot + (height - foot) * rng.uniform(0.55, 1.0)
-        path = np.array([[0, foot, 0.03], [0, foot + 0.55 * (top - foot), 0.3 * reach], [0, top, reach]])
+        path = np.array(
+            [[0, foot, 0.03], [0, foot + 0.55 * (top - foot), 0.3 * reach], [0, top, reach]]
+        )
         here = place(yaw=turn)
         b.add(tube(path, [0.009, 0.006, 0.003], 5, 9), paint(b, "leaf"), at @ here, optional=k > 5)
         for j in range(leaves // n):
             t = 0.35 + 0.65 * (j + rng.uniform(0, 1)) / (leaves // n)
             y = foot + (top - foot) * (0.25 + 0.75 * t) if t > 0.3 else foot
             point = [0, y, reach * (0.12 + 0.88 * t**1.4)]
-            spots.append(here @ place(point, yaw=rng.uniform(-130, 130), pitch=rng.uniform(-35, 25), scale=rng.uniform(0.7, 1.25)))
+            spots.append(
+                here
+                @ place(
+                    point,
+                    yaw=rng.uniform(-130, 130),
+                    pitch=rng.uniform(-35, 25),
+                    scale=rng.uniform(0.7, 1.25),
+                )
+            )
     blade = leaf(0.12 + 0.07 * height, 0.045 + 0.03 * height, 0.4, 4, 6)
     half = len(spots) // 3
     b.add(blade, paint(b, "leaf_light"), at @ np.stack(spots[:half]), optional=True)
     b.add(blade, paint(b, "leaf"), at @ np.stack(spots[half:]), optional=True)
 
 
-def pleated_shade(b: Builder, at: Array, low: float, high: float, height: float, color: str = "shade") -> None:
+def pleated_shade(
+    b: Builder, at: Array, low: float, high: float, height: float, color: str = "shade"
+) -> None:
     """Lamp shade of pleated cloth, open at both ends, its lower rim at y = 0."""
-    shape = revolve([[low, 0], [0.5 * (low + high) * 1.02, height / 2], [high, height]], 64, 6, caps=(False, False), flutes=(24, 0.02))
+    shape = revolve(
+        [[low, 0], [0.5 * (low + high) * 1.02, height / 2], [high, height]],
+        64,
+        6,
+        caps=(False, False),
+        flutes=(24, 0.02),
+    )
     b.add(shape, paint(b, color), at)
 
 
 def floor_lamp(b: Builder, at: Array, height: float = 1.65, metal: str = "black_metal") -> None:
     """Standing lamp; the bulb's place is at `height` - 0.1."""
-    stand = [[0.15, 0], [0.15, 0.015], [0.06, 0.03], [0.014, 0.06], [0.012, height * 0.5], [0.02, height * 0.52], [0.012, height * 0.54], [0.01, height - 0.22]]
+    stand = [
+        [0.15, 0],
+        [0.15, 0.015],
+        [0.06, 0.03],
+        [0.014, 0.06],
+        [0.012, height * 0.5],
+        [0.02, height * 0.52],
+        [0.012, height * 0.54],
+        [0.01, height - 0.22],
+    ]
     b.add(revolve(stand, 18, 40, caps=(True, True)), paint(b, metal), at)
     pleated_shade(b, at @ place([0, height - 0.27, 0]), 0.24, 0.17, 0.3)
     for turn in (0, 120, 240):
-        b.add(rod([0, height - 0.225, 0.005], [0, height - 0.235, 0.232], 0.003, 4), paint(b, metal), at @ place(yaw=turn), optional=True)
+        b.add(
+            rod([0, height - 0.225, 0.005], [0, height - 0.235, 0.232], 0.003, 4),
+            paint(b, metal),
+            at @ place(yaw=turn),
+            optional=True,
+        )
 
 
 def table_lamp(b: Builder, at: Array, color: str) -> None:
     """Ceramic table lamp, 0.52 m high; the bulb's place is at 0.42."""
-    foot = [[0.06, 0], [0.075, 0.01], [0.1, 0.08], [0.08, 0.17], [0.03, 0.22], [0.02, 0.25], [0.01, 0.29]]
+    foot = [
+        [0.06, 0],
+        [0.075, 0.01],
+        [0.1, 0.08],
+        [0.08, 0.17],
+        [0.03, 0.22],
+        [0.02, 0.25],
+        [0.01, 0.29],
+    ]
     b.add(revolve(foot, 22, 20, caps=(True, True), flutes=(9, 0.03)), paint(b, color), at)
     pleated_shade(b, at @ place([0, 0.29, 0]), 0.17, 0.11, 0.23)
     for turn in (0, 120, 240):
-        b.add(rod([0, 0.288, 0], [0, 0.3, 0.165], 0.003, 4), paint(b, "brass"), at @ place(yaw=turn), optional=True)
+        b.add(
+            rod([0, 0.288, 0], [0, 0.3, 0.165], 0.003, 4),
+            paint(b, "brass"),
+            at @ place(yaw=turn),
+            optional=True,
+        )
 
 
 def pendant(b: Builder, at: Array, drop: float, color: str = "black_metal") -> None:
@@ -193,7 +336,11 @@ def pendant(b: Builder, at: Array, drop: float, color: str = "black_metal") -> N
 
     The bulb's place is 0.08 m above the rim, in the open shade (0.2 m radius).
     """
-    b.add(revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False)), paint(b, color), at)
+    b.add(
+        revolve([[0.05, -0.03], [0.055, -0.01], [0.05, 0.0]], 12, 4, caps=(True, False)),
+        paint(b, color),
+        at,
+    )
     b.add(rod([0, -drop + 0.2, 0], [0, -0.02, 0], 0.004, 5), paint(b, color), at)
     shade = [[0.2, 0], [0.19, 0.05], [0.12, 0.14], [0.05, 0.19], [0.03, 0.24], [0.012, 0.25]]
     b.add(revolve(shade, 30, 16, caps=(False, True)), paint(b, color), at @ place([0, -drop, 0]))
@@ -218,53 +365,12 @@ def picture(b: Builder, at: Array, size: tuple[float, float], colors: str, phase
         def relief(u: Array, v: Array, k: int = k, border: _Border = border) -> Array:
             low, high = border(u, k), border(u, k + 1)
             w = low + (high - low) * v
-            z = 0.012 + 0.004 * np.sin(9 * u + phase + 3 * np.sin(7 * w)) * np.sin(11 * w + 2 * phase)
+            z = 0.012 + 0.004 * np.sin(9 * u + phase + 3 * np.sin(7 * w)) * np.sin(
+                11 * w + 2 * phase
+            )
             return np.stack([(u - 0.5) * x, (w - 0.5) * y, z], axis=-1)
 
         b.add(surface(relief, 16, 16 / len(names)), paint(b, name), at)
-
-
-def slats(
-    b: Builder, at: Array, n: int, pitch: float, size: tuple[float, float, float], wood: str, sag: float = 0.01
-) -> None:
-    """`n` parallel rounded bars of `size`, one every `pitch` along x, centred; they sag a little."""
-    half = size[2] / 2
-
-    def bend(p: Array) -> Array:
-        wave = 0.3 * np.sin(14 * p[:, 2] / half)
-        drop = -sag * (1 - (p[:, 2] / half) ** 2 + wave)
-        return p + np.stack([0.2 * sag * np.sin(3 * p[:, 2]), drop, 0 * drop], 1)
-
-    x = (np.arange(n) - (n - 1) / 2) * pitch
-    bar = soft_box(size, (2, 2, 22), power=10, bulge=0.06, warp=bend)
-    b.add(bar, paint(b, wood), at @ place(np.stack([x, 0 * x, 0 * x], 1)))
-
-
-def blind(b: Builder, at: Array, width: float, height: float, *, tilt: float = 35, color: str = "white_paint") -> None:
-    """Venetian blind in the plane z = 0, x centred, hanging from y = `height` to 0."""
-    n = max(3, int(height / 0.045))
-
-    def curve(p: Array) -> Array:
-        return p + np.stack([0 * p[:, 0], -6 * p[:, 2] ** 2 - 0.004 * (2 * p[:, 0] / width) ** 2, 0 * p[:, 0]], 1)
-
-    slat = soft_box((width, 0.0025, 0.045), (7, 1, 3), power=9, bulge=0.3, warp=curve)
-    y = 0.02 + np.arange(n) * (height - 0.06) / n
-    b.add(slat, paint(b, color), at @ place(np.stack([0 * y, y, 0 * y], 1), pitch=tilt), optional=True)
-    b.add(soft_box((width, 0.04, 0.05), (6, 2, 2), power=8), paint(b, color), at @ place([0, height - 0.01, 0]))
-    for x in (-0.35 * width, 0.35 * width):
-        b.add(rod([x, 0.0, 0.027], [x, height, 0.027], 0.0012, 4), paint(b, color), at, optional=True)
-
-
-def radiator(b: Builder, at: Array, width: float = 1.0, height: float = 0.55) -> None:
-    """Ribbed radiator standing on feet, its back at z = 0."""
-    m = paint(b, "white_paint")
-    x = np.arange(-width / 2 + 0.03, width / 2, 0.06)
-    rib = soft_box((0.05, height, 0.1), (3, 7, 4), power=5, bulge=0.1)
-    b.add(rib, m, at @ place(np.stack([x, 0 * x + 0.1 + height / 2, 0 * x + 0.08], 1)))
-    for y in (0.15, 0.05 + height):
-        b.add(rod([-width / 2, y, 0.08], [width / 2, y, 0.08], 0.018, 8), m, at)
-    for side in (-0.4, 0.4):
-        b.add(cylinder(0.015, 0.13, 8), m, at @ place([side * width, 0, 0.08]))
 
 
 def basket(b: Builder, at: Array, radius: float, color: str) -> None:
@@ -274,33 +380,12 @@ def basket(b: Builder, at: Array, radius: float, color: str) -> None:
     angle = np.linspace(0, 2 * np.pi, 25)
     for k in range(9):
         r = radius * (0.82 + 0.2 * k / 8) * (1 + 0.02 * (-1) ** k * np.cos(12 * angle))
-        hoop = np.stack([r * np.sin(angle), 0 * r + radius * (0.06 + 1.05 * k / 8), r * np.cos(angle)], 1)
-        b.add(tube(hoop, 0.035 * radius, 5, 44, caps=(False, False)), paint(b, color), at, optional=k % 2 == 1)
-
-
-def screen(b: Builder, at: Array, width: float = 0.55) -> None:
-    """Monitor on a foot, facing +z."""
-    m, h = paint(b, "screen"), width * 0.6
-    panel = soft_box((width, h, 0.025), (6, 5, 2), power=20, bulge=0.15)
-    b.add(panel, m, at @ place([0, 0.12 + h / 2, 0]))
-    b.add(tube([[0, 0.01, -0.06], [0, 0.1, -0.06], [0, 0.25, -0.02]], [0.02, 0.016], 8, 7), m, at)
-    b.add(revolve([[0.12, 0], [0.115, 0.008], [0.02, 0.014]], 18, 5, caps=(True, True)), m, at @ place([0, 0, -0.04]))
-
-
-def laptop(b: Builder, at: Array) -> None:
-    """Open laptop facing +z, with single keys."""
-    m = paint(b, "steel")
-    b.add(soft_box((0.32, 0.014, 0.22), (5, 2, 5), power=14, bulge=0.03), m, at @ place([0, 0.008, 0]))
-    b.add(soft_box((0.32, 0.21, 0.007), (5, 5, 2), power=18, bulge=0.15), m, at @ place([0, 0.105, -0.145], pitch=-18))
-    glass = soft_box((0.3, 0.185, 0.004), (4, 4, 1), power=24, bulge=0.3)
-    b.add(glass, paint(b, "screen"), at @ place([0, 0.107, -0.140], pitch=-18))
-    x, z = np.meshgrid(np.linspace(-0.13, 0.13, 13), np.linspace(-0.07, 0.02, 5))
-    keys = np.stack([x.ravel(), 0 * x.ravel() + 0.0162, z.ravel()], 1)
-    key = soft_box((0.016, 0.005, 0.016), (2, 1.4, 2), power=7, bulge=0.1)
-    b.add(key, paint(b, "screen"), at @ place(keys), optional=True)
-
-
-def skirting(b: Builder, points: npt.ArrayLike, color: str = "white_paint") -> None:
-    """Moulded skirting board along straight runs (K, 2, 3), standing against walls."""
-    for start, end in np.asarray(points, float):
-        b.add(tube(np.linspace(start, end, 3), [0.022, 0.026, 0.022], 6, 8, smooth=False), paint(b, color))
+        hoop = np.stack(
+            [r * np.sin(angle), 0 * r + radius * (0.06 + 1.05 * k / 8), r * np.cos(angle)], 1
+        )
+        b.add(
+            tube(hoop, 0.035 * radius, 5, 44, caps=(False, False)),
+            paint(b, color),
+            at,
+            optional=k % 2 == 1,
+        )

@@ -37,7 +37,8 @@ def wrinkles(depth: float, rate: float) -> Warp:
     def warp(p: Array) -> Array:
         x, y, z = p.T
         crease = np.sin(rate * x + 2.2 * np.sin(0.7 * rate * z)) * np.sin(0.8 * rate * z + y * rate)
-        return p * (1 + depth * crease)[:, None]
+        creased: Array = p * (1 + depth * crease)[:, None]
+        return creased
 
     return warp
 
@@ -55,7 +56,9 @@ def chair(b: Builder, at: Array, wood: str = "oak", *, cushion: str | None = Non
     def saddle(p: Array) -> Array:
         return p + np.stack([0 * p[:, 0], -0.25 * (0.03 - p[:, 0] ** 2 * 0.4), 0 * p[:, 0]], 1)
 
-    b.add(soft_box((0.46, 0.04, 0.44), (6, 2, 6), power=7, warp=saddle), m, at @ place([0, 0.45, 0]))
+    b.add(
+        soft_box((0.46, 0.04, 0.44), (6, 2, 6), power=7, warp=saddle), m, at @ place([0, 0.45, 0])
+    )
     for x, z in ((-0.18, 0.17), (0.18, 0.17), (-0.17, -0.17), (0.17, -0.17)):
         lean = place([x, 0, z * 1.08], pitch=-np.sign(z) * 3.0)
         b.add(revolve(turned_leg(0.445, 0.75), 8, 10), m, at @ lean)
@@ -76,7 +79,9 @@ def chair(b: Builder, at: Array, wood: str = "oak", *, cushion: str | None = Non
         b.add(pad, paint(b, cushion), at @ place([0, 0.487, 0]))
 
 
-def table(b: Builder, at: Array, size: tuple[float, float], wood: str, height: float = 0.75) -> None:
+def table(
+    b: Builder, at: Array, size: tuple[float, float], wood: str, height: float = 0.75
+) -> None:
     """Table with turned legs and an apron; the top is at `height`."""
     m, (x, z) = paint(b, wood), size
     top = soft_box((x, 0.035, z), (10, 2, 8), power=24, bulge=0.004)
@@ -86,7 +91,11 @@ def table(b: Builder, at: Array, size: tuple[float, float], wood: str, height: f
     for side in (-1, 1):
         for length, turn, offset in ((x, 0, z / 2 - 0.1), (z, 90, x / 2 - 0.1)):
             rail = soft_box((length - 0.2, 0.09, 0.022), (6, 2, 2), power=14)
-            shift = (0, height - 0.08, side * offset) if turn == 0 else (side * offset, height - 0.08, 0)
+            shift = (
+                (0, height - 0.08, side * offset)
+                if turn == 0
+                else (side * offset, height - 0.08, 0)
+            )
             b.add(rail, m, at @ place(shift, yaw=turn))
 
 
@@ -95,7 +104,9 @@ def round_table(b: Builder, at: Array, radius: float, height: float, wood: str) 
     m = paint(b, wood)
     edge = [[radius * 0.2, -0.02], [radius * 0.9, -0.018], [radius, -0.008]]
     edge += [[radius, 0.002], [radius * 0.97, 0.012], [radius * 0.5, 0.013], [radius * 0.06, 0.014]]
-    b.add(revolve(edge, 40, 14, caps=(True, True), dome=0.02), m, at @ place([0, height - 0.0145, 0]))
+    b.add(
+        revolve(edge, 40, 14, caps=(True, True), dome=0.02), m, at @ place([0, height - 0.0145, 0])
+    )
     column = [[0.05, 0.06], [0.07, 0.1], [0.045, 0.18], [0.06, 0.3], [0.035, 0.45], [0.06, 0.6]]
     column = [[r, y / 0.6 * (height - 0.03)] for r, y in column]
     b.add(revolve(column, 18, 18), m, at)
@@ -120,8 +131,12 @@ def sofa(
         arm = soft_box((0.19, 0.42, 0.86), (5, 7, 9), power=5, bulge=0.04, warp=wrinkles(0.006, 23))
         b.add(arm, m, at @ place([side * (width / 2 - 0.09), 0.42, 0]))
     step = (width - 0.38) / seats
-    seat = soft_box((step * 0.995, 0.19, 0.68), (12, 5, 12), power=5, bulge=0.12, warp=wrinkles(0.012, 21))
-    back = soft_box((step * 0.98, 0.44, 0.18), (12, 9, 5), power=4, bulge=0.16, warp=wrinkles(0.015, 17))
+    seat = soft_box(
+        (step * 0.995, 0.19, 0.68), (12, 5, 12), power=5, bulge=0.12, warp=wrinkles(0.012, 21)
+    )
+    back = soft_box(
+        (step * 0.98, 0.44, 0.18), (12, 9, 5), power=4, bulge=0.16, warp=wrinkles(0.015, 17)
+    )
     middles = (np.arange(seats) - (seats - 1) / 2) * step
     for x in middles:
         b.add(seat, m, at @ place([x, 0.375, 0.09]))
@@ -136,13 +151,18 @@ def throw_pillow(b: Builder, at: Array, color: str, size: float = 0.42) -> None:
     """Square cushion standing on its edge, centred."""
 
     def pinch(p: Array) -> Array:
-        x, y, z = p.T / (size / 2)
+        x, y, _ = p.T / (size / 2)
         corner = 1 + 0.10 * (x * y) ** 2
         crease = 1 + 0.12 * np.sin(9 * x + 3 * y) * np.sin(8 * y - 2 * x)
         thin = 1 - 0.75 * np.clip(np.maximum(np.abs(x), np.abs(y)), 0, 1) ** 3
-        return p * np.stack([corner, corner, crease * thin], axis=1)
+        pinched: Array = p * np.stack([corner, corner, crease * thin], axis=1)
+        return pinched
 
-    b.add(soft_box((size, size, 0.2), (14, 14, 3), power=5, bulge=0.25, warp=pinch), paint(b, color), at)
+    b.add(
+        soft_box((size, size, 0.2), (14, 14, 3), power=5, bulge=0.25, warp=pinch),
+        paint(b, color),
+        at,
+    )
 
 
 def throw_blanket(b: Builder, at: Array, color: str, width: float = 0.55) -> None:
@@ -186,13 +206,24 @@ def bookshelf(
     # Books: upright, the last of each row leaning.
     books: dict[str, list[Array]] = {}
     for y in levels[:-1]:
-        x, end = -width / 2 + 0.03, -width / 2 + 0.03 + (width - 0.06) * rng.uniform(0.55, 1.0) * fill
+        x, end = (
+            -width / 2 + 0.03,
+            -width / 2 + 0.03 + (width - 0.06) * rng.uniform(0.55, 1.0) * fill,
+        )
         tall = gap - 0.03
         while True:
-            thick, high, deep = rng.uniform(0.016, 0.05), tall * rng.uniform(0.6, 0.95), rng.uniform(0.15, 0.24)
+            thick, high, deep = (
+                rng.uniform(0.016, 0.05),
+                tall * rng.uniform(0.6, 0.95),
+                rng.uniform(0.15, 0.24),
+            )
             if x + thick > end:
                 break
-            center = [x + thick / 2, y + 0.011 + high / 2, depth - 0.03 - deep / 2 - rng.uniform(0, 0.015)]
+            center = [
+                x + thick / 2,
+                y + 0.011 + high / 2,
+                depth - 0.03 - deep / 2 - rng.uniform(0, 0.015),
+            ]
             color = str(rng.choice(BOOK_COLORS))
             books.setdefault(color, []).append(place(center, scale=[thick * 0.97, high, deep]))
             x += thick + 0.0008
@@ -207,7 +238,9 @@ def bookshelf(
         b.add(shape, paint(b, color), at @ np.stack(transforms), optional=True)
 
 
-def bed(b: Builder, at: Array, *, width: float = 1.6, cover: str = "sky", wood: str = "oak") -> None:
+def bed(
+    b: Builder, at: Array, *, width: float = 1.6, cover: str = "sky", wood: str = "oak"
+) -> None:
     """Bed 2.05 m long, head at -z, with mattress, duvet and pillows."""
     m = paint(b, wood)
     b.add(soft_box((width + 0.08, 0.16, 2.08), (6, 3, 8), power=20), m, at @ place([0, 0.24, 0]))
@@ -215,7 +248,9 @@ def bed(b: Builder, at: Array, *, width: float = 1.6, cover: str = "sky", wood: 
     b.add(head, m, at @ place([0, 0.58, -1.05]))
     legs = at.reshape(-1, 1, 4, 4) @ corners(width / 2 - 0.06, 0.95)
     b.add(revolve([[0.025, 0], [0.035, 0.17]], 10, 3), m, legs)
-    mattress = soft_box((width, 0.2, 2.0), (14, 4, 16), power=9, bulge=0.03, warp=wrinkles(0.003, 14))
+    mattress = soft_box(
+        (width, 0.2, 2.0), (14, 4, 16), power=9, bulge=0.03, warp=wrinkles(0.003, 14)
+    )
     b.add(mattress, paint(b, "porcelain"), at @ place([0, 0.41, 0]))
 
     def duvet(u: Array, v: Array) -> Array:
@@ -223,25 +258,39 @@ def bed(b: Builder, at: Array, *, width: float = 1.6, cover: str = "sky", wood: 
         hang = np.maximum(np.abs(x) - width / 2 - 0.01, 0)
         puff = 0.035 + 0.014 * np.sin(9 * x + 3 * np.sin(4 * z)) * np.sin(7 * z + 2 * x)
         y = 0.515 + np.where(hang > 0, 0.01, puff) - 1.1 * hang
-        bent = np.sign(x) * (np.minimum(np.abs(x), width / 2 + 0.01) + 0.03 * np.sin(9 * z) * hang / 0.24 + 0.12 * hang)
+        bent = np.sign(x) * (
+            np.minimum(np.abs(x), width / 2 + 0.01)
+            + 0.03 * np.sin(9 * z) * hang / 0.24
+            + 0.12 * hang
+        )
         return np.stack([bent, y, z - 0.46], axis=-1)
 
     b.add(surface(duvet, 40, 36), paint(b, cover), at)
     pillow = soft_box((0.66, 0.17, 0.42), (14, 5, 10), power=4, bulge=0.22, warp=wrinkles(0.02, 16))
     for x in (-width / 4, width / 4) if width > 1.2 else (0.0,):
-        b.add(pillow, paint(b, "linen"), at @ place([x, 0.585, -0.74], pitch=-9, yaw=6 * np.sign(x)))
+        b.add(
+            pillow, paint(b, "linen"), at @ place([x, 0.585, -0.74], pitch=-9, yaw=6 * np.sign(x))
+        )
 
 
-def cabinet(b: Builder, at: Array, size: tuple[float, float, float], wood: str, *, doors: int = 2) -> None:
+def cabinet(
+    b: Builder, at: Array, size: tuple[float, float, float], wood: str, *, doors: int = 2
+) -> None:
     """Cupboard with `doors` bulged fronts and turned knobs; its back at z = 0."""
     (x, y, z), m = size, paint(b, wood)
     body = soft_box((x, y - 0.08, z), (5, 5, 3), power=30, bulge=0.005)
     b.add(body, m, at @ place([0, (y + 0.08) / 2, z / 2]))
-    b.add(cylinder(0.022, 0.1, 9), m, at.reshape(-1, 1, 4, 4) @ place([0, 0, z / 2]) @ corners(x / 2 - 0.06, z / 2 - 0.05))
+    b.add(
+        cylinder(0.022, 0.1, 9),
+        m,
+        at.reshape(-1, 1, 4, 4) @ place([0, 0, z / 2]) @ corners(x / 2 - 0.06, z / 2 - 0.05),
+    )
     step = x / doors
     front = soft_box((step - 0.02, y - 0.12, 0.02), (5, 6, 2), power=24, bulge=0.25)
     panel = soft_box((step - 0.16, y - 0.28, 0.016), (4, 5, 2), power=12, bulge=0.5)
-    knob = revolve([[0.006, 0], [0.006, 0.012], [0.016, 0.022], [0.012, 0.032], [0.003, 0.034]], 9, 8)
+    knob = revolve(
+        [[0.006, 0], [0.006, 0.012], [0.016, 0.022], [0.012, 0.032], [0.003, 0.034]], 9, 8
+    )
     for k in range(doors):
         cx = -x / 2 + (k + 0.5) * step
         b.add(front, m, at @ place([cx, (y + 0.08) / 2, z + 0.008]))
@@ -268,8 +317,17 @@ def desk_chair(b: Builder, at: Array, color: str = "grey_cloth") -> None:
         b.add(tube(np.array(arm) * [mirror, 1, 1], [0.014, 0.014, 0.018], 7, 10), metal, at)
     for turn in range(0, 360, 72):
         leg = at @ place(yaw=turn)
-        b.add(tube([[0, 0.11, 0.02], [0, 0.1, 0.16], [0, 0.065, 0.29]], [0.02, 0.013], 7, 6), metal, leg)
-        wheel = revolve([[0.01, -0.02], [0.027, -0.016], [0.03, 0], [0.027, 0.016], [0.01, 0.02]], 10, 6, caps=(True, True))
+        b.add(
+            tube([[0, 0.11, 0.02], [0, 0.1, 0.16], [0, 0.065, 0.29]], [0.02, 0.013], 7, 6),
+            metal,
+            leg,
+        )
+        wheel = revolve(
+            [[0.01, -0.02], [0.027, -0.016], [0.03, 0], [0.027, 0.016], [0.01, 0.02]],
+            10,
+            6,
+            caps=(True, True),
+        )
         b.add(wheel, metal, leg @ place([0, 0.031, 0.29], roll=90), optional=True)
 
 
@@ -281,6 +339,8 @@ def rug(b: Builder, at: Array, size: tuple[float, float], color: str) -> None:
     wobble = 0.012 * np.sin(np.arange(n) * 2.4)
     for end in (-1, 1):
         z = end * (size[1] / 2 - 0.01)
-        fringe = tube([[0, 0.008, 0], [0.004, 0.006, 0.03], [0, 0.004, 0.075]], [0.003, 0.004, 0.002], 4, 4)
+        fringe = tube(
+            [[0, 0.008, 0], [0.004, 0.006, 0.03], [0, 0.004, 0.075]], [0.003, 0.004, 0.002], 4, 4
+        )
         turns = place(np.stack([x, 0 * x, 0 * x + z], 1), yaw=90 - 90 * end + 900 * wobble)
         b.add(fringe, paint(b, "cream"), at @ turns, optional=True)

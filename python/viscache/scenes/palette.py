@@ -1,4 +1,4 @@
-"""Colours of the furnished scenes: measured-looking albedos, none darker than 3 %, none above 90 %."""
+"""Colours of the furnished scenes: plausible albedos from 4 to 86 %."""
 
 from __future__ import annotations
 

@@ -46,12 +46,16 @@ def scene(
     def register(function: Callable[P, Builder]) -> Callable[P, Any]:
         @functools.wraps(function)
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
-            from viscache import scenes
+            from viscache.scene import Scene
 
-            return scenes._finish(function(*args, **kwargs).description)
+            given = signature.bind(*args, **kwargs).arguments
+            query = "&".join(f"{k}={v}" for k, v in given.items() if v is not None)
+            spec = f"{name}?{query}" if query else name
+            return Scene.from_description(function(*args, **kwargs).description, spec=spec)
 
         name = function.__name__
-        defaults = {p.name: p.default for p in inspect.signature(function).parameters.values()}
+        signature = inspect.signature(function)
+        defaults = {p.name: p.default for p in signature.parameters.values()}
         SCENES[name] = SceneInfo(
             name=name,
             function=make,

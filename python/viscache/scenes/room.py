@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscache.scenes import decor, furniture
+from viscache.scenes import decor, fixtures, furniture
 from viscache.scenes.builder import Builder
 from viscache.scenes.palette import paint
 from viscache.scenes.registry import at_least, scene
-from viscache.scenes.shapes import Array, bumpy_sphere, curtain, cylinder, place, quad, rod, tube
+from viscache.scenes.shapes import (
+    Array,
+    bumpy_sphere,
+    curtain,
+    cylinder,
+    place,
+    quad,
+    revolve,
+    rod,
+    tube,
+)
 
 SEED = 20130
 LEAST = 100
@@ -53,7 +63,7 @@ def room(
     _overhead(b)
     if specular:
         glass = decor.VASES[1]
-        b.add(decor.revolve(glass, 40, 40), b.glass("glass"), place([-0.35, 0.75, -0.85]))
+        b.add(revolve(glass, 40, 40), b.glass("glass"), place([-0.35, 0.75, -0.85]))
         frame = [[-0.55, -0.8, 0], [0.55, -0.8, 0], [0.55, 0.8, 0], [-0.55, 0.8, 0]]
         b.add(quad(*frame), b.mirror("mirror"), place([-4.985, 1.75, 0.2], yaw=90))
     if panels:
@@ -91,16 +101,22 @@ def _shell(b: Builder) -> None:
     b.add(quad([-x, 0, z], [-x, 0, -z], [-x, y, -z], [-x, y, z]), paint(b, "plaster"))
     b.add(quad([x, 0, -z], [x, 0, z], [x, y, z], [x, y, -z]), paint(b, "plaster"))
     ring = [[-x, 0.05, -z], [x, 0.05, -z], [x, 0.05, z], [-x, 0.05, z], [-x, 0.05, -z]]
-    decor.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
-    cornice = np.array(ring) + [0, y - 0.1, 0]
-    decor.skirting(b, [[cornice[k], cornice[k + 1]] for k in range(4)])
+    fixtures.skirting(b, [[ring[k], ring[k + 1]] for k in range(4)])
+    cornice = np.add(ring, [0, y - 0.1, 0])
+    fixtures.skirting(b, [[cornice[k], cornice[k + 1]] for k in range(4)])
 
 
 def _dining(b: Builder, rng: np.random.Generator) -> None:
     center = place([-1.6, 0.0, -1.0])
     furniture.rug(b, center, (3.6, 2.6), "rug_beige")
     furniture.table(b, center, (2.2, 1.0), "walnut")
-    seats = [(-0.7, 0.78, 180), (0.0, 0.8, 174), (0.7, 0.78, 186), (-0.7, -0.78, 0), (0.05, -0.8, 8)]
+    seats = [
+        (-0.7, 0.78, 180),
+        (0.0, 0.8, 174),
+        (0.7, 0.78, 186),
+        (-0.7, -0.78, 0),
+        (0.05, -0.8, 8),
+    ]
     seats += [(0.72, -0.77, -5), (-1.42, 0.02, 90), (1.5, 0.1, -112)]
     spots = place([[x, 0.012, z] for x, z, _ in seats], yaw=[turn for *_, turn in seats])
     furniture.chair(b, center @ spots, "oak", cushion="terracotta")
@@ -173,16 +189,20 @@ def _corners(b: Builder, rng: np.random.Generator) -> None:
     decor.ornament(b, board @ place([-0.45, 0.78, 0.2]), 0.15, "sky", 0.4)
     decor.plant(b, board @ place([-0.05, 0.78, 0.2], scale=0.35), rng, height=1.4, leaves=90)
     decor.picture(b, place([-4.997, 1.95, -2.2], yaw=90), (1.3, 0.9), "navy petrol sky cream", 0.3)
-    decor.picture(b, place([4.997, 2.0, -1.0], yaw=-90), (1.5, 0.9), "brick_red terracotta orange cream", 2.3)
-    decor.radiator(b, place([-4.98, 0, 0.7], yaw=90), 1.2)
+    decor.picture(
+        b, place([4.997, 2.0, -1.0], yaw=-90), (1.5, 0.9), "brick_red terracotta orange cream", 2.3
+    )
+    fixtures.radiator(b, place([-4.98, 0, 0.7], yaw=90), 1.2)
     furniture.desk_chair(b, place([-3.3, 0, 1.4], yaw=60), "navy")
     furniture.table(b, place([-4.2, 0, 1.05], yaw=90), (1.3, 0.65), "beech", 0.73)
     desk = place([-4.2, 0.732, 1.05], yaw=90)
-    decor.laptop(b, desk @ place([0.05, 0, 0.06]))
+    fixtures.laptop(b, desk @ place([0.05, 0, 0.06]))
     decor.book_pile(b, desk @ place([-0.42, 0, 0.0]), rng, 6)
     decor.cup(b, desk @ place([0.4, 0, 0.1]), "brick_red")
     _tea(b, rng)
-    furniture.bookshelf(b, place([4.97, 0, 3.3], yaw=-90), rng, wood="walnut", height=1.6, shelves=4)
+    furniture.bookshelf(
+        b, place([4.97, 0, 3.3], yaw=-90), rng, wood="walnut", height=1.6, shelves=4
+    )
     decor.ornament(b, place([4.8, 1.53, 3.4]), 0.13, "sage", 8.0)
     # Large bumpy balls: a sculpture on a pillar and two on the floor.
     b.add(cylinder(0.2, 0.9, 24), paint(b, "limestone"), place([3.1, 0, 1.9]))
@@ -218,7 +238,7 @@ CABLES = tuple((x, z) for x in (-3.6, -1.2, 1.2, 3.6) for z in (-2.6, 1.2))
 
 
 def _overhead(b: Builder) -> None:
-    decor.slats(b, place([0, 2.8, -0.7]), 48, 0.16, (0.05, 0.07, 4.6), "beech", 0.012)
+    fixtures.slats(b, place([0, 2.8, -0.7]), 22, 0.2, (0.06, 0.09, 4.6), "beech", 0.012)
     for z in (-2.6, 1.2):
         bearer = rod([-3.9, 2.855, z], [3.9, 2.855, z], 0.02, 8)
         b.add(bearer, paint(b, "black_metal"))

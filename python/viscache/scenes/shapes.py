@@ -68,7 +68,9 @@ def smooth_path(points: npt.ArrayLike, samples: int = 33) -> Array:
     k = np.minimum(t.astype(int), len(p) - 2)
     f = (t - k)[:, None]
     a, b, c, d = (ends[k + i] for i in range(4))
-    cubic = 2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f**2 + (3 * b - a - 3 * c + d) * f**3
+    cubic = (
+        2 * b + (c - a) * f + (2 * a - 5 * b + 4 * c - d) * f**2 + (3 * b - a - 3 * c + d) * f**3
+    )
     return even_path(0.5 * cubic, samples)
 
 
@@ -271,7 +273,8 @@ def bumpy_sphere(
         x, y, z = q.T / radius
         t, p = np.arccos(np.clip(y, -1, 1)), np.arctan2(z, x) + phase
         wave = np.sin(9 * t) * np.sin(11 * p) + 0.5 * np.sin(31 * t + 5 * p) * np.sin(t)
-        return q * (1 + depth * wave)[:, None]
+        bumpy: Array = q * (1 + depth * wave)[:, None]
+        return bumpy
 
     return sphere(radius, cells, bumps)
 
@@ -350,7 +353,9 @@ def tube(
         c = np.stack([np.interp(v[:, 0], knots, columns[:, k]) for k in range(9)], axis=1)[:, None]
         r = np.interp(v, radius_knots, radii)[..., None]
         angle = 2 * np.pi * u[..., None]
-        return np.asarray(c[..., :3] + r * (np.cos(angle) * c[..., 3:6] + np.sin(angle) * c[..., 6:]))
+        return np.asarray(
+            c[..., :3] + r * (np.cos(angle) * c[..., 3:6] + np.sin(angle) * c[..., 6:])
+        )
 
     return surface(position, nu, nv, closed=True, caps=caps)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from viscache.scenes.builder import Builder
 from viscache.scenes.registry import at_least, scene
-from viscache.scenes.shapes import box, bumpy_sphere, cylinder, place, quad, revolve, rod, soft_box
+from viscache.scenes.shapes import Array, box, bumpy_sphere, place, quad, rod
 
 GREY = (0.5, 0.5, 0.5)
 
@@ -46,7 +46,7 @@ def random_triangles(triangles: int = 100_000, edge: float = 0.01, seed: int = 1
     return scene_
 
 
-def _directions(rng: np.random.Generator, n: int) -> np.ndarray:
+def _directions(rng: np.random.Generator, n: int) -> Array:
     z, p = rng.uniform(-1, 1, n), rng.uniform(0, 2 * np.pi, n)
     r = np.sqrt(1 - z * z)
     return np.stack([r * np.cos(p), r * np.sin(p), z], axis=1)
@@ -59,11 +59,12 @@ def bumpy_spheres(triangles: int = 15_000, spheres: int = 36) -> Builder:
     Parameters
     ----------
     triangles : int
-        Placed triangles; the scene has this many to 1.25 times as many.
+        Placed triangles; the scene has this many to 1.25 times as many. At least 200;
+        below about 500 there are fewer spheres.
     spheres : int
         Number of spheres, on the smallest square grid that holds them.
     """
-    at_least("triangles", triangles, 100)
+    at_least("triangles", triangles, 200)
     at_least("spheres", spheres, 1)
     b = Builder("bumpy_spheres")
     g = int(np.ceil(np.sqrt(spheres)))
@@ -191,7 +192,12 @@ def slats(count: int = 16) -> Builder:
         x = (k - (count - 1) / 2) * 0.15
         b.add(box([x - 0.01, 1.6, -1.5], [x + 0.01, 1.62, 1.5]), wood)
     for x in (-1.0, 1.0):
-        b.add(box([0.15 * count / 2 * x - 0.02, 1.62, -1.5], [0.15 * count / 2 * x + 0.02, 1.66, 1.5]), wood)
+        b.add(
+            box(
+                [0.15 * count / 2 * x - 0.02, 1.62, -1.5], [0.15 * count / 2 * x + 0.02, 1.66, 1.5]
+            ),
+            wood,
+        )
     b.add(bumpy_sphere(0.3, 16), b.diffuse("ball", (0.35, 0.42, 0.55)), place([0.5, 0.3, 0.2]))
     b.add(box([-0.7, 0, -0.4], [-0.2, 0.5, 0.1]), b.diffuse("block", (0.6, 0.3, 0.25)))
     b.write(1.0)

@@ -50,7 +50,9 @@ def wall(
     b.add(box([x, 0, -h], [length, height, h]), m, frame)
 
 
-def _bar(b: Builder, at: Array, size: tuple[float, float, float], color: str = "white_paint") -> None:
+def _bar(
+    b: Builder, at: Array, size: tuple[float, float, float], color: str = "white_paint"
+) -> None:
     cells = tuple(max(2.0, min(8.0, 5 * s)) for s in size)
     b.add(soft_box(size, (cells[0], cells[1], cells[2]), power=12, bulge=0.2), paint(b, color), at)
 
@@ -72,10 +74,14 @@ def _casing(b: Builder, at: Array, left: float, right: float, top: float, half: 
         z = side * (half + 0.008)
         for x in (left - 0.03, right + 0.03):
             _bar(b, at @ place([x, top / 2, z]), (0.075, top, 0.024))
-        _bar(b, at @ place([(left + right) / 2, top + 0.035, z]), (right - left + 0.14, 0.075, 0.024))
+        _bar(
+            b, at @ place([(left + right) / 2, top + 0.035, z]), (right - left + 0.14, 0.075, 0.024)
+        )
 
 
-def door(b: Builder, at: Array, *, width: float = 0.86, height: float = 2.06, open_deg: float = 0) -> None:
+def door(
+    b: Builder, at: Array, *, width: float = 0.86, height: float = 2.06, open_deg: float = 0
+) -> None:
     """Panelled door hinged at the origin, closed along +x, opened by `open_deg` towards +z."""
     leaf = at @ place(yaw=-open_deg) @ place([width / 2, height / 2 + 0.01, 0])
     m, x = paint(b, "white_paint"), width / 2
@@ -88,5 +94,9 @@ def door(b: Builder, at: Array, *, width: float = 0.86, height: float = 2.06, op
     brass = paint(b, "brass")
     for z in (-1, 1):
         spot = leaf @ place([x - 0.06, -0.02, z * 0.02])
-        b.add(revolve([[0.022, 0], [0.02, 0.006], [0.008, 0.01], [0.008, 0.04]], 10, 6), brass, spot @ place(pitch=z * 90))
+        b.add(
+            revolve([[0.022, 0], [0.02, 0.006], [0.008, 0.01], [0.008, 0.04]], 10, 6),
+            brass,
+            spot @ place(pitch=z * 90),
+        )
         b.add(rod([0, 0, z * 0.04], [-0.1, 0, z * 0.04], 0.008, 8), brass, spot)

@@ -1,0 +1,188 @@
+// glTF 2.0: metallic-roughness materials and their images to the nearest material.
+#include "viscache/scene/gltf_reader.h"
+
+#include "viscache/scene/decode_image.h"
+
+namespace viscache::loading {
+
+namespace {
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+/// "%20" to " ".
+std::string url_decoded(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
+        const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
+        if (low >= 0)
+            out += char(high * 16 + low), i += 2;
+        else
+            out += uri[i];
+    }
+    return out;
+}
+
+Rgb rgb(const std::vector<double>& v, Rgb fallback) {
+    return v.size() >= 3 ? Rgb{float(v[0]), float(v[1]), float(v[2])} : fallback;
+}
+
+}  // namespace
+
+int GltfReader::image_source(int texture, const std::string& where) const {
+    if (texture < 0 || size_t(texture) >= model_.textures.size())
+        fail(where, "texture " + std::to_string(texture) + ", the file has " +
+                        std::to_string(model_.textures.size()));
+    const int source = model_.textures[size_t(texture)].source;
+    if (source >= 0 && size_t(source) >= model_.images.size())
+        fail(where,
+             "image " + std::to_string(source) + ", the file has " + std::to_string(model_.images.size()));
+    return source;
+}
+
+std::string GltfReader::image_path(int source) const {
+    const tinygltf::Image& image = model_.images[size_t(source)];
+    return image.uri.empty() || !image.image.empty() ? "" : resolve(path_, url_decoded(image.uri));
+}
+
+std::string GltfReader::image_bytes(int source, const std::string& where) const {
+    const tinygltf::Image& image = model_.images[size_t(source)];
+    if (!image.image.empty()) return {image.image.begin(), image.image.end()};
+    if (image.bufferView < 0) return read_file(image_path(source), where);
+    if (size_t(image.bufferView) >= model_.bufferViews.size())
+        fail(where, "the image's buffer view does not exist");
+    const tinygltf::BufferView& view = model_.bufferViews[size_t(image.bufferView)];
+    if (view.buffer < 0 || size_t(view.buffer) >= model_.buffers.size())
+        fail(where, "the image's buffer does not exist");
+    const auto& data = model_.buffers[size_t(view.buffer)].data;
+    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+        fail(where, "the image does not fit into its buffer");
+    return {data.begin() + std::ptrdiff_t(view.byteOffset),
+            data.begin() + std::ptrdiff_t(view.byteOffset + view.byteLength)};
+}
+
+/// A decoded copy, for means and channels; nothing when it cannot be read and that is not an error.
+std::optional<viscache::Image> GltfReader::decoded(int texture, bool srgb, const std::string& where) {
+    const int source = image_source(texture, where);
+    if (source < 0) return {};
+    try {
+        return decode_image(image_bytes(source, where), where, srgb);
+    } catch (const SceneError& error) {
+        loading_.warn(where, std::string(error.what()) + "; the image is left out");
+        return {};
+    }
+}
+
+int GltfReader::add_texture(int texture, const std::string& where) {
+    const int source = image_source(texture, where);
+    if (source < 0) {
+        loading_.warn(where, "a texture without an image is left out");
+        return -1;
+    }
+    if (const std::string path = image_path(source); !path.empty())
+        return loading_.add_image(path, where, true);
+    const auto [found, is_new] = embedded_.try_emplace(source, -1);
+    if (is_new)
+        if (auto image = decoded(texture, true, where)) {
+            loading_.scene.images.push_back(std::move(*image));
+            found->second = int(loading_.scene.images.size()) - 1;
+        }
+    return found->second;
+}
+
+double GltfReader::extension_number(const tinygltf::Material& in, const char* extension, const char* name,
+                                    double fallback) {
+    const auto found = in.extensions.find(extension);
+    if (found == in.extensions.end() || !found->second.IsObject() || !found->second.Has(name))
+        return fallback;
+    const tinygltf::Value& value = found->second.Get(name);
+    return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
+}
+
+void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
+    if (in.alphaMode == "OPAQUE") return;
+    const auto& pbr = in.pbrMetallicRoughness;
+    const double factor = pbr.baseColorFactor.size() == 4 ? pbr.baseColorFactor[3] : 1;
+    const double cutoff = in.alphaMode == "MASK" ? in.alphaCutoff : 0.5;
+    if (in.alphaMode != "MASK")
+        loading_.warn(where, "alpha mode '" + in.alphaMode + "' is not modelled; a cut-out at 0.5 is used");
+    const auto image = m.base_texture >= 0 ? decoded(pbr.baseColorTexture.index, true, where) : std::nullopt;
+    if (image && (image->channels == 2 || image->channels == 4)) {
+        m.alpha_texture = m.base_texture;
+        m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;
+    } else if (factor < cutoff) {
+        loading_.warn(where, "constant alpha " + std::to_string(factor) + " is not modelled; opaque");
+    }
+}
+
+viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::string& where) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    viscache::Material m;
+    m.two_sided = in.doubleSided;
+    if (extension_number(in, "KHR_materials_transmission", "transmissionFactor", 0) > 0.5) {
+        m.kind = MaterialKind::kDielectric, m.two_sided = true;
+        m.eta = float(extension_number(in, "KHR_materials_ior", "ior", 1.5));
+        if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
+        return m;
+    }
+    double metallic = pbr.metallicFactor, roughness = pbr.roughnessFactor;
+    if (pbr.metallicRoughnessTexture.index >= 0) {
+        loading_.warn(where, "a metallic-roughness image is not modelled; its means are used");
+        if (const auto image = decoded(pbr.metallicRoughnessTexture.index, false, where)) {
+            const Rgb mean = mean_of(*image).color;
+            roughness *= mean.y, metallic *= mean.z;
+        }
+    }
+    metallic = std::clamp(metallic, 0.0, 1.0);
+    const Rgb base = clamp01(rgb(pbr.baseColorFactor, {1, 1, 1}));
+    Rgb metal = base;
+    if (pbr.baseColorTexture.index >= 0) {
+        m.base_texture = add_texture(pbr.baseColorTexture.index, where);
+        // A metal's colour is one colour here.
+        if (metallic > 0)
+            if (const auto image = decoded(pbr.baseColorTexture.index, true, where))
+                metal = base * mean_of(*image).color;
+    }
+    const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
+    m.kind = MaterialKind::kGlossy;
+    m.base_color = base * float(1 - metallic);
+    m.specular = clamp01(Rgb{f0, f0, f0} * float(1 - metallic) + metal * float(metallic));
+    m.roughness = clamp_roughness(float(roughness * roughness));
+    if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
+    alpha(m, in, where);
+    return m;
+}
+
+Rgb GltfReader::emission(const tinygltf::Material& in, const std::string& where) {
+    Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
+    e = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
+    if (max_component(e) > 0 && in.emissiveTexture.index >= 0) {
+        loading_.warn(where, "an emissive image is not modelled; its mean is used");
+        if (const auto image = decoded(in.emissiveTexture.index, true, where)) e = e * mean_of(*image).color;
+    }
+    return e;
+}
+
+const GltfReader::Look& GltfReader::look(int index) {
+    const auto [found, is_new] = looks_.try_emplace(index);
+    if (!is_new) return found->second;
+    const std::string where = path_ + ": material " + std::to_string(index);
+    if (index >= 0 && size_t(index) >= model_.materials.size())
+        fail(where, "the file has " + std::to_string(model_.materials.size()) + " materials");
+    const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
+    Look& look = found->second;
+    look.material = loading_.add_material(surface(in, where));
+    look.emission = emission(in, where);
+    look.two_sided = in.doubleSided;
+    look.texcoord = in.pbrMetallicRoughness.baseColorTexture.index >= 0
+                        ? in.pbrMetallicRoughness.baseColorTexture.texCoord
+                        : 0;
+    return look;
+}
+
+}  // namespace viscache::loading

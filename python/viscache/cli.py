@@ -1,0 +1,97 @@
+"""The command line: `viscache SUB-COMMAND ...`.
+
+Results go to standard output, messages and progress to standard error. Exit status: 0 done, 1 a
+check or comparison failed, 2 bad usage or input (one line; a traceback with --debug), 130 after
+Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from viscache.settings import NotThereYetError, nearest
+
+#: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
+COMMANDS = {
+    "scenes": "the built-in procedural scenes, their parameters and defaults",
+    "info": "what a scene holds, and what its file asked for that is not modelled",
+    "render": "render a scene to an EXR file",
+    "diff": "compare an image with a reference",
+    "sweep": "run or resume a sweep",
+    "report": "write the HTML report of a sweep",
+    "reproduce": "figures and tables of the papers",
+    "bench": "benchmarks: ratios against a named baseline of the same run",
+    "doctor": "versions, and a self-test",
+}
+#: Named by the interface, not there yet.
+LATER = {
+    "correlate": "Section 4 statistics of a scene's visibility",
+    "tune": "parameters that meet an error target",
+}
+OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line; returns the exit status and never raises for bad input."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if given and given[0] in LATER:
+        return _complain(f"{given[0]} is not there yet in this version of viscache")
+    debug = "--debug" in given
+    try:
+        parser = _parser(given)
+        parsed = parser.parse_args(given)
+        return int(importlib.import_module(f"viscache.commands.{parsed.command}").run(parsed))
+    except SystemExit as stop:  # argparse has said why
+        return stop.code if isinstance(stop.code, int) else BAD_USAGE
+    except KeyboardInterrupt:
+        if debug:
+            raise
+        print("viscache: interrupted; what was finished is kept", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        sys.stderr.close()
+        return OK
+    except (ValueError, OSError, NotThereYetError) as error:
+        if debug:
+            raise
+        return _complain(str(error))
+
+
+def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser; only the sub-command that was given gets its arguments (and its imports)."""
+    parser = _Parser(prog="viscache", description="Trade shadow rays for accuracy, and measure it.")
+    from viscache.provenance import version
+
+    parser.add_argument("--version", action="version", version=f"viscache {version()}")
+    subs = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    wanted = next((word for word in given if not word.startswith("-")), None)
+    if wanted is not None and wanted not in COMMANDS:
+        known = [*COMMANDS, *LATER]
+        raise ValueError(f"unknown command {wanted!r}{nearest(wanted, known)}")
+    for name, text in COMMANDS.items():
+        sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        sub.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
+        if name == wanted:
+            importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
+    for name, text in LATER.items():
+        subs.add_parser(name, help=f"{text} (not there yet)")
+    return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, without the usage before it."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        self.exit(BAD_USAGE, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _complain(message: str) -> int:
+    print("viscache: " + " ".join(message.split()), file=sys.stderr)
+    return BAD_USAGE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,115 @@
+"""`viscache doctor`: versions, and a self-test of ten seconds."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+from typing import Any
+
+import numpy as np
+
+from viscache import provenance
+from viscache.commands.shared import print_json
+from viscache.settings import NotThereYetError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--extremes", action="store_true", help="the numerical-extremes suite")
+    parser.add_argument("--json", action="store_true", help="one JSON object")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    if arguments.extremes:
+        raise NotThereYetError("doctor --extremes is not there yet in this version of viscache")
+    active, best = provenance.isa()
+    made = provenance.provenance()
+    report: dict[str, Any] = {
+        "versions": {name: made[name] for name in ("viscache", "numpy", "python", "embree")},
+        "isa": {"active": active, "best": best, "asked": os.environ.get("VISCACHE_ISA")},
+        "cpu": provenance.cpu_model(),
+        "threads": made["threads"],
+        "checks": checks(active, best),
+    }
+    report["ok"] = all(check["holds"] for check in report["checks"])
+    if arguments.json:
+        print_json(report)
+    else:
+        _print(report)
+    return 0 if report["ok"] else 1
+
+
+def checks(active: str, best: str) -> list[dict[str, Any]]:
+    """Every check of the self-test: its name, value, limit, and whether it holds."""
+    scene = _scene()
+    asked = os.environ.get("VISCACHE_ISA")
+    result = [
+        _check("the kernels run the best variant this CPU has (or the one asked for)",
+               int(active != (asked or best)), 0),
+        _check("visible() agrees with plane geometry", _wrong_answers(scene), 0),
+    ]  # fmt: skip
+    vc: Any = importlib.import_module("viscache")
+    direct = vc.Direct()
+    exact = vc.render(scene, direct, size=(48, 32))
+    shadow = float(np.mean(exact.image[:, :, 0] > 0))
+    result.append(_check("the test picture has light and shadow", shadow, [0.02, 0.98]))
+    tiny = vc.render(scene, direct, visibility=vc.Aqvc(c_e=0.01), size=(48, 32))
+    error = vc.metrics.compare(tiny, exact, metrics=["max_abs"]).max_abs
+    result.append(_check("the quantized cache at C_E = 0.01 gives the exact picture", error, 0))
+    cached = vc.Aqvc(c_e=8)
+    frames = [vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
+              for t in (1, 2, 3)]  # fmt: skip
+    name = "1, 2 and 3 threads give the same bytes"
+    result.append(_check(name, len(set(frames)) - 1, 0))
+    return result
+
+
+def _check(name: str, value: Any, limit: Any) -> dict[str, Any]:
+    in_range = isinstance(limit, list) and limit[0] <= value <= limit[1]
+    holds = in_range or value == limit
+    return {"name": name, "value": value, "limit": limit, "holds": bool(holds)}
+
+
+def _scene() -> Any:
+    """A floor, a triangle hovering over it, a point light above, a camera."""
+    vc: Any = importlib.import_module("viscache")
+    description = vc.SceneDescription()
+    floor = np.array([[-4, 0, -4], [4, 0, -4], [4, 0, 4], [-4, 0, 4]], np.float32)
+    quads = np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
+    material = description.add_material(base_color=(0.5, 0.5, 0.5))
+    description.add_mesh(floor, quads, material=material)
+    triangle = np.array([_A, _B, _C], np.float32)
+    description.add_mesh(triangle, np.array([[0, 1, 2]], np.uint32), material=material)
+    description.add_point_light((0.3, 4.0, 0.2), (20.0, 20.0, 20.0))
+    description.add_camera((0.0, 5.0, 7.0), (0.0, 0.0, 0.0), width=48, height=32)
+    return vc.Scene.from_description(description)
+
+
+_A, _B, _C = (-1.0, 1.0, -1.0), (1.0, 1.0, -1.0), (0.0, 1.0, 1.0)
+
+
+def _wrong_answers(scene: Any) -> int:
+    """Segments through the triangle's plane whose answer is not that of plane geometry."""
+    rng, n = np.random.default_rng(0), 4000
+    below = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 0.5), rng.uniform(-2, 2, n)])
+    above = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 1.5), rng.uniform(-2, 2, n)])
+    crossing = (0.5 * (below + above))[:, [0, 2]]
+    corners = np.array([_A, _B, _C])[:, [0, 2]]
+    edges = np.roll(corners, -1, axis=0) - corners
+    lengths = np.linalg.norm(edges, axis=1)
+    to = crossing[:, None, :] - corners[None]
+    side = (edges[None, :, 0] * to[:, :, 1] - edges[None, :, 1] * to[:, :, 0]) / lengths
+    clear = np.abs(side).min(axis=1) > 1e-3  # not on an edge, where rounding decides
+    expected = ~(side > 0).all(axis=1)
+    seen = scene.visible(below.astype(np.float32), above.astype(np.float32))
+    return int((seen != expected)[clear].sum())
+
+
+def _print(report: dict[str, Any]) -> None:
+    for name, version in report["versions"].items():
+        print(f"{name} {version}")
+    print(f"kernels {report['isa']['active']} (best here: {report['isa']['best']})")
+    print(f"{report['cpu']}, {report['threads']} thread(s)")
+    for check in report["checks"]:
+        state = "ok  " if check["holds"] else "FAIL"
+        print(f"{state} {check['name']} ({check['value']:g}, limit {check['limit']})")

@@ -1,0 +1,67 @@
+"""`viscache render SCENE -o out.exr`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from pathlib import Path
+from typing import Any
+
+from viscache import settings, sources
+from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    parser.add_argument("-o", "--output", metavar="OUT.exr", required=True)
+    parser.add_argument(
+        "--integrator", default="whitted", choices=list(settings.NAMES["integrator"])
+    )
+    parser.add_argument("--rays", default="embree", choices=list(settings.NAMES["rays"]))
+    parser.add_argument(
+        "--visibility", default="exact",
+        choices=[*settings.NAMES["visibility"], *settings.RAYS_AS_VISIBILITY],
+    )  # fmt: skip
+    parser.add_argument(
+        "--use", choices=["replace", "correct"], help="how an approximation is used"
+    )
+    parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
+                        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256")  # fmt: skip
+    parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--threads", type=at_least_one)
+    parser.add_argument("--env", metavar="FILE", help="environment light")
+    parser.add_argument("--camera", metavar="NAME")
+    parser.add_argument("--json", action="store_true", help="counters, timings, parameters, sha256")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    target = Path(arguments.output)
+    if target.suffix.lower() != ".exr":
+        raise ValueError(f"output must be an .exr file, got {arguments.output}")
+    if not target.resolve().parent.is_dir():
+        raise ValueError(f"output must lie in an existing folder, got {arguments.output}")
+    chosen = chosen_settings(arguments)
+    scene = sources.open_scene(arguments.scene)
+    vc: Any = importlib.import_module("viscache")
+    options = {} if arguments.size is None else {"size": arguments.size}
+    frame = vc.render(
+        scene, chosen["integrator"], rays=chosen["rays"], visibility=chosen["visibility"],
+        use=arguments.use, spp=arguments.spp, seed=arguments.seed, threads=arguments.threads,
+        camera=arguments.camera, env=arguments.env, progress=sys.stderr.isatty(), **options,
+    )  # fmt: skip
+    frame.save(target)
+    if arguments.json:
+        print_json(frame.summary())
+        return 0
+    wanted = ("queries", "rays", "ray_reduction")
+    print_table({
+        **{k: v for k, v in frame.timings.items() if k in ("total_s", "visibility_s", "shading_s")},
+        **{k: frame.counters[k] for k in wanted if k in frame.counters},
+        "sha256": frame.sha256, "written": str(target),
+    })  # fmt: skip
+    for warning in frame.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    return 0

@@ -1,0 +1,127 @@
+"""Scatter plots as inline SVG: one `<circle class="point" data-id=…>` per setting."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+WIDTH, HEIGHT = 560, 360
+LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Mark:
+    """One setting in a plot: mean and half of its 95 % interval on both axes."""
+
+    id: str
+    x: float
+    y: float
+    half_x: float
+    half_y: float
+    color: str
+    text: str
+
+
+class Axis:
+    """Values → pixels; logarithmic where all values are positive and span more than 3×."""
+
+    def __init__(self, values: Sequence[float], begin: float, end: float) -> None:
+        finite = [v for v in values if math.isfinite(v)] or [0.0, 1.0]
+        low, high = min(finite), max(finite)
+        self.log = low > 0 and high > 3 * low
+        if self.log:
+            self.low, self.high = low / 1.25, high * 1.25
+        else:
+            pad = 0.08 * (high - low) or abs(high) * 0.1 or 1.0
+            self.low, self.high = low - pad, high + pad
+            if low >= 0 > self.low:
+                self.low = 0.0
+        self.begin, self.end = begin, end
+
+    def __call__(self, value: float) -> float:
+        f = math.log if self.log else float
+        floor = max(value, self.low) if self.log else value
+        share = (f(floor) - f(self.low)) / (f(self.high) - f(self.low))
+        return self.begin + share * (self.end - self.begin)
+
+    def ticks(self) -> list[float]:
+        """Numbers of the form 1, 2, 5 times a power of ten inside the axis."""
+        if self.log:
+            decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+            steps = (1, 2, 5) if len(decades) <= 5 else (1,)
+            candidates = [s * 10.0**d for d in decades for s in steps]
+        else:
+            rough = (self.high - self.low) / 5
+            power = 10.0 ** math.floor(math.log10(rough))
+            step = next(s * power for s in (1, 2, 5, 10) if s * power >= rough)
+            first = math.ceil(self.low / step)
+            candidates = [(first + i) * step for i in range(12)]
+        return [t for t in candidates if self.low <= t <= self.high]
+
+
+def number(value: float) -> str:
+    """A number as an axis shows it: 0.02, 1500, 2M."""
+    for limit, suffix in ((1e9, "G"), (1e6, "M"), (1e4, "k")):
+        if abs(value) >= limit:
+            scale = 1e3 if suffix == "k" else limit
+            return f"{value / scale:.4g}{suffix}"
+    return f"{value:.4g}"
+
+
+def scatter(
+    plot_id: str, marks: Sequence[Mark], x_label: str, y_label: str, exact: float | None = None
+) -> str:
+    """The plot; `exact` draws a dashed line at the exact frame's mean cost."""
+    across = [m.x for m in marks] + ([exact] if exact is not None and math.isfinite(exact) else [])
+    x = Axis(across, LEFT, WIDTH - RIGHT)
+    y = Axis([m.y for m in marks], HEIGHT - BOTTOM, TOP)
+    parts = [
+        f'<svg id="{plot_id}" class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" role="group" '
+        f'aria-label="{html.escape(y_label)} against {html.escape(x_label)}">'
+    ]
+    right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM
+    for tick in x.ticks():
+        at = f"{x(tick):.1f}"
+        parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{TOP}" y2="{bottom}"/>')
+        parts.append(f'<text class="tick" x="{at}" y="{bottom + 16}" text-anchor="middle">'
+                     f"{number(tick)}</text>")  # fmt: skip
+    for tick in y.ticks():
+        at = f"{y(tick):.1f}"
+        parts.append(f'<line class="grid" x1="{LEFT}" x2="{right}" y1="{at}" y2="{at}"/>')
+        parts.append(f'<text class="tick" x="{LEFT - 8}" y="{at}" dy=".35em" text-anchor="end">'
+                     f"{number(tick)}</text>")  # fmt: skip
+    parts.append(f'<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/>')
+    middle = (LEFT + right) / 2
+    parts.append(f'<text class="label" x="{middle}" y="{HEIGHT - 8}" text-anchor="middle">'
+                 f"{html.escape(x_label)}</text>")  # fmt: skip
+    parts.append(f'<text class="label" transform="translate(14 {(TOP + bottom) / 2}) rotate(-90)" '
+                 f'text-anchor="middle">{html.escape(y_label)}</text>')  # fmt: skip
+    if exact is not None and math.isfinite(exact):
+        line = x(exact)
+        parts.append(
+            f'<line class="exact" x1="{line:.1f}" x2="{line:.1f}" y1="{TOP}" y2="{bottom}"/>'
+        )
+        parts.append(f'<text class="tick" x="{line - 5:.1f}" y="{TOP + 10}" text-anchor="end">'
+                     "exact</text>")  # fmt: skip
+    parts.append(
+        f'<clipPath id="{plot_id}-area"><rect x="{LEFT}" y="{TOP}" '
+        f'width="{right - LEFT}" height="{bottom - TOP}"/></clipPath>'
+    )
+    for m in marks:
+        bars = []
+        if m.half_x:
+            bars.append(f"M{x(m.x - m.half_x):.1f} {y(m.y):.1f}H{x(m.x + m.half_x):.1f}")
+        if m.half_y:
+            bars.append(f"M{x(m.x):.1f} {y(m.y - m.half_y):.1f}V{y(m.y + m.half_y):.1f}")
+        if bars:
+            area, path = f"url(#{plot_id}-area)", "".join(bars)
+            parts.append(f'<path class="bar" clip-path="{area}" stroke="{m.color}" d="{path}"/>')
+    for m in marks:
+        parts.append(
+            f'<circle class="point" data-id="{m.id}" cx="{x(m.x):.1f}" cy="{y(m.y):.1f}" r="6" '
+            f'fill="{m.color}" tabindex="0" role="button" aria-label="{html.escape(m.text)}">'
+            f"<title>{html.escape(m.text)}</title></circle>"
+        )
+    return "".join(parts) + "</svg>"

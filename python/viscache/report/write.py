@@ -1,0 +1,244 @@
+"""Writes a sweep as one HTML file that opens from disk and asks the network for nothing."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import os
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from viscache import plots, tonemap
+from viscache.report.svg import Mark, number, scatter
+from viscache.store import Store
+from viscache.sweep_table import open_dataset
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Pictures are PNG up to this many settings, high-quality JPEG beyond, to keep the file mailable.
+MOST_PNG_SETTINGS = 24
+#: Widest embedded picture.
+MAX_WIDTH_PX = 640
+DIFFERENCE_GAIN = 16.0
+
+_PLAIN = {
+    "rel_l1": "relative error L̂_INF", "rmse": "RMSE", "rel_mse": "relative MSE",
+    "energy": "energy error", "flip": "HDR-FLIP", "ssim": "SSIM", "max_abs": "largest error",
+    "total_s": "time per frame [s]", "visibility_s": "visibility [s]", "cpu_s": "CPU [s]",
+    "rays": "shadow rays", "queries": "queries", "ray_reduction": "queries per ray",
+    "speedup": "speed-up over exact", "cpu_speedup": "CPU speed-up",
+    "c_e": "C_E", "c_n": "C_N", "c_z": "C_Z", "c_r": "C_R",
+    "n_vpls": "VPLs",
+}  # fmt: skip
+
+
+def write(
+    sweep: xarray.Dataset | str | os.PathLike[str], path: str | os.PathLike[str] | None = None
+) -> Path:
+    """Write the report of a sweep.
+
+    Parameters
+    ----------
+    sweep : Dataset or path
+        What `viscache.sweep` returned, or the directory it ran in. Pictures need the directory.
+    path : path, optional
+        The HTML file; `report.html` in the directory by default.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    ValueError
+        No sweep there, or none of its points is finished.
+    """
+    if isinstance(sweep, (str, os.PathLike)):
+        dataset = open_dataset(sweep)
+        directory: Path | None = Path(sweep)
+    else:
+        dataset = sweep
+        kept = dataset.attrs.get("directory")
+        directory = Path(kept) if kept and Store.exists(kept) else None
+    if path is not None:
+        target = Path(path)
+    elif directory is not None:
+        target = directory / "report.html"
+    else:
+        raise ValueError("path must be given for a sweep without a directory")
+    model = _model(dataset)
+    if directory is not None:
+        with Store(directory) as store:
+            _add_pictures(model, store)
+    text = _page(model, dataset)
+    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(target)
+    return target
+
+
+def _model(ds: xarray.Dataset) -> dict[str, Any]:
+    """What the page shows, JSON-able."""
+    metrics = json.loads(ds.attrs["metrics"])
+    wanted = [
+        *metrics[:1], "total_s", "speedup", "cpu_speedup", "rays", "ray_reduction", *metrics[1:],
+        *(f"converged_{m}" for m in metrics[:1]), "visibility_s",
+    ]  # fmt: skip
+    columns = [c for c in wanted if c in ds and bool(ds[c].notnull().any())]
+    if not columns or not metrics:
+        raise ValueError("the sweep has no finished point")
+    settings = plots.settings_of(ds, metrics[0])
+    by_column = {c: {s["index"]: s[c] for s in plots.settings_of(ds, c)} for c in columns}
+    names = list(settings[0]["values"]) if settings else []
+    rows = []
+    for i, setting in enumerate(settings):
+        values = {k: v.item() if hasattr(v, "item") else v for k, v in setting["values"].items()}
+        found = {c: by_column[c].get(setting["index"]) for c in columns}
+        cells = {c: None if v is None else list(v) for c, v in found.items()}
+        text = ", ".join(f"{_PLAIN.get(k, k)} = {v}" for k, v in values.items())
+        rows.append({"id": f"s{i}", "index": list(setting["index"]), "values": values,
+                     "cells": cells, "text": text})  # fmt: skip
+    return {
+        "names": names, "metrics": metrics, "columns": columns, "settings": rows,
+        "labels": {n: plain(n) for n in [*names, *columns]}, "pictures": {},
+        "size": json.loads(ds.attrs["size"]),
+        "repeats": int(ds.sizes["repeat"]), "gain": DIFFERENCE_GAIN,
+    }  # fmt: skip
+
+
+def plain(name: str) -> str:
+    """A column's words without markup."""
+    if name.startswith("converged_"):
+        return "total " + plain(name.removeprefix("converged_"))
+    return _PLAIN.get(name, name)
+
+
+def _add_pictures(model: dict[str, Any], store: Store) -> None:
+    """Picture, reference and difference of each setting's first repeat, as data URIs."""
+    points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
+    kind = "png" if len(model["settings"]) <= MOST_PNG_SETTINGS else "jpeg"
+    for setting in model["settings"]:
+        point = points.get(tuple(setting["index"]))
+        if point is None or store.get(point["key"]) is None or store.get(point["paired"]) is None:
+            continue
+        frame, reference = store.frame(point["key"]), store.frame(point["paired"])
+        exposure = tonemap.auto_exposure(reference.image)
+        if point["paired"] not in model["pictures"]:
+            seen = tonemap.to_srgb8(reference.image, exposure)
+            model["pictures"][point["paired"]] = _uri(seen, kind)
+        difference = tonemap.difference8(frame.image, reference.image, DIFFERENCE_GAIN)
+        setting |= {
+            "reference": point["paired"],
+            "picture": _uri(tonemap.to_srgb8(frame.image, exposure), kind),
+            "difference": _uri(difference, kind),
+            "seed": point["seed"],
+            "parameters": frame.parameters,
+            "sha256": frame.sha256,
+        }
+
+
+def _uri(pixels: Any, kind: str) -> str:
+    data = tonemap.encode(pixels, kind=kind, max_width=MAX_WIDTH_PX)
+    return f"data:image/{kind};base64," + base64.b64encode(data).decode("ascii")
+
+
+def _page(model: dict[str, Any], ds: xarray.Dataset) -> str:
+    template = resources.files("viscache.report").joinpath("template.html").read_text("utf-8")
+    pieces = {
+        "TITLE": html.escape(f"{ds.attrs['scene']}: the trade of shadow rays for accuracy"),
+        "SCENE": html.escape(str(ds.attrs["scene"])),
+        "FACTS": _facts(ds, model),
+        "PLOTS": _plots(model, ds),
+        "TABLE": _table(model),
+        "DATA": json.dumps(model, allow_nan=False, default=str).replace("</", "<\\/"),
+    }
+    for name, text in pieces.items():
+        template = template.replace("{{" + name + "}}", text)
+    return template
+
+
+def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
+    """The header: what was rendered, with what, by which versions."""
+    settings = {role: json.loads(ds.attrs[role]) for role in ("integrator", "visibility", "rays")}
+    width, height = json.loads(ds.attrs["size"])
+    made = json.loads(ds.attrs["provenance"])
+    levels = {
+        n: dict.fromkeys(str(s["values"][n]) for s in model["settings"]) for n in model["names"]
+    }
+    swept = "; ".join(f"{plain(n)} ∈ {{{', '.join(texts)}}}" for n, texts in levels.items())
+    facts = {
+        "Swept": swept,
+        "Frame": f"{width}×{height}, {ds.attrs['spp']} sample(s) per pixel, "
+        f"{model['repeats']} repeat(s)",
+        **{role.capitalize(): _settings_text(table) for role, table in settings.items()},
+        "Scene hash": str(ds.attrs["scene_hash"])[:16],
+        "Made by": ", ".join(f"{k} {v}" for k, v in made.items() if k != "date"),
+        "Processor": str(ds.attrs["cpu"]),
+        "Date": str(made.get("date", "unknown")),
+    }
+    return "".join(
+        f"<div><dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd></div>" for k, v in facts.items()
+    )
+
+
+def _settings_text(table: dict[str, Any]) -> str:
+    rest = ", ".join(f"{k} = {v}" for k, v in table.items() if k != "name" and v not in (None, {}))
+    return f"{table['name']}" + (f" ({rest})" if rest else "")
+
+
+def _plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
+    metric = model["metrics"][0]
+    first = model["names"][0] if model["names"] else None
+    levels = (
+        list(dict.fromkeys(str(s["values"][first]) for s in model["settings"])) if first else []
+    )
+    figures = []
+    for column, exact in (("total_s", "exact_total_s"), ("rays", "exact_rays")):
+        if column not in model["columns"]:
+            continue
+        marks = []
+        for s in model["settings"]:
+            (px, hx), (py, hy) = s["cells"][column] or (math.nan, 0), s["cells"][metric]
+            if math.isfinite(px):
+                level = levels.index(str(s["values"][first])) if first else 0
+                color = plots.COLORS[level % len(plots.COLORS)]
+                text = f"{s['text']}: {plain(metric)} {py:.4g}, {plain(column)} {number(px)}"
+                marks.append(Mark(id=s["id"], x=px, y=py, half_x=hx, half_y=hy, color=color,
+                                  text=text))  # fmt: skip
+        line = float(ds[exact].mean()) if exact in ds else None
+        svg = scatter(f"plot-{column}", marks, plain(column), plain(metric), line)
+        figures.append(f"<figure>{svg}</figure>")
+    key = "".join(
+        f'<span><i style="background:{plots.COLORS[i % len(plots.COLORS)]}"></i>'
+        f"{html.escape(f'{_PLAIN.get(first, first)} = {level}')}</span>"
+        for i, level in enumerate(levels)
+        if first
+    )
+    return f'<div class="plots">{"".join(figures)}</div><p class="key">{key}</p>'
+
+
+def _table(model: dict[str, Any]) -> str:
+    heads = [*model["names"], *model["columns"]]
+    head = "".join(
+        f'<th scope="col" data-column="{html.escape(h)}">'
+        f"<button>{html.escape(plain(h))}</button></th>"
+        for h in heads
+    )
+    rows = []
+    for s in model["settings"]:
+        cells = [f"<td>{html.escape(str(s['values'][n]))}</td>" for n in model["names"]]
+        for column in model["columns"]:
+            cell = s["cells"][column]
+            if cell is None:
+                cells.append('<td data-value="">–</td>')
+                continue
+            mean, half = cell
+            spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
+            cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
+        rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"

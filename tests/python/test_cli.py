@@ -1,0 +1,206 @@
+"""The command line: exit statuses, shapes of the JSON, one-line complaints."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache
+from viscache import cli
+from viscache.frame import Frame
+
+
+def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
+    status = cli.main(list(words))
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> tuple[str, str]:
+    b = np.random.default_rng(0).random((16, 20, 3)) + 0.1
+    Frame(layers={"color": b * 1.1}).save(tmp_path / "a.exr")
+    Frame(layers={"color": b}).save(tmp_path / "b.exr")
+    return str(tmp_path / "a.exr"), str(tmp_path / "b.exr")
+
+
+def test_diff_prints_every_metric_as_one_json_object(
+    capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
+) -> None:
+    png = tmp_path / "d.png"
+    status, out, err = run(capsys, "diff", *pair, "--json", "--png", str(png))
+    got = json.loads(out)
+    assert status == 0 and err == "" and png.read_bytes()[:4] == b"\x89PNG"
+    assert set(got) == {"rmse", "rel_mse", "rel_l1", "energy", "flip", "ssim", "max_abs"}
+    assert got["rel_l1"] == pytest.approx(0.1, rel=1e-5)
+    assert got["energy"] == pytest.approx(0.1, rel=1e-5)
+
+
+def test_diff_against_black_prints_null(
+    capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
+) -> None:
+    Frame(layers={"color": np.zeros((16, 20, 3))}).save(tmp_path / "z.exr")
+    _, out, _ = run(capsys, "diff", pair[0], str(tmp_path / "z.exr"), "--json")
+    assert json.loads(out)["rel_l1"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "required: COMMAND"),
+        (["rendr"], "did you mean 'render'"),
+        (["diff", "no.exr", "no.exr"], "no such file: no.exr"),
+        (["diff", "a.exr"], "required: REF.exr"),
+        (["render", "room", "-o", "x.png"], "output must be an .exr file"),
+        (["render", "room", "-o", "x.exr", "--size", "0x4"], "size must be WxH, both >= 1"),
+        (["render", "room", "-o", "x.exr", "--spp", "0"], "whole number >= 1, got '0'"),
+        (["render", "room", "-o", "x.exr", "--set", "c_e"], "--set must be name=value"),
+        (["render", "room", "-o", "x.exr", "--visibility", "aqvc", "--set", "c_x=1"],
+         "unknown parameter 'c_x'"),
+        (["render", "room", "-o", "x.exr", "--visibility", "vlf", "--rays", "bsp"], "is short for"),
+        (["render", "room", "-o", "x.exr", "--visibility", "vismap"], "not there yet"),
+        (["sweep", "none.toml", "-o", "out"], "no such sweep file"),
+        (["report", "none"], "no such directory"),
+        (["reproduce", "aqvc-fig9"], "unknown figure"),
+        (["reproduce", "aqvc-fig2"], "not there yet"),
+        (["bench", "no-such-bench"], "unknown bench"),
+        (["correlate", "room", "-o", "a.nc"], "correlate is not there yet"),
+        (["tune", "room"], "tune is not there yet"),
+    ],
+)  # fmt: skip
+def test_bad_usage_is_one_line_and_status_2(
+    capsys: pytest.CaptureFixture[str], words: list[str], says: str,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, *words)
+    assert status == 2 and out == "" and says in err
+    assert len(err.strip().splitlines()) == 1 and "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_debug_gives_the_traceback(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        cli.main(["diff", "--debug", str(tmp_path / "no.exr"), "no.exr"])
+
+
+def test_ctrl_c_gives_130_and_keeps_what_was_finished(
+    capsys: pytest.CaptureFixture[str], fake_vc: Any, tmp_path: Path
+) -> None:
+    file = tmp_path / "a.toml"
+    text = 'scene = "room"\nsize = [16, 12]\nmetrics = ["rel_l1"]\n[over]\nc_e = [2, 4, 8]\n'
+    file.write_text(text)
+    out = str(tmp_path / "out")
+    fake_vc.STOP[:] = [2]
+    status, _, err = run(capsys, "sweep", str(file), "-o", out)
+    assert status == 130 and "Traceback" not in err
+    assert len((tmp_path / "out" / "table.csv").read_text().splitlines()) == 2
+    fake_vc.STOP.clear()
+    status, text, _ = run(capsys, "sweep", str(file), "-o", out, "--json")
+    assert status == 0 and json.loads(text)["sizes"]["c_e"] == 3
+    assert len(fake_vc.CALLS) == 4
+    status, text, _ = run(capsys, "report", out)
+    assert status == 0 and Path(text.strip()).read_text("utf-8").startswith("<!doctype html>")
+
+
+def test_lists_name_what_is_not_there_yet(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = run(capsys, "reproduce", "list")
+    assert status == 0 and "aqvc-fig8: not there yet" in out
+    status, out, _ = run(capsys, "bench", "list", "--json")
+    names = [b["bench"] for b in json.loads(out)["benches"]]
+    assert status == 0 and {"rays", "aqvc-frame", "peers"} <= set(names)
+
+
+def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from viscache.commands import bench
+
+    figure = {"name": "x vs y", "value": 1.0, "unit": "s", "baseline": "y", "ratio": 0.5, "goal": 2}
+    result = {"bench": "rays", "machine": "m", "figures": [{**figure, "holds": False}]}
+    checked = {n: {**result, "answers_checked": n == "right"} for n in ("right", "no")}
+    table = {name: (lambda quick, r=r: r) for name, r in checked.items()}
+    monkeypatch.setattr(bench, "registry", lambda: table)
+    assert run(capsys, "bench", "right")[0] == 0
+    status, out, _ = run(capsys, "bench", "no", "--json")
+    assert status == 1 and json.loads(out)["answers_checked"] is False
+
+
+def test_help_needs_no_heavy_imports() -> None:
+    code = (
+        "import sys\nfrom viscache import cli\nassert cli.main(['render', '--help']) == 0\n"
+        "print(*[m for m in ('matplotlib', 'xarray', 'skimage', 'pandas') if m in sys.modules],"
+        " file=sys.stderr)"
+    )
+    path = str(Path(viscache.__file__).parents[1])
+    done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": path, "PATH": ""},
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert "--visibility" in done.stdout and done.stderr.strip() == ""
+
+
+# With the real renderer
+
+CUBE = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n"
+
+
+def test_render_writes_the_picture_its_json_describes(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "m.obj").write_text(CUBE)
+    out = tmp_path / "o.exr"
+    status, text, _ = run(
+        capsys, "render", str(tmp_path / "m.obj"), "-o", str(out), "--integrator", "ao",
+        "--visibility", "aqvc", "--set", "c_e=4", "--set", "integrator.n_samples=8",
+        "--size", "24x16", "--json",
+    )  # fmt: skip
+    assert status == 0
+    got = json.loads(text)
+    assert {"counters", "timings", "parameters", "sha256", "warnings"} <= set(got)
+    assert {"queries", "rays", "ray_reduction"} <= set(got["counters"])
+    assert {"total_s", "visibility_s", "shading_s"} <= set(got["timings"])
+    assert got["parameters"]["visibility"]["c_e"] == 4
+    frame = Frame.load(out)
+    assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
+
+
+def test_info_describes_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(CUBE)
+    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"), "--json")
+    got = json.loads(text)
+    assert status == 0 and got["triangles"] == 1
+    assert got["bounds"] == [[-1, -1, 0], [1, 1, 0]]
+    assert {"instances", "lights", "cameras", "memory_bytes", "warnings"} <= set(got)
+
+
+def test_doctor_is_well_here(capsys: pytest.CaptureFixture[str]) -> None:
+    status, text, _ = run(capsys, "doctor", "--json")
+    got = json.loads(text)
+    assert status == 0 and got["ok"], got["checks"]
+    assert len(got["checks"]) >= 5 and all(c["holds"] for c in got["checks"])
+    assert got["isa"]["active"] and got["versions"]["embree"][0].isdigit()
+
+
+def test_doctor_reports_a_broken_build_with_status_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inverted = viscache.Scene.visible
+    monkeypatch.setattr(viscache.Scene, "visible", lambda s, x, y: ~inverted(s, x, y))
+    status, text, _ = run(capsys, "doctor", "--json")
+    failed = [c["name"] for c in json.loads(text)["checks"] if not c["holds"]]
+    assert status == 1 and failed == ["visible() agrees with plane geometry"]
+
+
+def test_scenes_lists_every_built_in_scene_with_its_parameters(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    status, text, _ = run(capsys, "scenes", "--json")
+    got = json.loads(text)
+    assert status == 0 and "triangles" in got["room"]["parameters"]
+    status, text, _ = run(capsys, "scenes")
+    assert status == 0 and all(f"{name}: " in text for name in got)

@@ -1,0 +1,115 @@
+"""The report's file: self-contained, complete, safe. (tests/browser drives it.)"""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from viscache import plots, report
+from viscache.report.svg import Axis, number
+from viscache.sweep import sweep
+
+
+def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room") -> str:
+    ds = sweep(scene, "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, repeats=2,
+               size=(48, 32), metrics=["rel_l1", "rmse"], directory=directory)  # fmt: skip
+    return report.write(ds, target).read_text("utf-8")
+
+
+def test_the_file_asks_the_network_for_nothing(fake_vc: Any, tmp_path: Path) -> None:
+    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
+    assert "default-src 'none'" in text
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", text)
+    assert not re.search(r"https?://|@import|url\((?!#)|fetch\(|XMLHttpRequest", text)
+
+
+def test_every_setting_is_a_point_in_each_plot_a_row_and_three_pictures(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
+    assert len(re.findall(r'<circle class="point"', text)) == 2 * 6
+    assert len(re.findall(r'<tr data-id="s\d"', text)) == 6
+    data = json.loads(re.search(r'application/json">(.*?)</script>', text, re.S)[1])
+    assert len(data["settings"]) == 6 and len(data["pictures"]) == 1
+    for setting in data["settings"]:
+        assert setting["reference"] in data["pictures"]
+        raw = base64.b64decode(setting["picture"].partition(",")[2])
+        with Image.open(io.BytesIO(raw)) as image:
+            assert image.size == (48, 32)
+    cell = data["settings"][5]["cells"]
+    assert data["settings"][5]["values"] == {"c_e": 16, "c_n": 8}
+    assert cell["rel_l1"][0] == pytest.approx(0.16, rel=1e-5)
+
+
+def test_the_difference_picture_shows_the_sign_and_the_gain(fake_vc: Any, tmp_path: Path) -> None:
+    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
+    data = json.loads(re.search(r'application/json">(.*?)</script>', text, re.S)[1])
+    raw = base64.b64decode(data["settings"][0]["difference"].partition(",")[2])
+    with Image.open(io.BytesIO(raw)) as image:
+        pixels = np.asarray(image)
+    # 4 % too bright where the picture is 0.1 of white: 128 + 127 · 16 · 0.004 = 136.
+    assert abs(int(pixels[:, 0].mean()) - 136) <= 2
+    assert (pixels.min(), pixels[:, 20].mean() > pixels[:, 0].mean()) >= (128, True)
+
+
+def test_a_sweep_without_a_directory_has_a_report_without_pictures(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    text = page(fake_vc, None, tmp_path / "r.html")
+    assert len(re.findall(r'<circle class="point"', text)) == 12
+    data = json.loads(re.search(r'application/json">(.*?)</script>', text, re.S)[1])
+    assert data["pictures"] == {} and not any("picture" in s for s in data["settings"])
+
+
+def test_names_from_outside_cannot_break_out_of_the_page(fake_vc: Any, tmp_path: Path) -> None:
+    evil = "room?</script><script>alert(1)</script>"
+    text = page(fake_vc, tmp_path / "s", tmp_path / "r.html", scene=evil)
+    assert "<script>alert" not in text
+
+
+def test_a_directory_without_a_sweep_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="holds no sweep"):
+        report.write(tmp_path)
+
+
+def test_axes_have_round_ticks_inside_their_range() -> None:
+    wide = Axis([0.001, 2.0], 0, 100)
+    assert wide.log and 0.01 in wide.ticks() and wide(0.001) < wide(0.01) < wide(2.0)
+    narrow = Axis([10.0, 12.0], 0, 100)
+    assert not narrow.log and set(narrow.ticks()) >= {10.0, 11.0, 12.0}
+    assert all(0 <= narrow(t) <= 100 for t in narrow.ticks())
+    assert Axis([5.0], 0, 1)(5.0) == pytest.approx(0.5)
+    assert [number(v) for v in (0.02, 15000, 2e6, 3.5)] == ["0.02", "15k", "2M", "3.5"]
+
+
+def test_the_front_joins_what_nothing_beats() -> None:
+    points = [(1.0, 5.0), (2.0, 3.0), (2.5, 4.0), (3.0, 1.0), (4.0, 1.0)]
+    assert plots.pareto(points) == [(1.0, 5.0), (2.0, 3.0), (3.0, 1.0)]
+
+
+def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
+    import matplotlib.pyplot as plt
+
+    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, repeats=2, size=(32, 24),
+               metrics=["rel_l1"])  # fmt: skip
+    figure = plots.trade(ds, x="rays")
+    axes = figure.axes[0]
+    assert axes.get_xlabel() == "shadow rays" and "INF" in axes.get_ylabel()
+    assert axes.get_xscale() == "log" and len(axes.containers) == 6
+    legend = [t.get_text() for t in axes.get_legend().get_texts()]
+    assert legend[0] == "$C_E$ = 4" and len(legend) == 5
+    map_axes = plots.heatmap(ds, value="speedup").axes[0]
+    assert map_axes.get_xlabel() == "$C_E$ [px]" and len(map_axes.texts) == 6
+    assert plt.get_fignums() == []
+    with pytest.raises(ValueError, match="no variable 'rel_l2'; did you mean 'rel_l1'"):
+        plots.trade(ds, y="rel_l2")
+    with pytest.raises(ValueError, match="two of the swept dims"):
+        plots.heatmap(ds, x="c_q")

@@ -1,0 +1,255 @@
+"""scene/bsdf.h: reflection of diffuse and glossy materials."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
+from viscache import _core
+from viscache._core import MaterialKind
+from viscache._core.sampling import ShadingPoint, eval_bsdf, pdf_bsdf, sample_bsdf
+
+N = 200_000
+Vector = tuple[float, float, float]
+
+
+def direction(cos_o: float, azimuth: float = 0.7) -> Vector:
+    s = np.sqrt(1 - cos_o**2)
+    return (s * np.cos(azimuth), s * np.sin(azimuth), cos_o)
+
+
+def glossy(
+    cos_o: float = 0.7,
+    roughness: float = 0.3,
+    base: Vector = (0, 0, 0),
+    specular: Vector = (1, 1, 1),
+    **normals: Vector,
+) -> ShadingPoint:
+    return ShadingPoint(
+        MaterialKind.GLOSSY,
+        direction(cos_o),
+        base=base,
+        specular=specular,
+        roughness=roughness,
+        **normals,
+    )
+
+
+def unit(v: Vector) -> Vector:
+    x, y, z = np.array(v) / np.linalg.norm(v)
+    return (x, y, z)
+
+
+TILTED = {"ns": unit((0.3, 0.1, 1)), "ng": unit((-0.1, 0.2, 1))}
+POINTS = {
+    "diffuse": ShadingPoint(MaterialKind.DIFFUSE, direction(0.4), base=(0.8, 0.5, 0.2)),
+    "diffuse, tilted normals": ShadingPoint(
+        MaterialKind.DIFFUSE, direction(0.6), base=(0.8, 0.5, 0.2), **TILTED
+    ),
+    "metal": glossy(),
+    "smoother metal": glossy(0.8, 0.12),
+    "rough metal at grazing angle": glossy(0.1, 1.0),
+    "plastic": glossy(0.5, 0.2, (0.2, 0.6, 0.3), (0.04, 0.04, 0.04)),
+    "plastic, tilted normals": glossy(0.5, 0.4, (0.2, 0.6, 0.3), (0.04, 0.1, 0.04), **TILTED),
+}
+each_point = pytest.mark.parametrize("name", POINTS)
+
+
+@each_point
+@pytest.mark.stat
+def test_directions_follow_their_density(name: str) -> None:
+    sp = POINTS[name]
+    wi, _, pdf = sample_bsdf(sp, uniforms(N, 3))
+    assert (
+        sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(sp, w), (32, 64), sub=16, n_samples=N)
+        >= 1e-3
+    )
+
+
+@pytest.mark.stat
+def test_a_wrong_density_is_found() -> None:
+    """Negative controls: 15 % rougher; another share of the lobes."""
+    wi, _, pdf = sample_bsdf(glossy(), uniforms(N, 3))
+    wi = wi[pdf > 0]
+    rougher = glossy(roughness=0.345)
+    assert sphere_p_value(wi, lambda w: pdf_bsdf(rougher, w), (32, 64), n_samples=N) < 1e-6
+    wi, _, pdf = sample_bsdf(POINTS["plastic"], uniforms(N, 3))
+    darker = glossy(0.5, 0.2, (0.1, 0.3, 0.15), (0.04, 0.04, 0.04))
+    assert sphere_p_value(wi[pdf > 0], lambda w: pdf_bsdf(darker, w), (32, 64), n_samples=N) < 1e-6
+
+
+@each_point
+def test_the_density_integrates_to_the_share_of_samples(name: str) -> None:
+    sp = POINTS[name]
+    _, _, pdf = sample_bsdf(sp, uniforms(N, 3))
+    total = sphere_mass(lambda w: pdf_bsdf(sp, w), (64, 128), sub=16).sum()
+    assert total == pytest.approx(np.mean(pdf > 0), abs=4e-3)
+
+
+@each_point
+def test_samples_report_what_evaluation_gives(name: str) -> None:
+    sp = POINTS[name]
+    ns = np.array(TILTED["ns"] if "tilted" in name else (0, 0, 1))
+    wi, weight, pdf = sample_bsdf(sp, uniforms(2000, 3))
+    wi, weight, pdf = wi[pdf > 0], weight[pdf > 0], pdf[pdf > 0]
+    assert np.linalg.norm(wi.astype(float), axis=1) == pytest.approx(1, abs=1e-6)
+    assert pdf == pytest.approx(pdf_bsdf(sp, wi), rel=1e-6)
+    assert weight == pytest.approx(eval_bsdf(sp, wi) * (wi @ ns / pdf)[:, None], rel=1e-4)
+
+
+@each_point
+def test_reflection_is_the_same_both_ways(name: str) -> None:
+    normals = TILTED if "tilted" in name else {}
+    rng = np.random.default_rng(5)
+    w = rng.normal(size=(200, 2, 3))
+    w /= np.linalg.norm(w, axis=2, keepdims=True)
+
+    def f(wo: npt.NDArray[np.float64], wi: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+        if name.startswith("diffuse"):
+            sp = ShadingPoint(MaterialKind.DIFFUSE, wo, base=(0.8, 0.5, 0.2), **normals)
+        else:
+            sp = ShadingPoint(
+                MaterialKind.GLOSSY,
+                wo,
+                base=(0.2, 0.6, 0.3),
+                specular=(0.04, 0.3, 1),
+                roughness=0.4,
+                **normals,
+            )
+        return eval_bsdf(sp, wi[None])[0]
+
+    there = np.array([f(a, b) for a, b in w])
+    assert there == pytest.approx(np.array([f(b, a) for a, b in w]), rel=1e-4, abs=1e-7)
+    assert 20 < np.count_nonzero(there.any(1)) < 100
+
+
+# Energy
+
+
+def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
+    """Mean weight over low-discrepancy points: the share of a white furnace's light."""
+    index = np.arange(n, dtype=np.uint32)
+    u = np.concatenate(
+        [
+            _core.sampling.sobol02(index, 1, 2),
+            ((np.arange(n) + 0.5) / n).astype(np.float32)[:, None],
+        ],
+        1,
+    )
+    u[:, 0] = np.random.default_rng(0).permutation(u[:, 0])
+    return sample_bsdf(sp, u)[1].astype(float).mean(0)
+
+
+def test_a_diffuse_surface_reflects_its_base_color() -> None:
+    for cos_o in (1.0, 0.5, 0.01):
+        sp = ShadingPoint(MaterialKind.DIFFUSE, direction(cos_o), base=(1, 0.5, 0))
+        assert albedo(sp) == pytest.approx([1, 0.5, 0], abs=1e-5)
+
+
+@pytest.mark.parametrize("f0", [0.0, 0.04, 0.3, 0.8, 1.0])
+@pytest.mark.parametrize("roughness", [1e-3, 0.05, 0.2, 0.5, 1.0])
+def test_a_white_surface_never_reflects_more_than_arrives(f0: float, roughness: float) -> None:
+    for cos_o in (1.0, 0.9, 0.7, 0.5, 0.3, 0.15, 0.05, 0.01):
+        sp = glossy(cos_o, roughness, (1, 1, 1), (f0, f0, f0))
+        lobe = albedo(glossy(cos_o, roughness, (0, 0, 0), (f0, f0, f0)))
+        fresnel = f0 + (1 - f0) * (1 - cos_o) ** 5
+        # The diffuse part's albedo is known (see below), so only the lobe is integrated
+        assert (lobe + 0.9972 * (1 - fresnel)).max() <= 1 + 1e-4
+        assert albedo(sp).max() <= 1 + 3e-3  # both together, with the noise of choosing lobes
+
+
+def test_a_smooth_white_metal_reflects_all_light() -> None:
+    assert albedo(glossy(0.7, 1e-3)) == pytest.approx(1, abs=1e-3)
+
+
+@pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.2])
+def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o: float) -> None:
+    """∫ (f − f_glossy) cos = 0.9971 · base · (1 − F(cos_o)), after Shirley et al. 1997."""
+    base, specular = (0.9, 0.5, 0.1), (0.04, 0.3, 0.9)
+    points = sphere_points(512, 64, (0, 1)).reshape(-1, 3).astype(np.float32)
+    diffuse = eval_bsdf(glossy(cos_o, 0.5, base, specular), points).astype(float)
+    diffuse -= eval_bsdf(glossy(cos_o, 0.5, (0, 0, 0), specular), points)
+    reflected = (diffuse * points[:, 2:]).mean(0) * 2 * np.pi
+    fresnel = np.array(specular) + (1 - np.array(specular)) * (1 - cos_o) ** 5
+    assert reflected == pytest.approx(0.9971 * np.array(base) * (1 - fresnel), abs=1e-4)
+
+
+# Limits
+
+
+def test_nothing_is_reflected_below_either_normal() -> None:
+    w = _core.sampling.square_to_uniform_sphere(uniforms(4000, 2))
+    above = (w @ np.array(TILTED["ns"]) > 0) & (w @ np.array(TILTED["ng"]) > 0)
+    for name in ("diffuse, tilted normals", "plastic, tilted normals"):
+        assert np.array_equal(eval_bsdf(POINTS[name], w).max(1) > 0, above)
+        assert np.array_equal(pdf_bsdf(POINTS[name], w) > 0, above)
+    # The eye below the geometric normal, above the shading normal
+    hidden = ShadingPoint(
+        MaterialKind.GLOSSY,
+        unit((1, 0, 0.1)),
+        ns=unit((1, 0, 1)),
+        ng=unit((-1, 0, 1)),
+        specular=(1, 1, 1),
+    )
+    assert not eval_bsdf(hidden, w).any() and not pdf_bsdf(hidden, w).any()
+    assert not sample_bsdf(hidden, uniforms(100, 3))[2].any()
+
+
+@pytest.mark.parametrize("kind", [MaterialKind.MIRROR, MaterialKind.DIELECTRIC])
+def test_mirrors_and_glass_are_zero(kind: MaterialKind) -> None:
+    sp = ShadingPoint(kind, (0, 0, 1), base=(1, 1, 1), specular=(1, 1, 1))
+    assert not eval_bsdf(sp, np.array([[0, 0, 1]])).any()
+    assert not pdf_bsdf(sp, np.array([[0, 0, 1]])).any()
+    assert not sample_bsdf(sp, uniforms(100, 3))[2].any()
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("roughness", [1e-3, 1e-2, 1.0])
+@pytest.mark.parametrize("cos_o", [1.0, 0.5, 1e-3, 1e-6])
+def test_weights_stay_finite_and_below_one_for_a_metal(roughness: float, cos_o: float) -> None:
+    wi, weight, pdf = sample_bsdf(glossy(cos_o, roughness), uniforms(10_000, 3))
+    assert np.isfinite(wi).all() and np.isfinite(weight).all() and np.isfinite(pdf).all()
+    assert weight.min() >= 0 and weight.max() <= 1 + 1e-3
+    # F = 1: what is left is the shadowing of wi
+    some = pdf > 0
+    assert weight[some, 0] == pytest.approx(
+        _core.sampling.smith_g1(wi[some, 2], roughness), rel=1e-3
+    )
+
+
+def test_black_surfaces_reflect_nothing() -> None:
+    sp = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, 1), base=(0, 0, 0))
+    assert albedo(sp).tolist() == [0, 0, 0]
+
+
+# Mitsuba
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("alpha", [0.02, 0.1, 0.4, 1.0])
+def test_a_white_metal_is_mitsubas_rough_conductor(alpha: float) -> None:
+    mi = pytest.importorskip("mitsuba")
+    mi.set_variant("scalar_rgb")
+    bsdf = mi.load_dict(
+        {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha}
+    )
+    rng = np.random.default_rng(6)
+    compared = 0
+    for _ in range(200):
+        wo = unit(tuple(rng.normal(size=3) * [1, 1, 0.5]))
+        wo = (wo[0], wo[1], abs(wo[2]))
+        # Around the mirror direction, as far as the lobe reaches
+        wi = unit(tuple(np.array([-wo[0], -wo[1], wo[2]]) + 2 * alpha * rng.normal(size=3)))
+        si = mi.SurfaceInteraction3f()
+        si.wi, si.n, si.sh_frame = (
+            mi.Vector3f(*wo),
+            mi.Normal3f(0, 0, 1),
+            mi.Frame3f(mi.Normal3f(0, 0, 1)),
+        )
+        value, density = bsdf.eval_pdf(mi.BSDFContext(), si, mi.Vector3f(*wi))
+        sp = ShadingPoint(MaterialKind.GLOSSY, wo, specular=(1, 1, 1), roughness=alpha)
+        ours = eval_bsdf(sp, np.array([wi]))[0] * max(0.0, wi[2])
+        assert ours == pytest.approx(np.array(value).ravel(), rel=1e-3, abs=1e-6)
+        assert pdf_bsdf(sp, np.array([wi]))[0] == pytest.approx(density, rel=1e-3, abs=1e-6)
+        compared += density > 0
+    assert compared > 100

@@ -1,0 +1,269 @@
+"""glTF 2.0 and GLB scenes: nodes, primitives, materials, lights, cameras."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+
+import numpy as np
+import pytest
+import trimesh
+from skimage.io import imsave
+
+from viscache import _core as core
+
+K = core.MaterialKind
+POINTS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], "<f4")
+INDICES = np.array([0, 1, 2, 0, 2, 3], "<u2")
+
+
+def document(**changes) -> dict:
+    data = POINTS.tobytes() + INDICES.tobytes()
+    doc = {
+        "asset": {"version": "2.0"},
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+        "scene": 0,
+    }
+    doc.update(changes)
+    return doc
+
+
+def load(folder, doc: dict, strict: bool = False) -> core.SceneDescription:
+    path = folder / "scene.gltf"
+    path.write_text(json.dumps(doc))
+    return core.load_scene_file(str(path), strict)
+
+
+def png(folder, rgba) -> str:
+    imsave(folder / "image.png", np.array(rgba, np.uint8), check_contrast=False)
+    return "data:image/png;base64," + base64.b64encode((folder / "image.png").read_bytes()).decode()
+
+
+def with_material(**material) -> dict:
+    mesh = {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}
+    return document(meshes=[mesh], materials=[material])
+
+
+def test_the_node_tree_multiplies_its_transforms(tmp_path):
+    s = np.sqrt(0.5)
+    nodes = [
+        {"children": [1], "translation": [10, 0, 0]},
+        {"mesh": 0, "rotation": [0, 0, s, s], "scale": [2, 3, 1]},
+    ]
+    scene = load(tmp_path, document(nodes=nodes), strict=True)
+    want = [(10, 0, 0), (10, 2, 0), (7, 2, 0), (7, 0, 0)]
+    np.testing.assert_allclose(scene.mesh_arrays(0)["vertices"], want, atol=1e-5)
+
+
+def test_a_matrix_node_is_read_by_columns_and_a_mirrored_one_turns_the_winding(tmp_path):
+    nodes = [{"mesh": 0, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]}]
+    mesh = load(tmp_path, document(nodes=nodes)).mesh_arrays(0)
+    np.testing.assert_array_equal(mesh["vertices"][2], [4, 7, 7])
+    a, b, c = mesh["vertices"][mesh["triangles"][0]]
+    assert np.cross(b - a, c - a)[2] > 0
+
+
+def test_a_mesh_of_several_nodes_becomes_instances(tmp_path):
+    nodes = [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 3]}]
+    scene = load(tmp_path, document(nodes=nodes, scenes=[{"nodes": [0, 1]}]), strict=True)
+    assert scene.triangle_count == 4 and len(scene.meshes) == 1 and len(scene.instances) == 2
+    np.testing.assert_allclose(scene.bounds(), [(0, 0, 0), (1, 1, 3)])
+
+
+@pytest.mark.parametrize(
+    ("mode", "triangles"),
+    [
+        (5, [[0, 1, 2], [1, 3, 2]]),
+        (6, [[1, 2, 0], [2, 3, 0]]),
+    ],
+)
+def test_strips_and_fans_become_triangles(tmp_path, mode, triangles):
+    mesh = {"primitives": [{"attributes": {"POSITION": 0}, "mode": mode}]}
+    scene = load(tmp_path, document(meshes=[mesh]), strict=True)
+    assert scene.mesh_arrays(0)["triangles"].tolist() == triangles
+
+
+def test_metallic_roughness_becomes_a_base_and_a_gloss(tmp_path):
+    scene = load(
+        tmp_path,
+        with_material(
+            doubleSided=True,
+            emissiveFactor=[0.5, 0.25, 0],
+            pbrMetallicRoughness={
+                "baseColorFactor": [0.8, 0.4, 0.2, 1],
+                "metallicFactor": 0.25,
+                "roughnessFactor": 0.6,
+            },
+        ),
+        strict=True,
+    )
+    m = scene.materials[scene.meshes[0]["material"]]
+    assert m["kind"] == K.GLOSSY and m["two_sided"] and m["roughness"] == pytest.approx(0.36)
+    assert m["base_color"] == pytest.approx([0.6, 0.3, 0.15])
+    assert m["specular"] == pytest.approx([0.03 + 0.2, 0.03 + 0.1, 0.03 + 0.05])
+    assert scene.meshes[0]["emission"] == pytest.approx([0.5, 0.25, 0])
+
+
+def test_an_alpha_mask_cuts_out_with_its_cutoff(tmp_path):
+    doc = with_material(
+        alphaMode="MASK",
+        alphaCutoff=0.25,
+        pbrMetallicRoughness={
+            "baseColorFactor": [1, 1, 1, 0.5],
+            "metallicFactor": 0,
+            "baseColorTexture": {"index": 0},
+        },
+    )
+    doc["textures"] = [{"source": 0}]
+    doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0, 0], [0, 255, 0, 255]]])}]
+    scene = load(tmp_path, doc, strict=True)
+    m = scene.materials[0]
+    assert m["alpha_texture"] == m["base_texture"] == 0 and m["alpha_cutoff"] == pytest.approx(0.5)
+    np.testing.assert_allclose(scene.image_pixels(0)[0], [[1, 0, 0, 0], [0, 1, 0, 1]], atol=1e-6)
+
+
+def test_blending_is_named_and_an_opaque_image_never_cuts(tmp_path):
+    doc = with_material(
+        alphaMode="BLEND",
+        pbrMetallicRoughness={"metallicFactor": 0, "baseColorTexture": {"index": 0}},
+    )
+    doc["textures"], doc["images"] = (
+        [{"source": 0}],
+        [{"uri": png(tmp_path, [[[9, 0, 0], [0, 9, 0]]])}],
+    )
+    scene = load(tmp_path, doc)
+    assert scene.materials[0]["alpha_texture"] == -1
+    assert any("'BLEND' is not modelled" in what for _, what in scene.warnings)
+
+
+def test_cameras_and_punctual_lights_stand_at_their_nodes(tmp_path):
+    lights = [
+        {"type": "point", "color": [1, 0.5, 0], "intensity": 4},
+        {"type": "directional", "intensity": 2},
+    ]
+    s = np.sqrt(0.5)
+    nodes = [
+        {"camera": 0, "translation": [0, 0, 9]},
+        {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+        {"rotation": [-s, 0, 0, s], "extensions": {"KHR_lights_punctual": {"light": 1}}},
+        {"mesh": 0},
+    ]
+    doc = document(
+        nodes=nodes,
+        scenes=[{"nodes": [0, 1, 2, 3]}],
+        extensionsUsed=["KHR_lights_punctual"],
+        extensions={"KHR_lights_punctual": {"lights": lights}},
+        cameras=[
+            {"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}
+        ],
+    )
+    scene = load(tmp_path, doc, strict=True)
+    camera = scene.cameras[0]
+    assert (
+        camera["origin"] == [0, 0, 9]
+        and camera["forward"] == [0, 0, -1]
+        and camera["right"] == [1, 0, 0]
+    )
+    assert (
+        camera["fov_deg"] == pytest.approx(np.degrees(0.5))
+        and camera["width"] == 2 * camera["height"]
+    )
+    point, sun = scene.lights
+    assert point["position"] == [1, 2, 3] and point["intensity"] == [4, 2, 0]
+    # The light shines along -z, turned by -90 degrees about x: straight down.
+    np.testing.assert_allclose(sun["direction"], [0, 1, 0], atol=1e-6)
+
+
+def test_a_glb_of_trimesh_is_read_as_trimesh_reads_it(tmp_path):
+    shape = trimesh.creation.torus(1, 0.3)
+    shape.apply_translation([1, 2, 3])
+    (tmp_path / "m.glb").write_bytes(trimesh.Scene(shape).export(file_type="glb"))
+    mesh = core.load_scene_file(str(tmp_path / "m.glb")).mesh_arrays(0)
+    np.testing.assert_allclose(mesh["vertices"][mesh["triangles"]], shape.triangles, atol=1e-6)
+
+
+def change(doc: dict, path: str, value) -> dict:
+    *keys, last = [int(k) if k.isdigit() else k for k in path.split(".")]
+    target = doc
+    for key in keys:
+        target = target[key]
+    target[last] = value
+    return doc
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("accessors.0.count", 5, "do not fit"),
+        ("accessors.0.count", 2**62, "do not fit"),
+        ("accessors.0.byteOffset", 2**63, "."),
+        ("accessors.0.bufferView", 7, "."),
+        ("accessors.1.count", 5, "whole triangles"),
+        ("accessors.0.type", "VEC2", "3 components"),
+        ("bufferViews.0.byteLength", 2**40, "do not fit"),
+        ("bufferViews.0.buffer", 3, "."),
+        ("nodes.0.mesh", 4, "the file has 1"),
+        ("nodes.0.children", [0], "its own ancestor"),
+        ("nodes.0.children", [9], "the file has 1 nodes"),
+        ("nodes.0.translation", [1e39, 0, 0], "vertex 0 is"),
+        ("scenes.0.nodes", [3], "the file has 1 nodes"),
+        ("meshes.0.primitives.0.material", 2, "the file has 0 materials"),
+        ("meshes.0.primitives.0.attributes.POSITION", 9, "accessor 9"),
+        ("asset.version", "1.0", "version"),
+        ("extensionsRequired", ["KHR_draco_mesh_compression"], "KHR_draco"),
+        ("buffers.0.uri", "gone.bin", "."),
+    ],
+)
+def test_a_broken_reference_is_refused_and_says_what(tmp_path, path, value, message):
+    with pytest.raises(core.SceneError, match=message):
+        load(tmp_path, change(document(), path, value))
+
+
+def test_an_index_out_of_range_and_a_nan_vertex_are_refused(tmp_path):
+    doc = document()
+    for points, indices, message in (
+        (POINTS, [0, 1, 4, 0, 1, 2], "index 4, the primitive has 4"),
+        (np.full((4, 3), np.nan, "<f4"), [0, 1, 2, 0, 2, 3], "vertex 0"),
+    ):
+        data = points.tobytes() + np.array(indices, "<u2").tobytes()
+        doc["buffers"][0]["uri"] = (
+            "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+        )
+        with pytest.raises(core.SceneError, match=message):
+            load(tmp_path, doc)
+
+
+def test_deeply_nested_json_is_refused(tmp_path):
+    text = json.dumps(document())[:-1] + ', "extras": ' + "[" * 100000 + "]" * 100000 + "}"
+    (tmp_path / "deep.gltf").write_text(text)
+    with pytest.raises(core.SceneError, match="nested"):
+        core.load_scene_file(str(tmp_path / "deep.gltf"))
+
+
+def test_a_glb_cut_anywhere_is_refused(tmp_path):
+    text = json.dumps(document()).encode()
+    text += b" " * (-len(text) % 4)
+    data = b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text
+    (tmp_path / "whole.glb").write_bytes(data)
+    assert core.load_scene_file(str(tmp_path / "whole.glb")).triangle_count == 2
+    for cut in range(0, len(data) - 1, 37):
+        (tmp_path / "cut.glb").write_bytes(data[:cut])
+        with pytest.raises(core.SceneError):
+            core.load_scene_file(str(tmp_path / "cut.glb"))

@@ -1,0 +1,333 @@
+# ruff: noqa: E501  (scene texts stay on their lines)
+"""Mitsuba XML scenes: both dialects, values, materials, shapes, lights, cameras."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from viscache import _core as core
+
+K = core.MaterialKind
+
+
+def load(folder, body: str, strict: bool = True, version: str = "3.0.0") -> core.SceneDescription:
+    path = folder / "scene.xml"
+    path.write_text(f'<scene version="{version}">\n{body}\n</scene>')
+    return core.load_scene_file(str(path), strict)
+
+
+def material(folder, bsdf: str, strict: bool = True, version: str = "3.0.0") -> dict:
+    scene = load(folder, f'<shape type="rectangle">{bsdf}</shape>', strict, version)
+    return scene.materials[scene.meshes[0]["material"]]
+
+
+def test_a_rectangle_and_a_cube_have_the_sizes_and_sides_of_mitsuba(tmp_path):
+    scene = load(tmp_path, '<shape type="rectangle"/><shape type="cube"/>')
+    assert [m["n_triangles"] for m in scene.meshes] == [2, 12]
+    rectangle, cube = scene.mesh_arrays(0), scene.mesh_arrays(1)
+    p = rectangle["vertices"][rectangle["triangles"]]
+    np.testing.assert_array_equal(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), [[0, 0, 4]] * 2)
+    p = cube["vertices"][cube["triangles"]].astype(float)
+    n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert (np.einsum("ij,ij->i", n, p.mean(1)) > 0).all()  # outwards
+    assert np.einsum("ij,ij->i", p[:, 0], n).sum() / 6 == pytest.approx(8)  # the volume
+
+
+def test_transforms_apply_in_the_order_of_the_file(tmp_path):
+    scene = load(
+        tmp_path,
+        """<shape type="rectangle"><transform name="to_world">
+        <scale value="2"/><rotate y="1" angle="90"/><translate x="1" y="2" z="3"/>
+        </transform></shape>""",
+    )
+    np.testing.assert_allclose(scene.bounds(), [(1, 0, 1), (1, 4, 5)], atol=1e-6)
+    p = scene.mesh_arrays(0)
+    a, b, c = p["vertices"][p["triangles"][0]]
+    assert np.cross(b - a, c - a)[0] > 0  # +z turned to +x
+
+
+def test_parameters_have_defaults_and_an_unknown_one_is_refused(tmp_path):
+    body = '<default name="r" value="0.25"/><shape type="sphere"><float name="radius" value="{}"/></shape>'
+    scene = load(tmp_path, body.format("$r"))
+    np.testing.assert_allclose(scene.bounds(), [[-0.25] * 3, [0.25] * 3], atol=1e-6)
+    with pytest.raises(core.SceneError, match=r"scene.xml:2: the parameter '\$q' has no default"):
+        load(tmp_path, body.format("$q"))
+
+
+def test_the_camera_of_both_dialects_looks_along_z_with_x_to_the_left(tmp_path):
+    old = load(
+        tmp_path,
+        """<sensor type="perspective"><float name="fov" value="40"/>
+        <string name="fovAxis" value="smaller"/><transform name="toWorld">
+        <lookAt origin="1,2,3" target="1,2,-7" up="0,1,0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="200"/><integer name="height" value="100"/>
+        </film></sensor>""",
+        version="0.6.0",
+    ).cameras[0]
+    new = load(
+        tmp_path,
+        """<sensor type="perspective"><float name="fov" value="40"/>
+        <transform name="to_world"><matrix value="-1 0 0 1  0 1 0 2  0 0 -1 3  0 0 0 1"/></transform>
+        </sensor>""",
+    ).cameras[0]
+    for camera in (old, new):
+        np.testing.assert_allclose(camera["origin"], [1, 2, 3])
+        np.testing.assert_allclose(camera["right"], [1, 0, 0], atol=1e-6)
+        np.testing.assert_allclose(camera["up"], [0, 1, 0], atol=1e-6)
+        np.testing.assert_allclose(camera["forward"], [0, 0, -1], atol=1e-6)
+    assert (
+        not old["horizontal"] and new["horizontal"] and (old["width"], old["height"]) == (200, 100)
+    )
+    assert (new["width"], new["height"]) == (768, 576)
+
+
+@pytest.mark.parametrize(
+    ("axis", "horizontal", "degrees"),
+    [
+        ("x", True, 50),
+        ("y", False, 50),
+        ("smaller", False, 50),
+        ("larger", True, 50),
+        ("diagonal", True, 2 * np.degrees(np.arctan(np.tan(np.radians(25)) * 0.8))),
+    ],
+)
+def test_the_field_of_view_belongs_to_the_named_axis(tmp_path, axis, horizontal, degrees):
+    camera = load(
+        tmp_path,
+        f"""<sensor type="perspective"><float name="fov" value="50"/>
+        <string name="fov_axis" value="{axis}"/><film type="hdrfilm">
+        <integer name="width" value="400"/><integer name="height" value="300"/></film></sensor>""",
+    )
+    assert camera.cameras[0]["horizontal"] == horizontal
+    assert camera.cameras[0]["fov_deg"] == pytest.approx(degrees, abs=1e-4)
+
+
+def test_diffuse_is_one_sided_unless_inside_twosided(tmp_path):
+    one = material(
+        tmp_path, '<bsdf type="diffuse"><rgb name="reflectance" value="0.1 0.2 0.3"/></bsdf>'
+    )
+    two = material(tmp_path, '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>')
+    assert one["kind"] == K.DIFFUSE and not one["two_sided"] and two["two_sided"]
+    assert one["base_color"] == pytest.approx([0.1, 0.2, 0.3])
+    assert two["base_color"] == pytest.approx([0.5] * 3)
+
+
+def test_the_reflectance_of_a_conductor_is_fresnel_at_normal_incidence(tmp_path):
+    m = material(
+        tmp_path,
+        """<bsdf type="conductor"><rgb name="eta" value="1.5 0.2 1"/>
+        <rgb name="k" value="2 3 0"/><rgb name="specularReflectance" value="1 0.5 1"/></bsdf>""",
+    )
+    want = [((1.5 - 1) ** 2 + 4) / ((1.5 + 1) ** 2 + 4), 0.5 * (0.64 + 9) / (1.44 + 9), 0]
+    assert m["kind"] == K.MIRROR and m["specular"] == pytest.approx(want, abs=1e-6)
+    none = material(
+        tmp_path, '<bsdf type="conductor"><string name="material" value="none"/></bsdf>'
+    )
+    assert none["specular"] == pytest.approx([1, 1, 1])
+    gold = material(
+        tmp_path,
+        '<bsdf type="roughconductor"><string name="material" value="Au"/>'
+        '<float name="alpha" value="0.3"/></bsdf>',
+    )
+    assert gold["kind"] == K.GLOSSY and gold["roughness"] == pytest.approx(0.3)
+    assert gold["base_color"] == [0, 0, 0] and gold["specular"][0] > 0.9 > 0.5 > gold["specular"][2]
+
+
+def test_plastic_phong_and_glass_have_their_nearest_materials(tmp_path):
+    m = material(
+        tmp_path,
+        """<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
+        <float name="intIOR" value="1.5"/><float name="extIOR" value="1"/>
+        <rgb name="diffuseReflectance" value="0.4 0.4 0.4"/></bsdf>""",
+        version="0.6.0",
+    )
+    assert m["kind"] == K.GLOSSY and m["specular"] == pytest.approx([0.04] * 3)
+    assert m["base_color"] == pytest.approx([0.4] * 3) and m["roughness"] == pytest.approx(0.2)
+    m = material(
+        tmp_path, '<bsdf type="phong"><float name="exponent" value="48"/></bsdf>', version="0.6.0"
+    )
+    assert m["roughness"] == pytest.approx(0.2)
+    m = material(tmp_path, '<bsdf type="dielectric"><string name="int_ior" value="water"/></bsdf>')
+    assert m["kind"] == K.DIELECTRIC and m["eta"] == pytest.approx(1.333 / 1.000277)
+
+
+def test_colours_come_as_hex_srgb_single_value_or_spectrum(tmp_path):
+    def base(value: str) -> list[float]:
+        return material(tmp_path, f'<bsdf type="diffuse">{value}</bsdf>')["base_color"]
+
+    linear = ((0x80 / 255 + 0.055) / 1.055) ** 2.4
+    assert base('<rgb name="reflectance" value="#ff8000"/>') == pytest.approx([1, linear, 0])
+    assert base('<spectrum name="reflectance" value="0.3"/>') == pytest.approx([0.3] * 3)
+    flat = base('<spectrum name="reflectance" value="300:0.7, 900:0.7"/>')
+    assert flat == pytest.approx([0.7] * 3, abs=1e-6)
+    red = base('<spectrum name="reflectance" value="580:0, 620:0.8, 780:0.8"/>')
+    assert red[0] > 0.5 and red[0] > 5 * red[1] and red[2] < 0.01
+
+
+def test_a_measured_white_is_nearly_white(tmp_path):
+    # Matching functions by numerical integration of the published fit, here in NumPy.
+    nm = np.arange(360, 831)
+
+    def lobe(mu, s1, s2):
+        return np.exp(-0.5 * ((nm - mu) / np.where(nm < mu, s1, s2)) ** 2)
+
+    xyz = np.stack(
+        [
+            1.056 * lobe(599.8, 37.9, 31.0)
+            + 0.362 * lobe(442.0, 16.0, 26.7)
+            - 0.065 * lobe(501.1, 20.4, 26.2),
+            0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1),
+            1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8),
+        ]
+    )
+    matrix = np.array(
+        [
+            [3.2404542, -1.5371385, -0.4985314],
+            [-0.9692660, 1.8760108, 0.0415560],
+            [0.0556434, -0.2040259, 1.0572252],
+        ]
+    )
+    value = np.interp(nm, [400, 500, 600, 700], [0, 8, 15.6, 18.4], left=0, right=0)
+    want = (matrix @ (xyz @ value)) / (matrix @ xyz.sum(1))
+    scene = load(
+        tmp_path,
+        """<shape type="rectangle"><emitter type="area">
+        <spectrum name="radiance" value="400:0, 500:8, 600:15.6, 700:18.4"/></emitter></shape>""",
+    )
+    assert scene.meshes[0]["emission"] == pytest.approx(want.tolist(), rel=1e-5)
+
+
+def test_references_to_bsdfs_and_textures_are_followed_also_nested(tmp_path):
+    scene = load(
+        tmp_path,
+        """<bsdf type="diffuse" id="inner"><rgb name="reflectance" value="0.2"/></bsdf>
+        <bsdf type="twosided" id="outer"><ref id="inner"/></bsdf>
+        <shape type="rectangle"><ref name="bsdf" id="outer"/></shape>
+        <shape type="cube"><ref id="outer"/></shape>""",
+    )
+    first, second = (m["material"] for m in scene.meshes)
+    assert first == second and scene.materials[first]["two_sided"]
+    assert scene.materials[first]["base_color"] == pytest.approx([0.2] * 3)
+    with pytest.raises(core.SceneError, match="refer to themselves"):
+        load(
+            tmp_path,
+            '<bsdf type="twosided" id="a"><ref id="a"/></bsdf><shape type="cube"><ref id="a"/></shape>',
+        )
+    with pytest.raises(core.SceneError, match="nothing has the id 'b'"):
+        load(tmp_path, '<shape type="cube"><ref id="b"/></shape>')
+
+
+def test_an_emitting_sphere_is_a_light_and_another_one_a_mesh(tmp_path):
+    glow = '<emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter>'
+    scene = load(
+        tmp_path,
+        f"""<shape type="sphere"><point name="center" x="1" y="0" z="0"/>
+        <float name="radius" value="0.5"/><transform name="to_world"><scale value="2"/></transform>{glow}
+        </shape><shape type="sphere"/>""",
+    )
+    light = scene.lights[0]
+    assert light["kind"] == "sphere" and light["radius"] == 1 and light["center"] == [2, 0, 0]
+    assert light["radiance"] == [1, 2, 3]
+    assert len(scene.meshes) == 1 and scene.triangle_count == scene.meshes[0]["n_triangles"] > 500
+    mesh = scene.mesh_arrays(0)
+    np.testing.assert_allclose(np.linalg.norm(mesh["vertices"], axis=1), 1, atol=1e-6)
+    p = mesh["vertices"][mesh["triangles"]]
+    n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert (np.einsum("ij,ij->i", n, p.mean(1)) > 0).all()
+
+
+def test_lights_have_our_units_and_directions(tmp_path):
+    scene = load(
+        tmp_path,
+        """
+        <emitter type="point"><point name="position" x="1" y="2" z="3"/><rgb name="intensity" value="4 5 6"/></emitter>
+        <emitter type="directional"><vector name="direction" x="0" y="-2" z="0"/><rgb name="irradiance" value="3"/></emitter>
+        <emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>""",
+    )
+    point, directional, constant = scene.lights
+    assert point["position"] == [1, 2, 3] and point["intensity"] == [4, 5, 6]
+    assert directional["direction"] == [0, 1, 0]  # towards the light
+    assert (
+        constant["kind"] == "environment"
+        and constant["scale"] == [0.5] * 3
+        and constant["image"] == -1
+    )
+
+
+def test_flipped_normals_turn_the_side_of_a_light(tmp_path):
+    scene = load(
+        tmp_path,
+        '<shape type="rectangle"><boolean name="flipNormals" value="true"/></shape>',
+        version="0.6.0",
+    )
+    mesh = scene.mesh_arrays(0)
+    a, b, c = mesh["vertices"][mesh["triangles"][0]]
+    assert np.cross(b - a, c - a)[2] < 0
+
+
+def test_instances_of_a_shapegroup_count_once_for_each_placement(tmp_path):
+    scene = load(
+        tmp_path,
+        """<shape type="shapegroup" id="g"><shape type="cube"/><shape type="rectangle"/></shape>
+        <shape type="instance"><ref id="g"/></shape>
+        <shape type="instance"><ref id="g"/><transform name="to_world"><translate x="10"/></transform></shape>""",
+    )
+    assert scene.triangle_count == 28 and len(scene.meshes) == 2 and len(scene.instances) == 2
+    np.testing.assert_allclose(scene.bounds(), [(-1, -1, -1), (11, 1, 1)])
+
+
+def test_includes_are_merged_and_a_cycle_is_refused(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "part.xml").write_text(
+        '<scene version="3.0.0"><shape type="cube"/></scene>'
+    )
+    assert load(tmp_path, '<include filename="sub/part.xml"/>').triangle_count == 12
+    with pytest.raises(core.SceneError, match=r"scene.xml:2: the include of .* is cyclic"):
+        load(tmp_path, '<include filename="scene.xml"/>')
+
+
+def serialized(vertices, triangles, flags=0x1000, dtype="<f4", version=4) -> bytes:
+    body = struct.pack("<I", flags) + (b"name\0" if version == 4 else b"")
+    body += struct.pack("<QQ", len(vertices), len(triangles))
+    body += np.asarray(vertices, dtype).tobytes() + np.asarray(triangles, "<u4").tobytes()
+    return struct.pack("<HH", 0x041C, version) + zlib.compress(body)
+
+
+@pytest.mark.parametrize(("version", "offset"), [(3, "<I"), (4, "<Q")])
+@pytest.mark.parametrize("double", [False, True])
+def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, double):
+    dtype, flags = ("<f8", 0x2000) if double else ("<f4", 0x1000)
+    a = serialized([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], flags, dtype, version)
+    b = serialized(
+        [(0, 0, 5), (1, 0, 5), (0, 1, 5), (1, 1, 5)], [(0, 1, 2), (2, 1, 3)], flags, dtype, version
+    )
+    data = a + b + struct.pack(offset, 0) + struct.pack(offset, len(a)) + struct.pack("<I", 2)
+    (tmp_path / "m.serialized").write_bytes(data)
+    body = '<shape type="serialized"><string name="filename" value="m.serialized"/><integer name="shapeIndex" value="{}"/></shape>'
+    scene = load(tmp_path, body.format(1), version="0.6.0")
+    assert scene.triangle_count == 2
+    np.testing.assert_array_equal(scene.bounds(), [(0, 0, 5), (1, 1, 5)])
+    with pytest.raises(core.SceneError, match="shape index 2, the file has 2"):
+        load(tmp_path, body.format(2), version="0.6.0")
+
+
+@pytest.mark.parametrize(
+    ("body", "name"),
+    [
+        ('<emitter type="sunsky"/>', "sunsky"),
+        ('<shape type="heightfield"/>', "heightfield"),
+        ('<shape type="cube"><bsdf type="hair"/></shape>', "hair"),
+        ('<medium type="homogeneous"/>', "medium"),
+        ('<shape type="cube"><bsdf type="thindielectric"/></shape>', "thindielectric"),
+    ],
+)
+def test_what_is_not_modelled_is_named_and_an_error_when_strict(tmp_path, body, name):
+    scene = load(tmp_path, "\n\n" + body, strict=False)
+    assert len(scene.warnings) == 1
+    assert scene.warnings[0][0].endswith("scene.xml:4") and name in scene.warnings[0][1]
+    with pytest.raises(core.SceneError, match=f"scene.xml:4: .*{name}"):
+        load(tmp_path, "\n\n" + body, strict=True)

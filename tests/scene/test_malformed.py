@@ -1,0 +1,336 @@
+# ruff: noqa: E501  (scene texts stay on their lines)
+"""Malformed scene files: SceneError with file and place, never a crash, a hang or a silent guess."""
+
+from __future__ import annotations
+
+import base64
+import json
+import random
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from viscache import _core as core
+
+pytestmark = pytest.mark.fuzz
+
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+)
+PLY_BINARY = PLY.replace("ascii", "binary_little_endian").encode()
+POINTS = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+PBRT = 'WorldBegin\nShape "trianglemesh" "integer indices" [0 1 2] "point P" [0 0 0 1 0 0 0 1 0]\nWorldEnd\n'
+NAN = struct.pack("<f", float("nan"))
+
+
+def xml(body: str) -> str:
+    return f'<scene version="3.0.0">\n{body}\n</scene>'
+
+
+# name, content, what the error must say
+BAD = [
+    ("m.obj", "", "empty"),
+    ("m.obj", "# nothing\n", "no faces"),
+    ("m.obj", TRIANGLE + "f 1 2 4\n", r"m.obj:4: .*vertex index 4, the file has 3"),
+    ("m.obj", TRIANGLE + "f 1 2 0\n", r"m.obj:4: .*start at 1, got 0"),
+    ("m.obj", TRIANGLE + "f 1 2 -4\n", r"m.obj:4: .*relative index -4"),
+    (
+        "m.obj",
+        TRIANGLE + "f 1/1 2/1 3/1\n",
+        r"m.obj:4: .*texture coordinate index 1, the file has 0",
+    ),
+    ("m.obj", TRIANGLE + "f 1//2 2//2 3//2\n", r"m.obj:4: .*normal index 2"),
+    ("m.obj", TRIANGLE + "f 1 2\n", r"m.obj:4: .*3 or more corners, got 2"),
+    ("m.obj", TRIANGLE + "f a b c\n", r"m.obj:4: .*got 'a'"),
+    ("m.obj", TRIANGLE + "f 1 2 99999999999\n", r"m.obj:4"),
+    ("m.obj", "v 0 0 nan\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: .*got 'nan'"),
+    ("m.obj", "v 0 0 1e999\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1"),
+    ("m.obj", "v 0 0\n" + TRIANGLE + "f 1 2 3\n", r"m.obj:1: 3 numbers are needed, got 2"),
+    ("m.obj", "v 1e20 0 0\n" + TRIANGLE + "f 1 2 3\n", "at most 1e16"),
+    ("m.obj", TRIANGLE + "f 1 2 3\n\0", "zero byte"),
+    ("m.ply", "", "empty"),
+    ("m.ply", "plx\n", r"m.ply:1: not a PLY"),
+    ("m.ply", "ply\nformat ascii 1.0\n", "end_header"),
+    (
+        "m.ply",
+        PLY.replace("ascii", "binary_big_endian") + "0",
+        r"m.ply:2: format 'binary_big_endian'",
+    ),
+    ("m.ply", PLY.replace("float x", "half x"), r"m.ply:4: unknown property type 'half'"),
+    ("m.ply", PLY.replace("vertex 3", "vertex 3000000000000"), "3000000000000 rows"),
+    ("m.ply", PLY.replace("vertex 3", "vertex -3"), r"m.ply:3"),
+    (
+        "m.ply",
+        PLY.replace("property float x\nproperty float y\nproperty float z\n", ""),
+        "cannot hold",
+    ),
+    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 3\n", r"m.ply:11: .*vertex index 3, the file has 3"),
+    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 -1\n", "vertex index -1"),
+    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n2 0 1\n", "2 corners"),
+    ("m.ply", PLY + "0 0 0 1 0 0 0 1 0\n3 0 1\n", "ends inside"),
+    ("m.ply", PLY + "0 0 0 1 x 0 0 1 0\n3 0 1 2\n", r"m.ply:10: .*got 'x'"),
+    ("m.ply", PLY + "0 0 0 1 nan 0 0 1 0\n3 0 1 2\n", "vertex 1 is"),
+    ("m.ply", PLY.replace("face 1", "face 0") + "0 0 0 1 0 0 0 1 0\n", "no faces"),
+    ("m.ply", PLY_BINARY + POINTS + struct.pack("<B3i", 3, 0, 1, 7), r"byte \d+: .*vertex index 7"),
+    ("m.ply", PLY_BINARY + POINTS[:-4] + NAN + struct.pack("<B3i", 3, 0, 1, 2), "vertex 2 is"),
+    ("m.ply", PLY_BINARY + POINTS + struct.pack("<B2i", 3, 0, 1), "ends inside"),
+    ("m.ply", PLY_BINARY + POINTS[:20], r"rows|ends inside"),
+    (
+        "m.ply",
+        PLY_BINARY.replace(b"uchar int", b"uint int") + POINTS + struct.pack("<I", 2**32 - 1),
+        "cannot hold",
+    ),
+    ("s.xml", "<scene", r"s.xml:1: not well-formed"),
+    ("s.xml", "<a/>", "must be <scene>"),
+    ("s.xml", xml('<shape type="obj"/>'), r"s.xml:2: .*needs a filename"),
+    (
+        "s.xml",
+        xml('<shape type="obj"><string name="filename" value="no.obj"/></shape>'),
+        r"s.xml:2: .*no.obj: the file does not exist",
+    ),
+    (
+        "s.xml",
+        xml('<shape type="sphere"><float name="radius" value="-1"/></shape>'),
+        r"s.xml:2: .*radius",
+    ),
+    (
+        "s.xml",
+        xml('<shape type="sphere"><float name="radius" value="abc"/></shape>'),
+        r"s.xml:2: .*'abc'",
+    ),
+    (
+        "s.xml",
+        xml(
+            '<shape type="cube"><transform name="to_world"><matrix value="1 2 3"/></transform></shape>'
+        ),
+        "16 or 9",
+    ),
+    (
+        "s.xml",
+        xml(
+            '<shape type="cube"><transform name="to_world"><scale value="1e30"/></transform></shape>'
+        ),
+        "at most 1e16",
+    ),
+    (
+        "s.xml",
+        xml(
+            '<shape type="cube"><transform name="to_world"><scale value="nan"/></transform></shape>'
+        ),
+        "finite number",
+    ),
+    (
+        "s.xml",
+        xml('<sensor type="perspective"><float name="fov" value="180"/></sensor>'),
+        "field of view",
+    ),
+    (
+        "s.xml",
+        xml(
+            '<shape type="cube"><bsdf type="diffuse"><rgb name="reflectance" value="1 2"/></bsdf></shape>'
+        ),
+        "one or three numbers",
+    ),
+    ("s.xml", xml('<shape type="cube"><bsdf type="twosided"/></shape>'), "needs a bsdf inside"),
+    ("s.xml", xml("<a>" * 5000 + "</a>" * 5000), "nested more than 64"),
+    ("s.xml", xml('<shape type="instance"><ref id="x"/></shape>'), "nothing has the id"),
+    ("s.pbrt", "WorldBegin\n", "ends before WorldEnd"),
+    ("s.pbrt", "WorldBegin\nBogus\n", r"s.pbrt:2: a directive must stand here, got 'Bogus'"),
+    ("s.pbrt", "Translate 1 2\nWorldBegin\n", r"s.pbrt:2: a finite number must stand here"),
+    ("s.pbrt", PBRT.replace("0 1 2]", "0 1 3]"), r"s.pbrt:2: 'indices' holds 3.*, the mesh has 3"),
+    ("s.pbrt", PBRT.replace("0 1 2]", "0 1]"), r"s.pbrt:2: 'indices' must be triples"),
+    ("s.pbrt", PBRT.replace("[0 0 0", "[nan 0 0"), r"s.pbrt:2: vertex 0 is"),
+    ("s.pbrt", PBRT.replace("WorldEnd", "AttributeEnd"), r"s.pbrt:3: AttributeEnd has no matching"),
+    (
+        "s.pbrt",
+        PBRT.replace("WorldEnd", "AttributeBegin WorldEnd"),
+        r"s.pbrt:3: this block does not end",
+    ),
+    ("s.pbrt", PBRT.replace("]\n", "\n"), "must stand here"),
+    (
+        "s.pbrt",
+        'WorldBegin\nInclude "s.pbrt"\nWorldEnd',
+        r"s.pbrt:2: the include of .*s.pbrt' is cyclic",
+    ),
+    (
+        "s.pbrt",
+        'WorldBegin\nInclude "gone.pbrt"\nWorldEnd',
+        r"s.pbrt:2: .*gone.pbrt: the file does not exist",
+    ),
+    (
+        "s.pbrt",
+        'WorldBegin\nShape "plymesh" "string filename" "gone.ply"\nWorldEnd',
+        r"s.pbrt:2: .*gone.ply",
+    ),
+    (
+        "s.pbrt",
+        'WorldBegin\nObjectInstance "o"\nWorldEnd',
+        r"s.pbrt:2: the object 'o' is not defined",
+    ),
+    ("s.pbrt", 'WorldBegin\nObjectBegin "o" ObjectBegin "p"', r"s.pbrt:2: ObjectBegin must not"),
+    ("s.pbrt", 'WorldBegin "unclosed\n', r"s.pbrt:1: a string does not end"),
+    ("s.pbrt", 'Scale 0 0 0\nCamera "perspective"\n' + PBRT, r"s.pbrt:2: .*no inverse"),
+    ("s.gltf", "", "empty"),
+    ("s.gltf", "[1, 2]", "s.gltf: "),
+    ("s.gltf", "{", "s.gltf: "),
+    ("s.glb", b"glTF\2\0\0\0", "s.glb: "),
+    ("s.serialized", b"\x1c\x04\x04\x00", "s.serialized: "),
+    ("s.serialized", b"\x1c\x04\x09\x00" + bytes(20), "version 9"),
+    ("s.serialized", b"\x1c\x04\x04\x00" + bytes(20) + b"\xff\xff\xff\xff", "4294967295 shapes"),
+    ("s.stl", "solid", r"unknown scene format '.stl'"),
+]
+
+
+@pytest.mark.parametrize(("name", "content", "message"), BAD)
+def test_a_malformed_file_is_refused_with_file_and_place(tmp_path, name, content, message):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(core.SceneError, match=message) as caught:
+        core.load_scene_file(str(path))
+    assert name in str(caught.value)
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path):
+    with pytest.raises(core.SceneError, match=r"gone.obj: the file does not exist"):
+        core.load_scene_file(str(tmp_path / "gone.obj"))
+    (tmp_path / "folder.obj").mkdir()
+    with pytest.raises(core.SceneError, match="not a regular file"):
+        core.load_scene_file(str(tmp_path / "folder.obj"))
+
+
+def test_serialized_counts_beyond_the_packed_bytes_are_refused_before_allocation(tmp_path):
+    body = struct.pack("<I", 0x1000) + b"\0" + struct.pack("<QQ", 2**40, 2**40)
+    data = b"\x1c\x04\x04\x00" + zlib.compress(body) + struct.pack("<QI", 0, 1)
+    (tmp_path / "s.serialized").write_bytes(data)
+    with pytest.raises(core.SceneError, match="1099511627776 vertices cannot come from"):
+        core.load_scene_file(str(tmp_path / "s.serialized"))
+
+
+def seeds() -> dict[str, bytes]:
+    points, indices = np.frombuffer(POINTS, "<f4"), np.array([0, 1, 2], "<u2")
+    blob = points.tobytes() + indices.tobytes() + b"\0\0"
+    gltf = {
+        "asset": {"version": "2.0"},
+        "buffers": [
+            {
+                "byteLength": len(blob),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(blob).decode(),
+            }
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 6},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
+        ],
+        "materials": [
+            {
+                "emissiveFactor": [1, 1, 1],
+                "alphaMode": "MASK",
+                "pbrMetallicRoughness": {"metallicFactor": 0.5},
+            }
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "nodes": [{"mesh": 0, "children": [1]}, {"mesh": 0, "scale": [1, 2, 1], "camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+        "scenes": [{"nodes": [0]}],
+    }
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    body = (
+        struct.pack("<I", 0x1000)
+        + b"a\0"
+        + struct.pack("<QQ", 3, 1)
+        + POINTS
+        + struct.pack("<3I", 0, 1, 2)
+    )
+    return {
+        "a.obj": (
+            "mtllib a.mtl\nusemtl x\n"
+            + TRIANGLE
+            + "vt 0 1\nvn 0 0 1\nf 1/1/1 2/1/1 -1/-1/-1\nf 1 2 3 2\n"
+        ).encode(),
+        "b.ply": (PLY + "0 0 0 1 0 0 0 1 0\n3 0 1 2\n").encode(),
+        "c.ply": PLY_BINARY + POINTS + struct.pack("<B3i", 3, 0, 1, 2),
+        "d.xml": xml(
+            '<default name="a" value="0.5"/><bsdf type="twosided" id="b"><bsdf type="diffuse"><rgb name="reflectance" '
+            'value="#ff8000"/></bsdf></bsdf><shape type="sphere"><float name="radius" value="$a"/><ref id="b"/>'
+            '<transform name="toWorld"><lookAt origin="0,0,1" target="0,0,0" up="0,1,0"/><rotate x="1" angle="9"/>'
+            '</transform></shape><emitter type="point"><spectrum name="intensity" value="400:1, 700:2"/></emitter>'
+            '<sensor type="perspective"><float name="fov" value="40"/></sensor>'
+        ).encode(),
+        "e.pbrt": (
+            'LookAt 0 0 5 0 0 0 0 1 0\nCamera "perspective" "float fov" [40]\n'
+            + PBRT.replace(
+                "WorldEnd",
+                'AttributeBegin AreaLightSource "diffuse" "rgb L" [1 1 1] Shape "sphere" AttributeEnd\n'
+                'ObjectBegin "o" Material "metal" Shape "disk" ObjectEnd Rotate 9 1 0 0 ObjectInstance "o"\nWorldEnd',
+            )
+        ).encode(),
+        "f.gltf": text,
+        "g.glb": b"glTF" + struct.pack("<III", 2, 20 + len(text), len(text)) + b"JSON" + text,
+        "h.serialized": b"\x1c\x04\x04\x00" + zlib.compress(body) + struct.pack("<QI", 0, 1),
+    }
+
+
+def mutated(data: bytes, rng: random.Random) -> bytes:
+    out = bytearray(data)
+    for _ in range(rng.choice([1, 1, 2, 4])):
+        kind, at = rng.randrange(6), rng.randrange(len(out) + 1)
+        if kind == 0:
+            del out[at:]  # truncate
+        elif kind == 1 and at < len(out):
+            out[at] ^= 1 << rng.randrange(8)
+        elif kind == 2:
+            out[at:at] = bytes(rng.randrange(256) for _ in range(rng.randrange(1, 9)))
+        elif kind == 3:
+            out[at:at] = rng.choice(
+                [
+                    b"-1",
+                    b"999999999999",
+                    b"nan",
+                    b"1e308",
+                    b"0",
+                    b"\0",
+                    b'"',
+                    b"[",
+                    b"]",
+                    b"<",
+                    b"{",
+                    b"/",
+                ]
+            )
+        elif kind == 4:
+            del out[at : at + rng.randrange(1, 12)]
+        else:
+            out[at:at] = out[max(0, at - rng.randrange(1, 40)) : at]  # repeat
+        if not out:
+            break
+    return bytes(out)
+
+
+@pytest.mark.parametrize("name", sorted(seeds()))
+def test_mutated_files_load_or_are_refused_but_nothing_else(tmp_path, name):
+    data = seeds()[name]
+    path = tmp_path / name
+    path.write_bytes(data)
+    assert core.load_scene_file(str(path)).triangle_count > 0  # the seed itself is sound
+    rng = random.Random(name)
+    refused = 0
+    for _ in range(250):
+        path.write_bytes(mutated(data, rng))
+        try:
+            scene = core.load_scene_file(str(path))
+            lo, hi = scene.bounds()
+            if scene.triangle_count:
+                assert np.isfinite([lo, hi]).all()
+        except core.SceneError as error:
+            assert name in str(error)
+            refused += 1
+    assert refused > 20

@@ -1,0 +1,66 @@
+"""Scenes from text, and what is said about bad text."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from viscache import scenes
+from viscache.scenes.registry import parse
+
+
+def test_every_scene_of_the_specification_is_there() -> None:
+    wanted = "random_triangles bumpy_spheres cornell_box room apartment conference hairball"
+    wanted += " courtyard window_room cube_on_plane stairs slats slits thin_wall"
+    assert sorted(scenes.SCENES) == sorted(wanted.split())
+    for info in scenes.SCENES.values():
+        assert info.description
+        assert getattr(scenes, info.name) is info.function
+
+
+def test_text_becomes_arguments_of_the_signatures_types() -> None:
+    info, arguments = parse("room?triangles=200_000&lights=24&panels=true&specular=0")
+    assert info.name == "room"
+    assert arguments == {"triangles": 200_000, "lights": 24, "panels": True, "specular": False}
+    assert parse("random_triangles?edge=2e-2&triangles=1e3")[1] == {"edge": 0.02, "triangles": 1000}
+    assert parse("cornell_box")[1] == {}
+
+
+def test_a_built_scene_knows_what_it_was_made_from() -> None:
+    assert scenes.build("random_triangles?triangles=50").spec == "random_triangles?triangles=50"
+    assert scenes.cornell_box().spec == "cornell_box"
+    assert scenes.random_triangles(40, seed=2).spec == "random_triangles?triangles=40&seed=2"
+
+
+def test_defaults_are_listed() -> None:
+    assert scenes.SCENES["room"].parameters == {
+        "triangles": 200_000,
+        "lights": 24,
+        "panels": False,
+        "specular": False,
+    }
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ("rom", "unknown scene 'rom'; did you mean 'room'?"),
+        ("xyz", "unknown scene 'xyz'; known: "),
+        ("room?triangle=5", "room has no parameter 'triangle'; did you mean 'triangles'?"),
+        ("cornell_box?q=1", "cornell_box has no parameter 'q'; there are none"),
+        ("room?triangles=3", "triangles must be >= 100, got 3"),
+        ("room?triangles=many", "triangles must be a whole number, got 'many'"),
+        ("room?triangles=inf", "triangles must be a whole number, got 'inf'"),
+        ("room?triangles=1.5", "triangles must be a whole number, got '1.5'"),
+        ("room?panels=maybe", "panels must be true or false, got 'maybe'"),
+        ("room?lights=-1", "lights must be >= 0, got -1"),
+        ("room?lights", "lights must have a value"),
+        ("room?lights=1&lights=2", "lights must be given once"),
+        ("thin_wall?thickness=nan", "thickness must be > 0 and < 1, got nan"),
+        ("cube_on_plane?size=inf", "size must be >= 1e-06, got inf"),
+    ],
+)
+def test_bad_text_is_refused_and_the_message_helps(spec: str, message: str) -> None:
+    with pytest.raises(ValueError, match="^" + re.escape(message)):
+        scenes.build(spec)

@@ -1,0 +1,190 @@
+"""The built-in scenes: deterministic, in budget, made of shape, seen from free space."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from viscache import _core, scenes
+from viscache.scenes.builder import Builder
+from viscache.scenes.coplanar import coplanar_share
+from viscache.scenes.room import light_spots
+
+SCALED = {
+    "apartment": 750_000,
+    "bumpy_spheres": 15_000,
+    "conference": 280_000,
+    "courtyard": 2_200_000,
+    "hairball": 3_000_000,
+    "random_triangles": 100_000,
+    "room": 200_000,
+}
+SMALL = {name: {"triangles": 30_000} if name in SCALED else {} for name in scenes.SCENES}
+
+
+@cache
+def built(name: str, triangles: int = 0) -> Builder:
+    make = scenes.SCENES[name].builder
+    return make(triangles=triangles) if triangles else make()
+
+
+def small(name: str) -> Builder:
+    return built(name, 30_000 if name in SCALED else 0)
+
+
+def digest(b: Builder) -> str:
+    h = hashlib.sha256()
+    for m in b.meshes:
+        h.update(m.name.encode() + m.vertices.tobytes() + m.triangles.tobytes())
+        h.update(repr((m.material, m.emission, m.in_world)).encode())
+    for i in b.instances:
+        h.update(repr(i.meshes).encode() + i.to_world.tobytes())
+    h.update(repr((b.cameras, b.point_lights, b.material_names)).encode())
+    return h.hexdigest()
+
+
+def world(b: Builder) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """All placed triangles as one mesh."""
+    parts = [(m.vertices.astype(float), m.triangles.astype(np.int64)) for m in b.meshes]
+    placed = [p for p, m in zip(parts, b.meshes, strict=True) if m.in_world]
+    for i in b.instances:
+        t = i.to_world
+        placed += [(parts[k][0] @ t[:3, :3].T + t[:3, 3], parts[k][1]) for k in i.meshes]
+    starts = np.cumsum([0] + [len(v) for v, _ in placed[:-1]])
+    faces = [f + s for (_, f), s in zip(placed, starts, strict=True)]
+    return np.concatenate([v for v, _ in placed]), np.concatenate(faces)
+
+
+def distances(points: npt.NDArray[np.float64], b: Builder) -> npt.NDArray[np.float64]:
+    """Distance of each point to the nearest triangle."""
+    vertices, faces = world(b)
+    triangles = vertices[faces]
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    out = []
+    for p in points:
+        gap = np.linalg.norm(np.maximum(np.maximum(low - p, p - high), 0), axis=1)
+        near = triangles[gap < 0.3]
+        out.append(min((_distance(p, t) for t in near), default=0.3))
+    return np.array(out)
+
+
+def _distance(p: npt.NDArray[np.float64], t: npt.NDArray[np.float64]) -> float:
+    n = np.cross(t[1] - t[0], t[2] - t[0])
+    best = min(_to_segment(p, t[k], t[(k + 1) % 3]) for k in range(3))
+    if n @ n > 1e-24:
+        inside = all(np.cross(t[(k + 1) % 3] - t[k], p - t[k]) @ n >= 0 for k in range(3))
+        if inside:
+            best = min(best, abs((p - t[0]) @ n) / np.linalg.norm(n))
+    return float(best)
+
+
+def _to_segment(
+    p: npt.NDArray[np.float64], a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]
+) -> float:
+    d = b - a
+    s = np.clip((p - a) @ d / max(d @ d, 1e-30), 0, 1)
+    return float(np.linalg.norm(p - a - s * d))
+
+
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_two_builds_have_the_same_bytes(name: str) -> None:
+    again = scenes.SCENES[name].builder(**SMALL[name])
+    assert digest(again) == digest(small(name))
+
+
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_meshes_are_finite_in_range_and_of_sane_size(name: str) -> None:
+    b = small(name)
+    for m in b.meshes:
+        assert np.isfinite(m.vertices).all()
+        assert m.triangles.max() < len(m.vertices)
+        assert 0 <= m.material < len(b.material_names)
+    vertices, _ = world(b)
+    extent = np.ptp(vertices, axis=0)
+    assert (extent > 0.1).all()
+    assert (extent < 40).all()
+
+
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_a_scene_freezes_and_has_cameras_and_lights(name: str) -> None:
+    b = small(name)
+    _core.Scene.freeze(b.description)
+    assert b.cameras
+    assert b.description.n_lights > 0
+
+
+@pytest.mark.parametrize("name", SCALED)
+@pytest.mark.parametrize("triangles", [5_000, 61_003, 400_000])
+def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> None:
+    n = built(name, triangles).n_triangles()
+    assert triangles <= n <= (triangles if name == "random_triangles" else 1.25 * triangles)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n == "hairball" else ()) for n in SCALED]
+)
+def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name: str) -> None:
+    b = built(name)
+    assert SCALED[name] <= b.n_triangles() <= 1.25 * SCALED[name]
+    times = np.array([m.in_world for m in b.meshes], float)
+    for i in b.instances:
+        times[list(i.meshes)] += 1
+    counts = np.array([len(m.triangles) for m in b.meshes])
+    shares = np.array([coplanar_share(m.vertices, m.triangles) for m in b.meshes])
+    assert (times * counts * shares).sum() / (times * counts).sum() <= 0.2
+
+
+@pytest.mark.parametrize("name", scenes.SCENES)
+def test_cameras_stand_in_free_space_and_see_the_scene(name: str) -> None:
+    b = built(name, 60_000) if name in SCALED else small(name)
+    origins = np.array([c.origin for c in b.cameras])
+    assert (distances(origins, b) > 0.12).all()
+
+
+def test_point_lights_are_five_centimetres_from_any_surface() -> None:
+    for b in (scenes.SCENES["room"].builder(lights=60), built("apartment", 300_000)):
+        spots = np.array([p for p, _ in b.point_lights])
+        assert distances(spots, b).min() >= 0.05
+
+
+def test_the_apartment_has_24_lamps_and_the_room_24_lights_unless_told() -> None:
+    assert len(built("apartment").point_lights) == 24
+    room = scenes.SCENES["room"].builder
+    assert len(built("room").point_lights) == 24
+    assert len(room(triangles=5000, lights=300).point_lights) == 300
+    with_panels = room(triangles=5000, panels=True)
+    assert len(with_panels.point_lights) == 0
+    assert sum(m.emission != (0, 0, 0) for m in with_panels.meshes) > 0
+    assert len(room(triangles=5000, panels=True, lights=5).point_lights) == 5
+
+
+def test_light_spots_do_not_move_when_more_are_asked_for() -> None:
+    np.testing.assert_array_equal(light_spots(200)[:24], light_spots(24))
+
+
+def test_the_room_is_the_size_of_the_measured_trial() -> None:
+    vertices, _ = world(built("room"))
+    np.testing.assert_allclose(vertices.min(axis=0), [-5, 0, -5], atol=0.03)
+    np.testing.assert_allclose(vertices.max(axis=0), [5, 4, 5], atol=0.06)
+
+
+def test_the_window_room_is_closed_but_for_one_square_metre() -> None:
+    vertices, faces = world(built("window_room"))
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    assert area == pytest.approx(2 * (8 * 8 + 8 * 4 + 8 * 4) - 1)
+    np.testing.assert_array_equal(vertices.max(axis=0), [8, 8, 4])
+
+
+def test_the_courtyards_leaves_are_instanced() -> None:
+    b = built("courtyard")
+    assert sum(len(m.triangles) for m in b.meshes) < 0.2 * b.n_triangles()
+
+
+def test_too_few_triangles_are_refused_with_the_limit() -> None:
+    with pytest.raises(ValueError, match=r"triangles must be >= 100, got 3"):
+        scenes.room(triangles=3)
