@@ -215,7 +215,7 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
     }
     trace(query, scene, valid, packet);
     uint32_t occluded = 0;
-    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(packet.tfar[i] < 0) << i;
+    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(valid[i] && packet.tfar[i] < 0) << i;
     return occluded;
 }
 
@@ -268,7 +268,8 @@ void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, 
             packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z, packet.tfar[i] = active ? t : kInfinity;
         }
         trace(query, scene, valid, packet);
-        for (size_t i = 0; i < n; ++i) occluded[at + i] = packet.tfar[i] < 0;
+        // Where Embree splits wide packets it traces lanes that are off as well
+        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
     }
 }
 
