@@ -1,4 +1,4 @@
-"""Benches: every figure a ratio against a named baseline in the same run, and the answer checked."""
+"""Benches: figures are ratios against named baselines of the same run, answers are checked."""
 
 from viscache.bench.registry import BENCHES, BenchInfo, run, run_all
 

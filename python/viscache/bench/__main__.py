@@ -42,7 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def text(result: dict[str, Any]) -> str:
     """A bench's result as a table."""
-    lines = [f"{result['bench']}   {result['machine']['processor']}, {result['machine']['cores']} cores"]
+    lines = [
+        f"{result['bench']}   {result['machine']['processor']}, {result['machine']['cores']} cores"
+    ]
     for f in result["figures"]:
         line = f"  {f['name']:<62} {f['value']:>9.4g} {f['unit']}"
         if f["ratio"] is not None:
@@ -62,7 +64,8 @@ def text(result: dict[str, Any]) -> str:
 
 def _list(as_json: bool) -> int:
     rows = [
-        {"name": n, "is_there": b.is_there, "description": b.description} for n, b in BENCHES.items()
+        {"name": n, "is_there": b.is_there, "description": b.description}
+        for n, b in BENCHES.items()
     ]
     if as_json:
         print(json.dumps({"benches": rows}))

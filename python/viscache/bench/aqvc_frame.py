@@ -47,7 +47,7 @@ CASES = (
     Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
 )
 QUICK = (Case(size=(128, 128), spp=1, n_vpls=64, c_e=10, repeats=2, with_hash=True),)
-#: The share of queries that exact in one-pixel order and the hash form are timed on: rows of the image.
+#: The error up to which a ratio with a goal counts.
 REL_L1_GOAL = 0.01
 
 
@@ -110,7 +110,7 @@ def measure(
     for prefix, key, base, against, goal in figures:
         if key not in samples:
             continue
-        error = float(compare(frames[key], frames[exact]).rel_l1)
+        error = compare(frames[key], frames[exact]).rel_l1 or 0.0
         row = ratio_figure(
             f"{prefix}{name} {case.label} whole-frame vs {against}",
             samples[key],

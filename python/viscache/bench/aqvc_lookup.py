@@ -46,7 +46,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
         if key == "ray":
             continue
         ratios = [a / b for a, b in zip(per_query["ray"], per_query[key], strict=True)]
-        error = float(compare(frames[key], exact).rel_l1)
+        error = compare(frames[key], exact).rel_l1 or 0.0
         outcome.figures.append(
             figure(
                 f"{key} ns/query vs ns/ray",

@@ -52,7 +52,9 @@ def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDAr
     hits = scene.intersect(rays.origins, rays.directions)
     hit = hits.triangle >= 0
     meshes = [m for m in scene.meshes() if m["in_world"]]
-    corners = np.concatenate([np.asarray(m["vertices"])[np.asarray(m["triangles"])] for m in meshes])
+    corners = np.concatenate(
+        [np.asarray(m["vertices"])[np.asarray(m["triangles"])] for m in meshes]
+    )
     tri = corners[hits.triangle[hit]].astype(np.float64)
     n = np.cross(tri[:, 1] - tri[:, 0], tri[:, 2] - tri[:, 0])
     n /= np.linalg.norm(n, axis=1, keepdims=True)

@@ -22,8 +22,9 @@ integrator = vc.Whitted(n_vpls=int(sys.argv[4]))
 visibility = vc.Aqvc(c_e=10) if sys.argv[5] == "aqvc" else vc.Exact()
 frame = vc.render(scene, integrator, visibility=visibility, size=size)
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+finite = bool(np.isfinite(frame.image).all())
 print(json.dumps({"triangles": scene.triangles, "peak_bytes": peak * 1024,
-                  "mean": float(frame.image.mean()), "finite": bool(np.isfinite(frame.image).all())}))
+                  "mean": float(frame.image.mean()), "finite": finite}))
 """
 
 
@@ -40,10 +41,11 @@ def memory(quick: bool = False) -> Outcome:
             check=True,
         )
         found = json.loads(done.stdout)
+        name = spec.partition("?")[0]
         gib = found["peak_bytes"] / 2**30
         outcome.figures.append(
             figure(
-                f"{spec.partition('?')[0]} {found['triangles']} {width}x{height} {visibility} peak memory",
+                f"{name} {found['triangles']} {width}x{height} {visibility} peak memory",
                 gib,
                 "GiB",
                 baseline=LIMIT_GIB,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import sys
 from collections.abc import Mapping
@@ -15,14 +16,14 @@ from viscache.bench.peer_protocol import serve
 
 def main() -> None:
     """Build the scene, then answer."""
-    import mitsuba as mi
+    mi: Any = importlib.import_module("mitsuba")
 
     try:
         mi.set_variant("llvm_ad_rgb")
     except ImportError as error:
         print(json.dumps({"error": f"Mitsuba's llvm variant does not run: {error}"}), flush=True)
         return
-    import drjit as dr
+    dr: Any = importlib.import_module("drjit")
 
     scene = _scene(mi)
 

@@ -45,7 +45,9 @@ def rays(quick: bool = False) -> Outcome:
         try:
             for which in SETS:
                 n = 50_000 if quick else 1_000_000
-                _compare(outcome, scene, spec, make_ray_set(scene, which, n), peers, 2 if quick else 5)
+                _compare(
+                    outcome, scene, spec, make_ray_set(scene, which, n), peers, 2 if quick else 5
+                )
         finally:
             for peer in peers.values():
                 peer.__exit__(None, None, None)
@@ -101,7 +103,11 @@ def _compare(
             )
         )
         differing = float(np.mean(answers["ours"] != answers[name]))
-        outcome.check(f"{label}: share unlike {name}", differing, 0 if name == "embree-loop" else EDGE_TOLERANCE)
+        outcome.check(
+            f"{label}: share unlike {name}",
+            differing,
+            0 if name == "embree-loop" else EDGE_TOLERANCE,
+        )
     blocked = float(answers["ours"].mean())
     outcome.check(f"{label}: all or nothing blocked", float(blocked in (0.0,)), 0)
 

@@ -43,7 +43,8 @@ BENCHES: dict[str, BenchInfo] = {
         function=frames,
     ),
     "aqvc-frame": BenchInfo(
-        description="whole frames with the quantized cache against exact frames", function=aqvc_frame
+        description="whole frames with the quantized cache against exact frames",
+        function=aqvc_frame,
     ),
     "aqvc-lookup": BenchInfo(
         description="nanoseconds per query of each form of the quantized cache, beside one ray",
