@@ -40,10 +40,31 @@ FloatArray distances(const py::object& t_max, size_t n) {
     return a;
 }
 
+<<<<<<< HEAD
 /// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
 template <class Work>
 void in_chunks(size_t n, int threads, Work work) {
     const auto chunk = [&](size_t c, int worker) { work(c * kChunk, std::min(n, (c + 1) * kChunk), worker); };
+=======
+/// A ray without direction has nowhere to go: it is empty.
+Ray endless(Vec3 origin, Vec3 direction, float t_max = kInfinity) {
+    return {origin, 0, direction, direction == Vec3{} ? 0.f : t_max};
+}
+
+/// Traces chunks of rays made by make_ray(i) and stores 1 where the segment is (un)blocked.
+template <class MakeRay>
+py::array_t<bool> trace(const EmbreeCaster& caster, size_t n, int threads, bool answer_blocked, MakeRay make_ray) {
+    py::array_t<bool> result{py::ssize_t(n)};
+    bool* out = result.mutable_data();
+    auto work = [&](size_t chunk) {
+        const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
+        std::vector<Ray> rays(last - first);
+        std::vector<uint8_t> blocked(last - first);
+        for (size_t i = first; i < last; ++i) rays[i - first] = make_ray(i);
+        caster.occluded(rays, blocked);
+        for (size_t i = first; i < last; ++i) out[i] = bool(blocked[i - first]) == answer_blocked;
+    };
+>>>>>>> rtests
     const size_t chunks = (n + kChunk - 1) / kChunk;
     if (n < kQuick) {
         py::gil_scoped_release release;
@@ -63,6 +84,7 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
+<<<<<<< HEAD
     const FloatArray t = distances(t_max, n);
     const RayArrays rays{origins, directions, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
@@ -77,6 +99,11 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     });
     if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
     return result;
+=======
+    const auto t = distances(t_max, n);
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    return trace(caster, n, threads, true, [&](size_t i) { return endless(origins[i], directions[i], t[i]); });
+>>>>>>> rtests
 }
 
 py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
@@ -114,7 +141,7 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
             const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
             std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
-            for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], kInfinity};
+            for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
             caster.intersect(rays, hits);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];

@@ -59,7 +59,7 @@ def test_light_from_below_or_along_the_surface_costs_no_ray(direction: Any) -> N
 def test_contributions_of_zero_cost_no_ray() -> None:
     """Black surfaces, lights of zero power, lights that turn their back, samples below the horizon."""
     black = replace(PLANE, look=Look(base_color=(0, 0, 0)))
-    lamp = quad((-1, 2, -1), (2, 0, 0), (0, 0, 2), emission=(1, 1, 1))
+    lamp = quad((-1, 2, -1), (2, 0, 0), (0, 0, 2), emission=(1, 1, 1), look=black.look)
     lit: dict[str, Any] = {"points": (((0, 2, 0), (1, 1, 1)),), "env": (1, 1, 1)}
     for model in (
         Model((black, lamp), **lit, **ABOVE),
@@ -95,7 +95,7 @@ def test_a_rough_metal_never_gives_more_than_it_gets() -> None:
         frame = vc.render(scene.to_viscache(), vc.Direct(n_environment=0, n_brdf=64), size=SIZE, spp=4)
         reflected = group(frame, "environment")[8:13, 14:19].mean()
         assert reflected <= 1 + 1e-5
-        assert reflected > (0.97 if roughness < 0.5 else 0.5)
+        assert reflected > {0.05: 0.97, 0.3: 0.8, 1.0: 0.3}[roughness], "what masking loses, no more"
 
 
 def test_inside_a_glowing_box_direct_light_is_albedo_times_emission() -> None:
@@ -161,8 +161,11 @@ def test_a_sphere_light_shines_like_its_form_factor() -> None:
 def test_a_sphere_light_reflects_nothing() -> None:
     """It has no material: the scene's first one is a mirror, and a point light shines at the sphere."""
     mirror = replace(PLANE, look=Look(kind="mirror"))
-    model = Model((mirror,), spheres=(((0, 1, 0), 0.5, (1, 1, 1)),), points=(((0, 3, 3), (100, 100, 100)),))
-    frame = vc.render(model.to_viscache(), vc.Whitted(n_vpls=16), size=(1, 1), camera=None)
+    model = Model(
+        (mirror,), spheres=(((0, 1, 0), 0.5, (1, 1, 1)),), points=(((0, 3, 3), (100, 100, 100)),),
+        target=(0, 1, 0), fov_deg=1,
+    )  # fmt: skip
+    frame = vc.render(model.to_viscache(), vc.Whitted(n_vpls=16), size=(1, 1))
     np.testing.assert_array_equal(frame.image, 1)
     assert model.to_viscache().with_environment(0.5).triangles == 2
 
@@ -258,4 +261,7 @@ def test_surfaces_do_not_shadow_themselves_and_closed_rooms_do_not_leak(scale: f
         assert covered.mean() > 0.2
         ambient = frame.image[..., 0][frame.layers["albedo"][..., 0] >= 0.5]  # whole pixels
         assert len(ambient) > 50
-        np.testing.assert_allclose(ambient, expected, atol=1e-5)
+        if away < 1e5:
+            np.testing.assert_allclose(ambient, expected, atol=1e-5)
+        else:  # where a unit in the last place is 1/128 of the cube, its edges are rough
+            assert abs(ambient.mean() - expected) < 3e-3 and np.median(ambient) == expected

@@ -17,7 +17,7 @@ import pytest
 
 import viscache as vc
 from render.mitsuba_scene import Look, Model, Part, ball, box, quad, sensor
-from render.ztest import compare
+from render.ztest import ROUNDING, compare
 from viscache import _core
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
@@ -34,14 +34,14 @@ def mi() -> Any:
     return mitsuba
 
 
-def theirs(mi: Any, scene: Any, *, depth: int = 2, spp: int = 64, seeds: int = 8, **kwargs: Any) -> Images:
+def theirs(mi: Any, scene: Any, *, depth: int = 2, spp: int = 64, seeds: int = 16, **kwargs: Any) -> Images:
     path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
     shots = [np.array(mi.render(scene, integrator=path, spp=spp, seed=100 + i, **kwargs)) for i in range(seeds)]
     return np.stack(shots).astype(np.float64)[..., :3]
 
 
 def ours(
-    scene: vc.Scene, integrator: Any = None, *, spp: int = 16, seeds: int = 8, size: tuple[int, int] = SIZE
+    scene: vc.Scene, integrator: Any = None, *, spp: int = 16, seeds: int = 12, size: tuple[int, int] = SIZE
 ) -> Images:
     integrator = integrator or vc.Direct()
     frames = [vc.render(scene, integrator, size=size, spp=spp, seed=i) for i in range(seeds)]
@@ -49,11 +49,11 @@ def ours(
     return np.stack([f.image for f in frames]).astype(np.float64)
 
 
-def assert_same(a: Images, b: Images) -> None:
+def assert_same(a: Images, b: Images, tolerance: float = ROUNDING) -> None:
     """The z-test passes, and 1 % less energy makes it fail."""
-    found = compare(a, b)
+    found = compare(a, b, tolerance=tolerance)
     assert found.same, found
-    assert not compare(0.99 * a, b).same, "the test has no power to see 1 % of the energy"
+    assert not compare(0.99 * a, b, tolerance=tolerance).same, "the test has no power to see 1 % of the energy"
 
 
 def without(model: Model, field: str, index: int) -> Model:
@@ -179,7 +179,7 @@ def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
 
 def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
-    model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=45)
+    model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=96)
     image = ours(model.to_viscache())
     assert_same(image, reference)
@@ -268,9 +268,10 @@ def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None
     assert not compare(ours(faceted.to_viscache(), seeds=4), reference).same
 
 
-# Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave nothing
-# between diffuse surfaces for Mitsuba to find.
+# Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave little between
+# diffuse surfaces for Mitsuba to find, and we drop branches below 1/1000: 1/2000 is tolerated.
 
+SPECULAR_TOLERANCE = 5e-4
 DIM = Look(base_color=(1e-3, 1e-3, 8e-4))
 BARE = vc.Whitted(n_vpls=0, n_area=32)
 
@@ -288,9 +289,10 @@ def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None
         env=(0.3, 0.4, 0.5),
     )
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=6, spp=96)
-    assert_same(ours(model.to_viscache(), replace(BARE, max_depth=4), spp=64), reference)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=4), spp=64)
+    assert_same(image, reference, SPECULAR_TOLERANCE)
     shallow = ours(model.to_viscache(), replace(BARE, max_depth=1), spp=16, seeds=4)
-    assert not compare(shallow, reference).same, "mirrors in mirrors are not seen"
+    assert not compare(shallow, reference, tolerance=SPECULAR_TOLERANCE).same, "mirrors in mirrors are not seen"
 
 
 @pytest.mark.parametrize("eta", [1.5, 1 / 1.3])
@@ -306,11 +308,12 @@ def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path:
         env=(0.3, 0.6, 0.9),
     )
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=192)
-    assert_same(ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64), reference)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
+    assert_same(image, reference, SPECULAR_TOLERANCE)
     denser = replace(glass, eta=eta * 1.1)
     wrong = replace(model, parts=(model.parts[0], *(replace(p, look=denser) for p in model.parts[1:])))
     image = ours(wrong.to_viscache(), replace(BARE, max_depth=12), seeds=4)
-    assert not compare(image, reference).same
+    assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
 
 
 def test_parts_are_what_they_say() -> None:

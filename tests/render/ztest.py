@@ -47,11 +47,11 @@ def _blocks(images: Images, edge: int) -> Images:
     return cut.reshape(n, rows, edge, columns, edge, c).mean(axis=(2, 4))
 
 
-def _t(a: Images, b: Images) -> tuple[Images, Images]:
-    """Welch's t and its degrees of freedom per cell; rounding differences count as none."""
+def _t(a: Images, b: Images, tolerance: float) -> tuple[Images, Images]:
+    """Welch's t and its degrees of freedom per cell; `tolerance` counts as noise of that size."""
     va, vb = a.var(axis=0, ddof=1) / len(a), b.var(axis=0, ddof=1) / len(b)
     difference = a.mean(axis=0) - b.mean(axis=0)
-    rounding = ROUNDING * (np.abs(b.mean(axis=0)) + np.abs(b.mean()))
+    rounding = tolerance * (np.abs(b.mean(axis=0)) + np.abs(b.mean()))
     # Noise far below rounding says nothing about a difference of that size
     variance = va + vb + rounding**2
     freedom = (va + vb) ** 2 / np.maximum(va**2 / (len(a) - 1) + vb**2 / (len(b) - 1), 1e-300)
@@ -59,8 +59,14 @@ def _t(a: Images, b: Images) -> tuple[Images, Images]:
     return difference / np.sqrt(variance), np.maximum(freedom, 1.0)
 
 
-def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8) -> ZTest:
-    """Compare two stacks (seeds, H, W, C) of finite images."""
+def compare(
+    ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8, tolerance: float = ROUNDING
+) -> ZTest:
+    """Compare two stacks (seeds, H, W, C) of finite images.
+
+    `tolerance` is a standard deviation allowed for known differences, relative to the cell and to
+    the image.
+    """
     a, b = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
     assert a.ndim == b.ndim == 4 and a.shape[1:] == b.shape[1:] and min(len(a), len(b)) >= 4
     assert np.isfinite(a).all() and np.isfinite(b).all()
@@ -73,7 +79,7 @@ def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8) -> ZTe
     best = (np.inf, "", 0.0)
     cells = 0
     for name, (x, y) in scales.items():
-        t, freedom = _t(x, y)
+        t, freedom = _t(x, y, tolerance)
         p = 2 * stats.t.sf(np.abs(t), freedom)
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)

@@ -169,7 +169,7 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         alignas(64) int valid[16];
         for (size_t i = 0; i < 16; ++i) {
             const Ray& r = rays[first + std::min(i, n - 1)];
-            valid[i] = i < n ? -1 : 0;
+            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval holds no hit
             packet.ray.org_x[i] = r.o.x, packet.ray.org_y[i] = r.o.y, packet.ray.org_z[i] = r.o.z;
             packet.ray.dir_x[i] = r.d.x, packet.ray.dir_y[i] = r.d.y, packet.ray.dir_z[i] = r.d.z;
             packet.ray.tnear[i] = r.t_min, packet.ray.tfar[i] = r.t_max;
@@ -178,8 +178,10 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         }
         query.intersect16(valid, impl_->top, packet);
         for (size_t i = 0; i < n; ++i)
-            hits[first + i] = impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i], packet.hit.primID[i],
-                                            packet.hit.u[i], packet.hit.v[i], packet.ray.tfar[i]);
+            hits[first + i] = !valid[i] ? Hit{}
+                                        : impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i],
+                                                        packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i],
+                                                        packet.ray.tfar[i]);
     }
 }
 
@@ -223,6 +225,7 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
 
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
+<<<<<<< HEAD
     const RTCScene top = impl_->top;
     if (impl_->native16) return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     // Without AVX-512, Embree would sort a packet of 16 again; two packets of 8 are traced as they are.
@@ -230,6 +233,28 @@ uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence co
     if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
     if (mask >> 8) occluded |= occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;
     return uint16_t(occluded);
+=======
+    alignas(64) RTCRay16 packet;
+    alignas(64) int valid[16];
+    constexpr size_t kRow = sizeof(float) * 16;
+    std::memcpy(packet.org_x, rays.ox, kRow), std::memcpy(packet.org_y, rays.oy, kRow);
+    std::memcpy(packet.org_z, rays.oz, kRow), std::memcpy(packet.tnear, rays.t_min, kRow);
+    std::memcpy(packet.dir_x, rays.dx, kRow), std::memcpy(packet.dir_y, rays.dy, kRow);
+    std::memcpy(packet.dir_z, rays.dz, kRow), std::memcpy(packet.tfar, rays.t_max, kRow);
+    std::memset(packet.time, 0, kRow), std::memset(packet.flags, 0, kRow);
+    std::memset(packet.mask, 0xff, kRow), std::memset(packet.id, 0, kRow);
+    uint16_t active = 0;
+    for (int i = 0; i < 16; ++i) {
+        // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
+        const bool is_active = (mask >> i & 1) && rays.t_max[i] > rays.t_min[i];
+        valid[i] = is_active ? -1 : 0;
+        active |= uint16_t(uint16_t(is_active) << i);
+    }
+    query.occluded16(valid, impl_->top, packet);
+    uint16_t occluded = 0;
+    for (int i = 0; i < 16; ++i) occluded |= uint16_t(uint16_t(packet.tfar[i] < 0) << i);
+    return occluded & active;
+>>>>>>> rtests
 }
 
 void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
