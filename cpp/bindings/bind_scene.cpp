@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kChunk = 1 << 13;
 constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
+constexpr size_t kTrial = 1 << 14;  // rays per thread from which a trial of packet plans pays
 
 void require_usable(const FloatArray& a, const char* name) {
     const Vec3* rows = rows3(a, name);
@@ -71,7 +72,8 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     const RayArrays rays{origins, directions, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    std::vector<PacketTrial> trials(size_t(resolve_threads(threads)), PacketTrial(caster.native16()));
+    threads = resolve_threads(threads);
+    std::vector<PacketTrial> trials(size_t(threads), PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
     std::atomic<bool> usable{true};
     in_chunks(n, threads, [&](size_t first, size_t last, int worker) {
         // Checked chunk by chunk, while the rays are in the cache

@@ -1,10 +1,10 @@
 #include "viscache/visibility/embree_caster.h"
 
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <stdexcept>
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/embree.h"
 
 namespace viscache {
@@ -187,12 +187,6 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
 
 namespace {
 
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) { query.occluded4(valid, scene, rays); }
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) { query.occluded8(valid, scene, rays); }
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) { query.occluded16(valid, scene, rays); }
@@ -223,7 +217,7 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
     }
     trace(query, scene, valid, packet);
     uint32_t occluded = 0;
-    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(packet.tfar[i] < 0) << i;
+    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(valid[i] && packet.tfar[i] < 0) << i;
     return occluded;
 }
 
@@ -276,7 +270,8 @@ void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, 
             packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z, packet.tfar[i] = active ? t : kInfinity;
         }
         trace(query, scene, valid, packet);
-        for (size_t i = 0; i < n; ++i) occluded[at + i] = packet.tfar[i] < 0;
+        // Where Embree splits wide packets it traces lanes that are off as well
+        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
     }
 }
 
@@ -310,19 +305,20 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
 
 void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
                             PacketTrial& trial) const {
-    constexpr size_t kShare = 256;  // rays in a row by one plan, so that all plans see like rays
+    // Shares in a row by one plan, so that all plans see like rays; few enough to cost little when a plan is slow
+    constexpr size_t kShare = 128, kRounds = 4;
     const size_t plans = trial.plans().size();
-    if (!trial.due() || occluded.size() < 4 * plans * kShare) {
+    if (!trial.due() || occluded.size() < kRounds * plans * kShare) {
         this->occluded(rays, first, occluded, trial.best());
         return;
     }
     std::vector<double> seconds(plans, 0.0);
-    double before = thread_seconds();
+    double before = thread_cpu_seconds();
     size_t at = 0;
-    for (size_t round = 0; at + plans * kShare <= occluded.size(); ++round)
+    for (size_t round = 0; round < kRounds; ++round)
         for (size_t p = 0; p < plans; ++p, at += kShare) {
             this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
-            const double now = thread_seconds();
+            const double now = thread_cpu_seconds();
             // The first round only warms the caches
             if (round > 0) seconds[p] += now - before;
             before = now;
@@ -331,7 +327,7 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
     this->occluded(rays, first + at, occluded.subspan(at), trial.best());
 }
 
-PacketTrial::PacketTrial(bool native16) {
+PacketTrial::PacketTrial(bool native16, bool worth_it) : worth_it_(worth_it) {
     const int widest = native16 ? 16 : 8;
     plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent}, PacketPlan{1}};
 }
