@@ -58,6 +58,8 @@ BENCHES: dict[str, BenchInfo] = {
     "vlf-build": BenchInfo(description="building visibility fields"),
     "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
     "vismap-variance": BenchInfo(description="variance with visibility maps at equal time"),
+    "sweep": BenchInfo(description="overhead of a sweep outside rendering and metrics"),
+    "peers": BenchInfo(description="caches of other renderers at equal time"),
 }
 
 
