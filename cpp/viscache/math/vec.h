@@ -1,17 +1,10 @@
 #pragma once
 // Plain float vectors: positions, directions and linear RGB.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
 namespace viscache {
-
-/// condition ? a : b without a branch, for conditions that no processor can foresee.
-inline float select(bool condition, float a, float b) {
-    const uint32_t mask = 0u - uint32_t(condition);
-    return std::bit_cast<float>((std::bit_cast<uint32_t>(a) & mask) | (std::bit_cast<uint32_t>(b) & ~mask));
-}
 
 struct Vec2 {
     float x = 0, y = 0;

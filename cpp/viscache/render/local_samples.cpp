@@ -32,10 +32,10 @@ struct EyeSamples {
     }
 };
 
-ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float density) {
+ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max = kInfinity) {
     ShadowQuery q;
     q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(group);
-    q.far = direction, q.density = density;
+    q.far = direction, q.density = density, q.t_max = t_max;
     return q;
 }
 
@@ -106,9 +106,7 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
         const float pdf = settings.ambient_cosine ? local.z / kPi : 0.5f / kPi;
         const float weight = settings.ambient_cosine ? 1.f : 2 * local.z;
         if (!(local.z > 0)) continue;
-        ShadowQuery& q = out.queries.emplace_back();
-        q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(LightGroup::kAmbient);
-        q.far = frame.to_world(local), q.density = n * pdf, q.t_max = t_max;
+        out.queries.push_back(towards(eye, frame.to_world(local), LightGroup::kAmbient, n * pdf, t_max));
         out.contribution.push_back(eyes.throughput[eye] * (weight / n));
     }
 }

@@ -11,8 +11,8 @@ inline Vec2 square_to_disk_concentric(Vec2 u) {
     const float x = 2 * u.x - 1, y = 2 * u.y - 1;
     if (x == 0 && y == 0) return {};
     const bool wide = std::fabs(x) > std::fabs(y);
-    const float r = select(wide, x, y), turn = (kPi / 4) * (select(wide, y, x) / r);
-    const float phi = select(wide, turn, kPi / 2 - turn);
+    const float r = wide ? x : y;
+    const float phi = wide ? (kPi / 4) * (y / x) : kPi / 2 - (kPi / 4) * (x / y);
     return {r * std::cos(phi), r * std::sin(phi)};
 }
 

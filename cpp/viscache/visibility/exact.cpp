@@ -99,9 +99,11 @@ constexpr uint32_t kBinEdge = 16;  // direction bins along one edge of the octah
 uint32_t direction_bin(Vec3 d) {
     const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
     if (!(l > 0)) return 0;
-    const float x0 = d.x / l, y0 = d.y / l;
-    const float u = select(d.z < 0, std::copysign(1 - std::fabs(y0), x0), x0);
-    const float v = select(d.z < 0, std::copysign(1 - std::fabs(x0), y0), y0);
+    float u = d.x / l, v = d.y / l;
+    if (d.z < 0) {
+        const float fu = std::copysign(1 - std::fabs(v), u), fv = std::copysign(1 - std::fabs(u), v);
+        u = fu, v = fv;
+    }
     const auto cell = [](float s) { return std::min(kBinEdge - 1, uint32_t((s + 1) * (0.5f * kBinEdge))); };
     const uint32_t x = cell(u), y = cell(v);
     return y * kBinEdge + (y & 1 ? kBinEdge - 1 - x : x);
