@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 from . import aqvc
 from . import sampling
-__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
+__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -367,7 +367,9 @@ def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
     """
 def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], fov_deg: typing.SupportsFloat | typing.SupportsIndex) -> Camera:
-    ...
+    """
+    Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.
+    """
 def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
@@ -396,3 +398,7 @@ def scene_mesh_count(scene: Scene) -> int:
     ...
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
+def trace_eye_points(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:
+    """
+    Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).
+    """
