@@ -129,14 +129,15 @@ void bind_render(py::module_& m) {
           "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
     m.def("render_exact",
           [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
-             const FrameSettings& frame, PacketOrder order, bool coherent, const py::object& progress) {
-              const auto coherence = coherent ? Coherence::kCoherent : Coherence::kIncoherent;
+             const FrameSettings& frame, PacketOrder order, std::optional<bool> coherent, const py::object& progress) {
+              std::optional<Coherence> flag;
+              if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
               return dict_of(render(scene, caster, camera, integrator, frame, [&] {
-                  return std::make_unique<ExactOracle>(caster, scene.offset_extent(), order, coherence);
+                  return std::make_unique<ExactOracle>(caster, scene.offset_extent(), order, flag);
               }, progress));
           },
           py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
-          py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = true,
+          py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
           py::arg("progress") = py::none());
     m.def("render_aqvc",
           [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,

@@ -11,7 +11,9 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kChunk = 1 << 14;
+constexpr size_t kChunk = 1 << 13;
+constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
+constexpr size_t kTrial = 1 << 14;  // rays per thread from which a trial of packet plans pays
 
 void require_usable(const FloatArray& a, const char* name) {
     const Vec3* rows = rows3(a, name);
@@ -28,69 +30,78 @@ void require_same_rows(const py::array& a, const py::array& b, const char* names
 }
 
 /// t_max: one number for all rays, or one per ray; never NaN.
-std::vector<float> distances(const py::object& t_max, size_t n) {
-    const auto a = FloatArray::ensure(t_max);
+FloatArray distances(const py::object& t_max, size_t n) {
+    auto a = FloatArray::ensure(t_max);
+    if (!a) PyErr_Clear();
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
         throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
-    std::vector<float> out(n);
-    for (size_t i = 0; i < n; ++i) {
-        out[i] = a.data()[a.ndim() == 1 ? i : 0];
-        if (!(out[i] >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(out[i]));
-    }
-    return out;
+    for (py::ssize_t i = 0; i < a.size(); ++i)
+        if (!(a.data()[i] >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
+    return a;
 }
 
 /// A ray without direction has nowhere to go: it is empty.
-Ray endless(Vec3 origin, Vec3 direction, float t_max = kInfinity) {
-    return {origin, 0, direction, direction == Vec3{} ? 0.f : t_max};
+Ray endless(Vec3 origin, Vec3 direction) {
+    return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
 }
 
-/// Traces chunks of rays made by make_ray(i) and stores 1 where the segment is (un)blocked.
-template <class MakeRay>
-py::array_t<bool> trace(const EmbreeCaster& caster, size_t n, int threads, bool answer_blocked, MakeRay make_ray) {
-    py::array_t<bool> result{py::ssize_t(n)};
-    bool* out = result.mutable_data();
-    auto work = [&](size_t chunk) {
-        const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
-        std::vector<Ray> rays(last - first);
-        std::vector<uint8_t> blocked(last - first);
-        for (size_t i = first; i < last; ++i) rays[i - first] = make_ray(i);
-        caster.occluded(rays, blocked);
-        for (size_t i = first; i < last; ++i) out[i] = bool(blocked[i - first]) == answer_blocked;
-    };
+/// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
+template <class Work>
+void in_chunks(size_t n, int threads, Work work) {
+    const auto chunk = [&](size_t c, int worker) { work(c * kChunk, std::min(n, (c + 1) * kChunk), worker); };
     const size_t chunks = (n + kChunk - 1) / kChunk;
-    if (chunks <= 1) {
+    if (n < kQuick) {
         py::gil_scoped_release release;
-        if (chunks) work(0);
+        parallel_for(chunks, threads, chunk);
     } else {
         run_interruptible([&](Control& control) {
-            parallel_for(chunks, threads, [&](size_t c, int) {
+            parallel_for(chunks, threads, [&](size_t c, int worker) {
                 control.check();
-                work(c);
+                chunk(c, worker);
             });
         });
     }
-    return result;
 }
 
 py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                            const py::object& t_max, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
-    const auto t = distances(t_max, n);
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
-    return trace(caster, n, threads, true, [&](size_t i) { return endless(origins[i], directions[i], t[i]); });
+    const FloatArray t = distances(t_max, n);
+    const RayArrays rays{origins, directions, t.data(), size_t(t.ndim() == 1)};
+    py::array_t<bool> result{py::ssize_t(n)};
+    auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
+    threads = resolve_threads(threads);
+    std::vector<PacketTrial> trials(size_t(threads), PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
+    std::atomic<bool> usable{true};
+    in_chunks(n, threads, [&](size_t first, size_t last, int worker) {
+        // Checked chunk by chunk, while the rays are in the cache
+        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first})) usable = false;
+        else caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
+    });
+    if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
+    return result;
 }
 
 py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
     require_usable(xs, "x"), require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
     const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
-    return trace(caster, size_t(xs.shape(0)), threads, false, [&](size_t i) {
-        const float e = segment_epsilon(x[i], y[i]);
-        return Ray{x[i], std::min(e, 1.f), y[i] - x[i], 1 - std::min(e, 1.f)};
+    const size_t n = size_t(xs.shape(0));
+    py::array_t<bool> result{py::ssize_t(n)};
+    bool* out = result.mutable_data();
+    in_chunks(n, threads, [&](size_t first, size_t last, int) {
+        std::vector<Ray> rays(last - first);
+        std::vector<uint8_t> blocked(last - first);
+        for (size_t i = first; i < last; ++i) {
+            const float e = std::min(segment_epsilon(x[i], y[i]), 1.f);
+            rays[i - first] = {x[i], e, y[i] - x[i], 1 - e};
+        }
+        caster.occluded(rays, blocked);
+        for (size_t i = first; i < last; ++i) out[i] = !blocked[i - first];
     });
+    return result;
 }
 
 py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, int threads) {
@@ -123,20 +134,21 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
     return py::make_tuple(t, triangle, uv, instance);
 }
 
-py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, float t_max, int width,
-                   int threads) {
+/// One plan for all rays: the bare loop.
+py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, float t_max,
+                                int width, bool coherent, int threads) {
     require_usable(o, "origins"), require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
+    if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
     const size_t n = size_t(o.shape(0));
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    const RayArrays rays{rows3(o, "origins"), rows3(d, "directions"), &t_max, 0};
+    const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
     py::gil_scoped_release release;
     parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
         const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
-        std::vector<Ray> rays(last - first);
-        for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], t_max};
-        caster.bare_occluded(rays, {out + first, last - first}, width);
+        caster.occluded(rays, first, {out + first, last - first}, plan);
     });
     return result;
 }
@@ -167,7 +179,9 @@ void bind_scene(py::module_& m) {
         .def("visible", &visible, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
-             py::arg("width"), py::arg("threads") = 0, "Baseline of `viscache bench rays`: a loop over one packet width.");
+             py::arg("width"), py::kw_only(), py::arg("coherent") = false, py::arg("threads") = 0,
+             "Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.")
+        .def_property_readonly("native16", &EmbreeCaster::native16);
     m.def("embree_version", &EmbreeCaster::version);
 }
 

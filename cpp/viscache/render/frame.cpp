@@ -1,11 +1,11 @@
 #include "viscache/render/frame.h"
 
 #include <chrono>
-#include <ctime>
 
 #include "viscache/render/local_samples.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
+#include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 
@@ -14,30 +14,24 @@ namespace {
 constexpr int kTileSamples = 128;          // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256; // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kEyesPerBatch = 1024;     // eye points whose own samples are asked for together,
-constexpr size_t kPairsPerBatch = 1 << 20; // or fewer: their queries stay below this number
+constexpr size_t kEyesPerBatch = 256;      // eye points whose own samples are asked for together,
+constexpr size_t kPairsPerBatch = 1 << 16; // or fewer: their queries stay below this number
 constexpr size_t kRowsPerCheck = 256;      // eye points between looks at the wish to stop
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 /// Adds the CPU time since the last call to one stage after another.
 class StageClock {
 public:
     void lap(double& stage) {
-        const double now = thread_seconds();
+        const double now = thread_cpu_seconds();
         stage += now - last_;
         last_ = now;
     }
 
 private:
-    double last_ = thread_seconds();
+    double last_ = thread_cpu_seconds();
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/embree.h"
 
 namespace viscache {
@@ -43,6 +44,7 @@ void cutout_filter(const RTCFilterFunctionNArguments* args) {
 
 struct EmbreeCaster::Impl {
     RTCScene top = nullptr;
+    bool native16 = rtcGetDeviceProperty(shared_device(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
     std::vector<RTCScene> groups;
     std::vector<GeometryData> data;               // one per mesh; never reallocated after construction
     std::vector<uint32_t> top_mesh, top_instance; // geomID of the top scene → mesh, or instance
@@ -183,28 +185,53 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
     }
 }
 
+namespace {
+
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) { query.occluded4(valid, scene, rays); }
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) { query.occluded8(valid, scene, rays); }
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) { query.occluded16(valid, scene, rays); }
+
+/// What all rays share.
+template <class Packet>
+void set_common(Packet& packet) {
+    std::memset(packet.time, 0, sizeof packet.time), std::memset(packet.flags, 0, sizeof packet.flags);
+    std::memset(packet.mask, 0xff, sizeof packet.mask), std::memset(packet.id, 0, sizeof packet.id);
+}
+
+/// Lanes [first, first + width of Packet) of sixteen rays.
+template <class Packet, int kWidth>
+uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays, int first) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[kWidth];
+    constexpr size_t kRow = sizeof(float) * kWidth;
+    std::memcpy(packet.org_x, rays.ox + first, kRow), std::memcpy(packet.org_y, rays.oy + first, kRow);
+    std::memcpy(packet.org_z, rays.oz + first, kRow), std::memcpy(packet.tnear, rays.t_min + first, kRow);
+    std::memcpy(packet.dir_x, rays.dx + first, kRow), std::memcpy(packet.dir_y, rays.dy + first, kRow);
+    std::memcpy(packet.dir_z, rays.dz + first, kRow), std::memcpy(packet.tfar, rays.t_max + first, kRow);
+    set_common(packet);
+    for (int i = 0; i < kWidth; ++i) {
+        // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
+        const bool active = (mask >> i & 1) && packet.tfar[i] > packet.tnear[i];
+        valid[i] = active ? -1 : 0;
+        packet.tfar[i] = active ? packet.tfar[i] : kInfinity;
+    }
+    trace(query, scene, valid, packet);
+    uint32_t occluded = 0;
+    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(valid[i] && packet.tfar[i] < 0) << i;
+    return occluded;
+}
+
+}  // namespace
+
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
-    alignas(64) RTCRay16 packet;
-    alignas(64) int valid[16];
-    constexpr size_t kRow = sizeof(float) * 16;
-    std::memcpy(packet.org_x, rays.ox, kRow), std::memcpy(packet.org_y, rays.oy, kRow);
-    std::memcpy(packet.org_z, rays.oz, kRow), std::memcpy(packet.tnear, rays.t_min, kRow);
-    std::memcpy(packet.dir_x, rays.dx, kRow), std::memcpy(packet.dir_y, rays.dy, kRow);
-    std::memcpy(packet.dir_z, rays.dz, kRow), std::memcpy(packet.tfar, rays.t_max, kRow);
-    std::memset(packet.time, 0, kRow), std::memset(packet.flags, 0, kRow);
-    std::memset(packet.mask, 0xff, kRow), std::memset(packet.id, 0, kRow);
-    uint16_t active = 0;
-    for (int i = 0; i < 16; ++i) {
-        // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
-        const bool is_active = (mask >> i & 1) && rays.t_max[i] > rays.t_min[i];
-        valid[i] = is_active ? -1 : 0;
-        active |= uint16_t(uint16_t(is_active) << i);
-    }
-    query.occluded16(valid, impl_->top, packet);
-    uint16_t occluded = 0;
-    for (int i = 0; i < 16; ++i) occluded |= uint16_t(uint16_t(packet.tfar[i] < 0) << i);
-    return occluded & active;
+    const RTCScene top = impl_->top;
+    if (impl_->native16) return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
+    // Without AVX-512, Embree would sort a packet of 16 again; two packets of 8 are traced as they are.
+    uint32_t occluded = 0;
+    if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
+    if (mask >> 8) occluded |= occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;
+    return uint16_t(occluded);
 }
 
 void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
@@ -224,51 +251,93 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
 
 namespace {
 
-/// Copies ray i into lane `lane` of an Embree packet.
-template <class Packet>
-void put(Packet& p, int lane, const Ray& r) {
-    p.org_x[lane] = r.o.x, p.org_y[lane] = r.o.y, p.org_z[lane] = r.o.z;
-    p.dir_x[lane] = r.d.x, p.dir_y[lane] = r.d.y, p.dir_z[lane] = r.d.z;
-    p.tnear[lane] = r.t_min, p.tfar[lane] = r.t_max;
-    p.time[lane] = 0, p.mask[lane] = ~0u, p.flags[lane] = 0, p.id[lane] = 0;
+/// Packets of kWidth neighbours, filled straight from the arrays.
+template <class Packet, int kWidth>
+void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, size_t first,
+                      std::span<uint8_t> occluded) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[kWidth];
+    set_common(packet);
+    for (size_t at = 0; at < occluded.size(); at += kWidth) {
+        const size_t n = std::min<size_t>(kWidth, occluded.size() - at);
+        for (size_t i = 0; i < kWidth; ++i) {
+            const size_t k = first + at + std::min(i, n - 1);
+            const Vec3 o = rays.origin[k], d = rays.direction[k];
+            const float t = rays.t_max[k * rays.t_stride];
+            const bool active = i < n && t > 0 && !(d == Vec3{});  // a ray without direction has nowhere to go
+            valid[i] = active ? -1 : 0;
+            packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z, packet.tnear[i] = 0;
+            packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z, packet.tfar[i] = active ? t : kInfinity;
+        }
+        trace(query, scene, valid, packet);
+        // Where Embree splits wide packets it traces lanes that are off as well
+        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
+    }
 }
 
-template <class Packet, int kWidth, class Trace>
-void bare_packets(std::span<const Ray> rays, std::span<uint8_t> out, Trace trace) {
-    for (size_t first = 0; first < rays.size(); first += kWidth) {
-        alignas(64) Packet packet;
-        alignas(64) int valid[kWidth];
-        const size_t n = std::min<size_t>(kWidth, rays.size() - first);
-        for (size_t i = 0; i < kWidth; ++i) {
-            valid[i] = i < n ? -1 : 0;
-            put(packet, int(i), rays[first + std::min(i, n - 1)]);
-        }
-        trace(valid, packet);
-        for (size_t i = 0; i < n; ++i) out[first + i] = packet.tfar[i] < 0;
+void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, size_t first,
+                     std::span<uint8_t> occluded) {
+    for (size_t i = 0; i < occluded.size(); ++i) {
+        const Vec3 o = rays.origin[first + i], d = rays.direction[first + i];
+        const float t = rays.t_max[(first + i) * rays.t_stride];
+        occluded[i] = 0;
+        if (!(t > 0) || d == Vec3{}) continue;
+        RTCRay ray{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, t, ~0u, 0, 0};
+        query.occluded1(scene, ray);
+        occluded[i] = ray.tfar < 0;
     }
 }
 
 }  // namespace
 
-void EmbreeCaster::bare_occluded(std::span<const Ray> rays, std::span<uint8_t> out, int width) const {
-    rtc::Query query(Coherence::kIncoherent);
+void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
+                            const PacketPlan& plan) const {
+    rtc::Query query(plan.coherence);
     const RTCScene top = impl_->top;
-    if (width == 1) {
-        for (size_t i = 0; i < rays.size(); ++i) {
-            const Ray& r = rays[i];
-            RTCRay ray{r.o.x, r.o.y, r.o.z, r.t_min, r.d.x, r.d.y, r.d.z, 0, r.t_max, ~0u, 0, 0};
-            query.occluded1(top, ray);
-            out[i] = ray.tfar < 0;
-        }
-    } else if (width == 4) {
-        bare_packets<RTCRay4, 4>(rays, out, [&](const int* v, RTCRay4& p) { query.occluded4(v, top, p); });
-    } else if (width == 8) {
-        bare_packets<RTCRay8, 8>(rays, out, [&](const int* v, RTCRay8& p) { query.occluded8(v, top, p); });
-    } else if (width == 16) {
-        bare_packets<RTCRay16, 16>(rays, out, [&](const int* v, RTCRay16& p) { query.occluded16(v, top, p); });
-    } else {
-        throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(width));
+    switch (plan.width) {
+        case 1: return occluded_singly(query, top, rays, first, occluded);
+        case 4: return occluded_packets<RTCRay4, 4>(query, top, rays, first, occluded);
+        case 8: return occluded_packets<RTCRay8, 8>(query, top, rays, first, occluded);
+        case 16: return occluded_packets<RTCRay16, 16>(query, top, rays, first, occluded);
+        default: throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
     }
 }
+
+void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
+                            PacketTrial& trial) const {
+    // Shares in a row by one plan, so that all plans see like rays; few enough to cost little when a plan is slow
+    constexpr size_t kShare = 128, kRounds = 4;
+    const size_t plans = trial.plans().size();
+    if (!trial.due() || occluded.size() < kRounds * plans * kShare) {
+        this->occluded(rays, first, occluded, trial.best());
+        return;
+    }
+    std::vector<double> seconds(plans, 0.0);
+    double before = thread_cpu_seconds();
+    size_t at = 0;
+    for (size_t round = 0; round < kRounds; ++round)
+        for (size_t p = 0; p < plans; ++p, at += kShare) {
+            this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
+            const double now = thread_cpu_seconds();
+            // The first round only warms the caches
+            if (round > 0) seconds[p] += now - before;
+            before = now;
+        }
+    trial.learn(seconds);
+    this->occluded(rays, first + at, occluded.subspan(at), trial.best());
+}
+
+PacketTrial::PacketTrial(bool native16, bool worth_it) : worth_it_(worth_it) {
+    const int widest = native16 ? 16 : 8;
+    plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent}, PacketPlan{1}};
+}
+
+void PacketTrial::learn(std::span<const double> seconds) {
+    // Another plan must win clearly: a wrong switch costs more than a missed one
+    for (size_t p = 0; p < plans_.size(); ++p)
+        if (seconds[p] < 0.97 * seconds[best_]) best_ = p;
+}
+
+bool EmbreeCaster::native16() const { return impl_->native16; }
 
 }  // namespace viscache

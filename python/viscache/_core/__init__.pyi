@@ -171,15 +171,18 @@ class EmbreeCaster:
     """
     def __init__(self, scene: Scene, *, robust: bool = True) -> None:
         ...
-    def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+    def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, *, coherent: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         """
-        Baseline of `viscache bench rays`: a loop over one packet width.
+        Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.
         """
     def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
         ...
     def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
     def visible(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    @property
+    def native16(self) -> bool:
         ...
 class PMode(enum.Enum):
     """
@@ -376,7 +379,7 @@ def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
 def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...
-def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool = True, progress: typing.Any = None) -> dict:
+def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...

@@ -238,7 +238,7 @@ CABLES = tuple((x, z) for x in (-3.6, -1.2, 1.2, 3.6) for z in (-2.6, 1.2))
 
 
 def _overhead(b: Builder) -> None:
-    fixtures.slats(b, place([0, 2.8, -0.7]), 48, 0.16, (0.05, 0.07, 4.6), "beech", 0.012)
+    fixtures.slats(b, place([0, 2.8, -0.7]), 22, 0.2, (0.06, 0.09, 4.6), "beech", 0.012)
     for z in (-2.6, 1.2):
         bearer = rod([-3.9, 2.855, z], [3.9, 2.855, z], 0.02, 8)
         b.add(bearer, paint(b, "black_metal"))
