@@ -58,8 +58,8 @@ def aqvc_frame(quick: bool = False) -> Outcome:
     for case in QUICK if quick else CASES:
         measure(outcome, scene, "room", case)
     outcome.notes.append(
-        "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal flag"
-        " by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
+        "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal"
+        " flag by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
         " one table look-up per query. Ratios are of CPU seconds of whole frames: camera paths,"
         " VPLs, keys, rays, shading."
     )
