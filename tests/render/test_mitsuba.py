@@ -211,7 +211,7 @@ def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
 def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
     model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=96)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     image = ours(model.to_viscache())
     assert_same(image, reference)
     turned = replace(model, env=np.ascontiguousarray(np.roll(smooth_map(), 32, axis=1)))
@@ -229,7 +229,7 @@ def test_area_lights_of_two_colours_and_sizes_are_mitsubas(mi: Any, tmp_path: Pa
         quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
     )
     model = Model((FLOOR, BLOCK, GLOBE, *lamps))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=128)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
     for wrong in (lamps[:1], (lamps[0], lamps[1].reversed())):
         image = ours(replace(model, parts=(FLOOR, BLOCK, GLOBE, *wrong)).to_viscache(), seeds=4)
@@ -244,7 +244,7 @@ def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
         origin=(0.3, 1.6, 3.0),
         target=(0, 0.2, 0),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=128)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
     assert not compare(ours(without(model, "spheres", 1).to_viscache(), seeds=4), reference).same
 
@@ -252,7 +252,7 @@ def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
 # Materials
 
 
-@pytest.mark.parametrize("roughness", [0.15, 0.5])
+@pytest.mark.parametrize("roughness", [0.15, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_path: Path) -> None:
     metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
     model = Model(
@@ -260,9 +260,9 @@ def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_p
         points=(((0.5, 2.5, 0.5), (4, 4, 4)),),
         env=(0.4, 0.5, 0.6),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=192)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     assert_same(
-        ours(model.to_viscache(), vc.Direct(n_environment=32, n_brdf=32), spp=64), reference
+        ours(model.to_viscache(), vc.Direct(n_environment=16, n_brdf=16), spp=32), reference
     )
     rougher = replace(metal, roughness=roughness * 1.2)
     wrong = replace(model, parts=tuple(replace(p, look=rougher) for p in model.parts))
@@ -333,7 +333,7 @@ def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None
     )
 
 
-@pytest.mark.parametrize("eta", [1.5, 1 / 1.3])
+@pytest.mark.parametrize("eta", [1.5, pytest.param(1 / 1.3, marks=pytest.mark.slow)])
 def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path: Path) -> None:
     glass = Look(kind="dielectric", eta=eta)
     model = Model(
@@ -345,7 +345,7 @@ def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path:
         points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
         env=(0.3, 0.6, 0.9),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=192)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=96)
     image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
     assert_same(image, reference, SPECULAR_TOLERANCE)
     denser = replace(glass, eta=eta * 1.1)

@@ -52,7 +52,7 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
 @pytest.mark.mitsuba
 @pytest.mark.parametrize(
     "light",
-    [pytest.param(x, marks=[] if x in ("area", "sky") else pytest.mark.slow) for x in LIGHTS],
+    [pytest.param(x, marks=[] if x == "area" else pytest.mark.slow) for x in LIGHTS],
 )
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_path: Path) -> None:
     """3 bounces of a light path, one to the eye: edges 3 to 5, less the direct light of edge 2."""
