@@ -9,14 +9,14 @@ namespace viscache::bindings {
 void bind_eye_paths(py::module_& m) {
     m.def(
         "trace_eye_points",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
-           const FrameSettings& frame) {
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+           const IntegratorSettings& integrator, const FrameSettings& frame) {
             check_camera(camera);
             EyeTile eyes;
             {
                 py::gil_scoped_release release;
-                const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height), integrator,
-                                           frame};
+                const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height),
+                                           integrator, frame};
                 Counters counters;
                 tracer.trace({0, 0, frame.width, frame.height}, eyes, counters, Control{});
             }

@@ -25,8 +25,8 @@ void require_usable(const FloatArray& a, const char* name) {
 
 void require_same_rows(const py::array& a, const py::array& b, const char* names) {
     if (a.shape(0) != b.shape(0))
-        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) + " and " +
-                              shape_text(b));
+        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) +
+                              " and " + shape_text(b));
 }
 
 /// t_max: one number for all rays, or one per ray; never NaN.
@@ -36,7 +36,8 @@ FloatArray distances(const py::object& t_max, size_t n) {
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
         throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
     for (py::ssize_t i = 0; i < a.size(); ++i)
-        if (!(a.data()[i] >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
+        if (!(a.data()[i] >= 0))
+            throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
     return a;
 }
 
@@ -73,18 +74,22 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
     threads = resolve_threads(threads);
-    std::vector<PacketTrial> trials(size_t(threads), PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
+    std::vector<PacketTrial> trials(size_t(threads),
+                                    PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
     std::atomic<bool> usable{true};
     in_chunks(n, threads, [&](size_t first, size_t last, int worker) {
         // Checked chunk by chunk, while the rays are in the cache
-        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first})) usable = false;
-        else caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
+        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first}))
+            usable = false;
+        else
+            caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
     });
     if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
     return result;
 }
 
-py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
+py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys,
+                          int threads) {
     require_usable(xs, "x"), require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
     const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
@@ -125,7 +130,8 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
                 const Hit& h = hits[i - first];
                 const float nan = std::numeric_limits<float>::quiet_NaN();
                 t_out[i] = h.t;
-                triangle_out[i] = h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
+                triangle_out[i] =
+                    h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
                 instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
                 uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
             }
@@ -135,8 +141,8 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
 }
 
 /// One plan for all rays: the bare loop.
-py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, float t_max,
-                                int width, bool coherent, int threads) {
+py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
+                                float t_max, int width, bool coherent, int threads) {
     require_usable(o, "origins"), require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
@@ -157,9 +163,10 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
 
 void bind_scene(py::module_& m) {
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "An immutable scene.")
-        .def_static("freeze", [](const SceneDescription& d) {
-                return std::const_pointer_cast<Scene>(Scene::freeze(d));
-            }, py::arg("description"), "Validate and freeze a description.")
+        .def_static(
+            "freeze",
+            [](const SceneDescription& d) { return std::const_pointer_cast<Scene>(Scene::freeze(d)); },
+            py::arg("description"), "Validate and freeze a description.")
         .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
         .def_property_readonly("triangles", &Scene::placed_triangles)
         .def_property_readonly("unique_triangles", &Scene::unique_triangles)
@@ -168,14 +175,16 @@ void bind_scene(py::module_& m) {
         .def_property_readonly("radius", &Scene::radius)
         .def_property_readonly("center", [](const Scene& s) { return array3(s.center()); })
         .def_property_readonly("offset_extent", &Scene::offset_extent)
-        .def_property_readonly("bounds", [](const Scene& s) {
-            return std::pair(array3(s.bounds().lo), array3(s.bounds().hi));
-        });
+        .def_property_readonly(
+            "bounds", [](const Scene& s) { return std::pair(array3(s.bounds().lo), array3(s.bounds().hi)); });
     py::class_<EmbreeCaster, std::shared_ptr<EmbreeCaster>>(m, "EmbreeCaster", "Exact rays by Embree.")
         .def(py::init([](std::shared_ptr<Scene> scene, bool robust) {
                  return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
-             }), py::arg("scene"), py::kw_only(), py::arg("robust") = true, py::call_guard<py::gil_scoped_release>())
-        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"), py::arg("threads") = 0)
+             }),
+             py::arg("scene"), py::kw_only(), py::arg("robust") = true,
+             py::call_guard<py::gil_scoped_release>())
+        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+             py::arg("threads") = 0)
         .def("visible", &visible, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),

@@ -16,12 +16,16 @@ FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0))
 VIEW: dict[str, Any] = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
 
 
-def eye_points(scene: vc.Scene, integrator: Any, size: tuple[int, int], spp: int = 1) -> dict[str, Any]:
+def eye_points(
+    scene: vc.Scene, integrator: Any, size: tuple[int, int], spp: int = 1
+) -> dict[str, Any]:
     frame = _core.FrameSettings()
     frame.width, frame.height, frame.spp, frame.seed = size[0], size[1], spp, 3
     from viscache.integrators import core_settings
 
-    return _core.trace_eye_points(scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame)
+    return _core.trace_eye_points(
+        scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame
+    )
 
 
 @pytest.mark.parametrize("p_mode", ["last_vertex", "footprint"])
@@ -33,7 +37,9 @@ def test_one_over_the_density_adds_up_to_the_area_in_view(p_mode: Any, spp: int)
     half_y, half_x = np.tan(np.radians(20)), 1.5 * np.tan(np.radians(20))
     camera = scene.cameras[0]
     corners = [
-        np.array(camera.forward) + sx * half_x * np.array(camera.right) + sy * half_y * np.array(camera.up)
+        np.array(camera.forward)
+        + sx * half_x * np.array(camera.right)
+        + sy * half_y * np.array(camera.up)
         for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     ]
     ground = [np.array(camera.origin) - d * camera.origin[1] / d[1] for d in corners]
@@ -57,7 +63,9 @@ def test_both_densities_agree_on_plain_hits_and_in_plane_mirrors() -> None:
         ratio = a["density"] / b["density"]
         assert np.percentile(np.abs(ratio - 1), 99) < 0.03
     depth_one = eye_points(Model((FLOOR, mirror), **VIEW).to_viscache(), vc.Whitted(), (90, 60))
-    seen_twice = len(depth_one["density"]) - len(eye_points(Model((FLOOR, mirror), **VIEW).to_viscache(), vc.Direct(), (90, 60))["density"])
+    seen_twice = len(depth_one["density"]) - len(
+        eye_points(Model((FLOOR, mirror), **VIEW).to_viscache(), vc.Direct(), (90, 60))["density"]
+    )
     assert seen_twice > 100, "the mirror shows the floor"
 
 
@@ -68,15 +76,21 @@ def test_a_curved_mirror_spreads_footprints_and_leaves_the_other_density_alone()
     ratio = a["density"] / b["density"]
     in_mirror = np.abs(ratio - 1) > 0.05
     assert in_mirror.sum() > 300
-    assert np.median(ratio[in_mirror]) > 3, "a ball shows the world small: few eye samples on much floor"
+    assert np.median(ratio[in_mirror]) > 3, (
+        "a ball shows the world small: few eye samples on much floor"
+    )
 
 
 @pytest.mark.parametrize("p_mode", ["last_vertex", "footprint"])
 def test_grazing_views_clamp_the_cosine(p_mode: Any) -> None:
-    low = Model((quad((-300, 0, -300), (0, 0, 600), (600, 0, 0)),), origin=(0, 0.1, 5), target=(0, 0, -100))
+    low = Model(
+        (quad((-300, 0, -300), (0, 0, 600), (600, 0, 0)),), origin=(0, 0.1, 5), target=(0, 0, -100)
+    )
     densities = {}
     for cosmin in (0.5, 1e-3):
-        densities[cosmin] = eye_points(low.to_viscache(), vc.Direct(p_mode=p_mode, cosmin=cosmin), (30, 20))["density"]
+        densities[cosmin] = eye_points(
+            low.to_viscache(), vc.Direct(p_mode=p_mode, cosmin=cosmin), (30, 20)
+        )["density"]
     assert np.isfinite(densities[0.5]).all() and (densities[0.5] > 0).all()
     # With the cosine held at 1/2 a grazing point counts as denser than it is
     assert (densities[0.5] >= densities[1e-3] * (1 - 1e-4)).all()
@@ -89,7 +103,9 @@ def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> Non
     to_eye = np.array(scene.cameras[0].origin) - found["position"]
     assert (np.einsum("ij,ij->i", to_eye, found["normal"]) > 0).all()
     np.testing.assert_allclose(np.linalg.norm(found["normal"], axis=1), 1, rtol=1e-5)
-    lifted = np.einsum("ij,ij->i", found["origin"].astype(float) - found["position"], found["normal"])
+    lifted = np.einsum(
+        "ij,ij->i", found["origin"].astype(float) - found["position"], found["normal"]
+    )
     assert (lifted > 0).all() and lifted.max() < 1e-4
 
 
@@ -99,10 +115,16 @@ def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> Non
 def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
     look = Look(base_color=(0.1, 0.2, 0.3))
     wall = quad((-9, -9, -2), (18, 0, 0), (0, 18, 0), look=look)
-    frame = vc.render(Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)).to_viscache(), vc.Direct(), size=(9, 9))
+    frame = vc.render(
+        Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)).to_viscache(), vc.Direct(), size=(9, 9)
+    )
     np.testing.assert_allclose(frame.layers["depth"][4, 4], 3, rtol=1e-2)
-    np.testing.assert_allclose(frame.layers["normal"], np.broadcast_to([0, 0, 1], (9, 9, 3)), atol=1e-6)
-    np.testing.assert_allclose(frame.layers["albedo"], np.broadcast_to(look.base_color, (9, 9, 3)), rtol=1e-6)
+    np.testing.assert_allclose(
+        frame.layers["normal"], np.broadcast_to([0, 0, 1], (9, 9, 3)), atol=1e-6
+    )
+    np.testing.assert_allclose(
+        frame.layers["albedo"], np.broadcast_to(look.base_color, (9, 9, 3)), rtol=1e-6
+    )
     assert (frame.layers["depth"][0, 0] > frame.layers["depth"][4, 4]).all()
 
 
@@ -113,8 +135,16 @@ def test_right_is_right_and_up_is_up() -> None:
     )
     model = Model(parts, origin=(0, 0, 4), target=(0, 0, 0), fov_deg=45)
     image = vc.render(model.to_viscache(), vc.Direct(), size=(32, 32)).layers["emitted"]
-    assert image[:16, 16:, 0].sum() > 10 and image[16:, :, 0].sum() == 0 and image[:, :16, 0].sum() == 0
-    assert image[16:, :16, 1].sum() > 10 and image[:16, :, 1].sum() == 0 and image[:, 16:, 1].sum() == 0
+    assert (
+        image[:16, 16:, 0].sum() > 10
+        and image[16:, :, 0].sum() == 0
+        and image[:, :16, 0].sum() == 0
+    )
+    assert (
+        image[16:, :16, 1].sum() > 10
+        and image[:16, :, 1].sum() == 0
+        and image[:, 16:, 1].sum() == 0
+    )
 
 
 @pytest.mark.parametrize(
@@ -132,7 +162,7 @@ def test_right_is_right_and_up_is_up() -> None:
     ],
 )
 def test_cameras_that_cannot_look_are_refused(origin: Any, target: Any, fov: float) -> None:
-    with pytest.raises(vc.SceneError, match="camera 'camera': "):
+    with pytest.raises(ValueError, match=r"camera 'camera': |fov_deg must be in"):
         vc.look_at(origin, target, (0, 1, 0), fov)
     scene = Model((FLOOR,), **VIEW).to_viscache()
     broken = scene.cameras[0]
@@ -152,7 +182,9 @@ def test_an_up_along_the_view_is_replaced(up: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "integrator", [vc.Direct(), vc.Whitted(n_vpls=16), vc.AmbientOcclusion(n_samples=4)], ids=lambda i: type(i).__name__
+    "integrator",
+    [vc.Direct(), vc.Whitted(n_vpls=16), vc.AmbientOcclusion(n_samples=4)],
+    ids=lambda i: type(i).__name__,
 )
 def test_scenes_with_little_in_them_render(integrator: Any) -> None:
     empty = vc.SceneDescription()
@@ -180,7 +212,12 @@ def test_a_scene_without_light_is_black_and_says_so() -> None:
 
 
 def test_a_camera_inside_a_body_sees_its_inner_side() -> None:
-    inside = Model((ball((0, 0, 0), 1),), points=(((0, 0.2, 0), (1, 1, 1)),), origin=(0, 0, 0.1), target=(0, 0, -1))
+    inside = Model(
+        (ball((0, 0, 0), 1),),
+        points=(((0, 0.2, 0), (1, 1, 1)),),
+        origin=(0, 0, 0.1),
+        target=(0, 0, -1),
+    )
     two_sided = vc.render(inside.to_viscache(), vc.Direct(), size=(8, 8))
     assert (two_sided.image > 0).all()
     part = replace(inside.parts[0], look=Look(two_sided=False))

@@ -1,8 +1,8 @@
 """Ctrl-C and progress while rendering; what is left afterwards is clean.
 
-Each case runs in a process of its own: a timer sends SIGINT in the middle of a render that would take
-far longer, and the process prints how long KeyboardInterrupt took. The promise is half a second on an
-idle machine; tests share their cores with others, so they allow one second and take the best of three.
+Each case runs in a process of its own: a timer sends SIGINT in the middle of a render that takes
+far longer, and the process prints how long KeyboardInterrupt took. The promise is half a second on
+an idle machine; tests share their cores with others, so the best of three counts.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ sys.path.insert(0, {tests!r})
 from render.test_interrupt import busy_scene
 import viscache as vc
 
+SIZE = (2048, 2048)
+many = vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1)
+some = vc.Whitted(n_vpls=1024, vpl_candidates=1, vpl_eye_points=1)
 scene = busy_scene()
 scene.caster()
 small = vc.render(scene, vc.Direct(), size=(8, 8)).sha256
@@ -68,37 +71,43 @@ def seconds_to_stop(call: str, delay: float = 0.6) -> float:
 @pytest.mark.parametrize(
     "call",
     [
-        pytest.param("vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16)", id="area samples"),
         pytest.param(
-            "vc.render(scene, vc.Direct(n_area=65536), size=(512, 512), spp=1)", id="65536 samples an eye point"
+            "vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16)", id="area samples"
         ),
-        pytest.param("vc.render(scene, vc.Whitted(n_vpls=1 << 14), size=(2048, 2048))", id="making VPLs"),
         pytest.param(
-            "vc.render(scene, vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1), size=(2048, 2048))",
+            "vc.render(scene, vc.Direct(n_area=65536), size=(512, 512), spp=1)",
+            id="65536 samples an eye point",
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Whitted(n_vpls=1 << 14), size=(2048, 2048))", id="making VPLs"
+        ),
+        pytest.param(
+            "vc.render(scene, many, size=SIZE)",
             id="rows of VPLs",
         ),
         pytest.param(
-            "vc.render(scene, vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1), size=(2048, 2048),"
-            " visibility=vc.Exact(order='by_pixel'))",
+            "vc.render(scene, many, size=SIZE, visibility=vc.Exact(order='by_pixel'))",
             id="rows of VPLs by pixel",
         ),
         pytest.param(
-            "vc.render(scene, vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1), size=(2048, 2048),"
-            " visibility=vc.Aqvc())",
+            "vc.render(scene, many, size=SIZE, visibility=vc.Aqvc())",
             id="quantized",
         ),
         pytest.param(
-            "vc.render(scene, vc.Whitted(n_vpls=1024, vpl_candidates=1, vpl_eye_points=1), size=(2048, 2048),"
-            " visibility=vc.Aqvc(preset='paper'))",
+            "vc.render(scene, some, size=SIZE, visibility=vc.Aqvc(preset='paper'))",
             id="quantized, the paper's form",
         ),
-        pytest.param("vc.render(scene, vc.AmbientOcclusion(n_samples=4096), size=(1024, 1024))", id="ambient"),
         pytest.param(
-            "vc.render(scene, vc.Direct(n_area=0, n_environment=0, n_brdf=0), size=(64, 64), spp=1 << 16)",
+            "vc.render(scene, vc.AmbientOcclusion(n_samples=4096), size=(1024, 1024))", id="ambient"
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Direct(n_area=0, n_environment=0, n_brdf=0), size=(64, 64),"
+            " spp=1 << 16)",
             id="camera rays",
         ),
         pytest.param(
-            "vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16, progress=True)", id="with a bar"
+            "vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16, progress=True)",
+            id="with a bar",
         ),
     ],
 )
@@ -108,10 +117,10 @@ def test_ctrl_c_stops_a_render_soon(call: str) -> None:
 
 def test_ctrl_c_stops_a_long_query_soon() -> None:
     call = (
-        "import numpy as np; x = np.random.default_rng(0).uniform(-3, 3, (20_000_000, 3)).astype('f4');"
-        " [scene.visible(x, x[::-1]) for _ in range(50)]"
+        "import numpy as np; x = np.random.default_rng(0).uniform(-3, 3, (4_000_000, 3));"
+        " x = x.astype('f4'); [scene.visible(x, x[::-1]) for _ in range(250)]"
     )
-    assert seconds_to_stop(call, delay=3.0) < 1.0
+    assert seconds_to_stop(call, delay=1.5) < 1.0
 
 
 def test_progress_counts_tiles_to_the_end() -> None:
@@ -159,5 +168,8 @@ def test_two_renders_at_once_do_not_disturb_each_other() -> None:
     scene = busy_scene()
     alone = [vc.render(scene, vc.Direct(n_area=8), size=(64, 64), seed=s).sha256 for s in range(4)]
     with ThreadPoolExecutor(4) as pool:
-        jobs = [pool.submit(vc.render, scene, vc.Direct(n_area=8), size=(64, 64), seed=s) for s in range(4)]
+        jobs = [
+            pool.submit(vc.render, scene, vc.Direct(n_area=8), size=(64, 64), seed=s)
+            for s in range(4)
+        ]
         assert [j.result().sha256 for j in jobs] == alone

@@ -42,7 +42,8 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
     settings = {"vpl_bound": 0.0, "vpl_max_depth": 3, "n_vpls": 2048} | kwargs
     settings |= {"n_area": 0, "n_environment": 0, "n_brdf": 0}
     frames = [
-        vc.render(scene, vc.Whitted(**settings), size=SIZE, spp=9, seed=1000 + i) for i in range(seeds)
+        vc.render(scene, vc.Whitted(**settings), size=SIZE, spp=9, seed=1000 + i)
+        for i in range(seeds)
     ]
     return np.stack([f.layers["vpl"] for f in frames]).astype(np.float64)
 
@@ -50,10 +51,11 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
 @pytest.mark.stat
 @pytest.mark.mitsuba
 @pytest.mark.parametrize(
-    "light", [pytest.param(x, marks=[] if x in ("area", "sky") else pytest.mark.slow) for x in LIGHTS]
+    "light",
+    [pytest.param(x, marks=[] if x == "area" else pytest.mark.slow) for x in LIGHTS],
 )
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_path: Path) -> None:
-    """3 bounces of a light path and one to the eye: edges 3 to 5, less the direct light of edge 2."""
+    """3 bounces of a light path, one to the eye: edges 3 to 5, less the direct light of edge 2."""
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     mi.set_log_level(mi.LogLevel.Error)
@@ -61,7 +63,9 @@ def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_p
 
     def path(depth: int, seed: int) -> Any:
         integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
-        return np.array(mi.render(scene, integrator=integrator, spp=512, seed=seed), np.float64)[..., :3]
+        return np.array(mi.render(scene, integrator=integrator, spp=512, seed=seed), np.float64)[
+            ..., :3
+        ]
 
     # The same seed does not pair the samples; the difference has the variance of both
     reference = np.stack([path(5, i) - path(2, 500 + i) for i in range(16)])
@@ -92,7 +96,7 @@ def test_resampling_does_not_change_the_expectation() -> None:
 
 
 def test_virtual_lights_carry_no_direct_light() -> None:
-    """Nothing reflects twice from a plane: all its light is direct, and the VPLs on it give it none."""
+    """Nothing reflects twice from a plane: all its light is direct, its VPLs give it none."""
     for light in LIGHTS:
         extra = dict(LIGHTS[light])
         black = tuple(replace(p, look=Look(base_color=(0, 0, 0))) for p in extra.pop("parts", ()))
@@ -112,7 +116,9 @@ def test_the_number_of_virtual_lights_is_at_most_what_is_asked_for() -> None:
 
 def test_a_bound_takes_light_away_and_the_default_little() -> None:
     scene = model("point").to_viscache()
-    free, slight, strong = (indirect(scene, 4, n_vpls=1024, vpl_bound=b).mean() for b in (0.0, 0.01, 0.2))
+    free, slight, strong = (
+        indirect(scene, 4, n_vpls=1024, vpl_bound=b).mean() for b in (0.0, 0.01, 0.2)
+    )
     assert strong < 0.8 * free
     assert 0.9 * free < slight < 1.05 * free
 
@@ -122,21 +128,32 @@ def test_a_scene_that_leaves_no_virtual_light_renders() -> None:
     nothing = Model((replace(FLOOR, look=black),), points=(((0, 1, 0), (1, 1, 1)),))
     unlit = Model((FLOOR,))
     away = Model((FLOOR,), directions=(((0, -1, 0), (1, 1, 1)),))
-    for lone in (nothing, unlit, replace(away, parts=(replace(FLOOR, look=Look(two_sided=False)),))):
+    for lone in (
+        nothing,
+        unlit,
+        replace(away, parts=(replace(FLOOR, look=Look(two_sided=False)),)),
+    ):
         frame = vc.render(lone.to_viscache(), vc.Whitted(n_vpls=32), size=(8, 6))
         assert frame.counters["vpls"] == 0 and np.isfinite(frame.image).all()
 
 
 @pytest.mark.stat
 def test_light_by_way_of_a_mirror_reaches_the_floor() -> None:
-    """A VPL at the end of light → mirror → floor lights the ceiling: more than without the mirror."""
+    """VPLs at the end of light → mirror → ceiling: more than without the mirror."""
     mirror = quad((-1, 0.1, -1), (0, 0, 2), (2, 0, 0), look=Look(kind="mirror"))
     roof = quad((-2, 2, -2), (4, 0, 0), (0, 0, 4), look=Look(base_color=(0.8, 0.8, 0.8)))
     wall = quad((-2, 0, -2), (4, 0, 0), (0, 2, 0), look=Look(base_color=(0.8, 0.8, 0.8)))
-    lamp: dict[str, Any] = {"points": (((0, 0.6, 0), (2, 2, 2)),), "origin": (0, 1, 3), "target": (0, 1.2, 0)}
+    lamp: dict[str, Any] = {
+        "points": (((0, 0.6, 0), (2, 2, 2)),),
+        "origin": (0, 1, 3),
+        "target": (0, 1.2, 0),
+    }
     seen = [
         indirect(Model(parts, **lamp).to_viscache(), 4).mean()
-        for parts in ((mirror, roof, wall), (replace(mirror, look=Look(base_color=(0, 0, 0))), roof, wall))
+        for parts in (
+            (mirror, roof, wall),
+            (replace(mirror, look=Look(base_color=(0, 0, 0))), roof, wall),
+        )
     ]
     assert seen[0] > 1.3 * seen[1] > 0
 
@@ -157,5 +174,7 @@ def test_box_and_all_kinds_of_light_at_once_stay_finite() -> None:
         env=(1, 1, 1),
         origin=(0, 1, 1.8),
     )
-    frame = vc.render(everything.to_viscache(), vc.Whitted(n_vpls=256, vpl_bound=0), size=SIZE, spp=4)
+    frame = vc.render(
+        everything.to_viscache(), vc.Whitted(n_vpls=256, vpl_bound=0), size=SIZE, spp=4
+    )
     assert np.isfinite(frame.image).all() and frame.image.min() >= 0

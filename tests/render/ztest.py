@@ -1,8 +1,8 @@
 """Do two renderers have the same expectation? z-tests per pixel, per block and over the image.
 
-Each side is a stack of images of independent seeds. A cell of the test is a pixel, an 8 × 8 block or
-the whole image, of one channel; the variance of its mean is estimated from the seeds, so Welch's t
-decides. The smallest p of all cells is corrected for their number (Šidák 1967).
+Each side is a stack of images of independent seeds. A cell of the test is a pixel, an 8 × 8 block
+or the whole image, of one channel; the variance of its mean is estimated from the seeds, so Welch's
+t decides. The smallest p of all cells is corrected for their number (Šidák 1967).
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class ZTest:
         return self.p >= ALPHA
 
     def __str__(self) -> str:
-        return f"p = {self.p:.2g} over {self.cells} cells, t = {self.z:.1f} at {self.where}, energy {self.energy:+.4%}"
+        worst = f"t = {self.z:.1f} at {self.where}"
+        return f"p = {self.p:.2g} over {self.cells} cells, {worst}, energy {self.energy:+.4%}"
 
 
 def _blocks(images: Images, edge: int) -> Images:
@@ -83,7 +84,9 @@ def compare(
         p = 2 * stats.t.sf(np.abs(t), freedom)
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)
-        best = min(best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst])))
+        best = min(
+            best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst]))
+        )
     corrected = float(-np.expm1(cells * np.log1p(-min(best[0], 1 - 1e-16))))
     energy = float(whole[0].mean() / whole[1].mean() - 1) if whole[1].mean() else 0.0
     return ZTest(corrected, cells, best[1], best[2], energy)

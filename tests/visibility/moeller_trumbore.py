@@ -23,7 +23,9 @@ def cross_all(vertices: Array, triangles: Array, origins: Array, directions: Arr
     """Möller and Trumbore 1997; (T, 3) triangles, (N, 3) rays, chunked over rays."""
     a, b, c = (vertices.astype(float)[triangles[:, i]] for i in range(3))
     e1, e2 = b - a, c - a
-    found = [_chunk(a, e1, e2, o, d) for o, d in zip(_split(origins), _split(directions), strict=True)]
+    found = [
+        _chunk(a, e1, e2, o, d) for o, d in zip(_split(origins), _split(directions), strict=True)
+    ]
     return Hits(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 

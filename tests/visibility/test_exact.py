@@ -47,7 +47,13 @@ def test_every_query_costs_one_ray(room: vc.Scene) -> None:
     assert 0 < counters["occluded"] < counters["queries"]
     assert counters["groups"].keys() == {"point", "directional", "area", "environment", "vpl"}
     assert counters["camera_rays"] >= 64 * 48
-    assert counters["bypassed"] == counters["non_finite"] == counters["lookups"] == counters["cells"] == 0
+    assert (
+        counters["bypassed"]
+        == counters["non_finite"]
+        == counters["lookups"]
+        == counters["cells"]
+        == 0
+    )
     assert counters["vpls"] <= 100
 
 
@@ -66,7 +72,14 @@ def test_frames_see_what_visible_sees() -> None:
 
     light = (0.5, 1.4, 0.6)
     parts = (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0)), box((-0.4, 0.3, -0.4), (0.2, 0.8, 0.3)))
-    model = Model(parts, points=((light, (1, 1, 1)),), origin=(0, 3, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=40)
+    model = Model(
+        parts,
+        points=((light, (1, 1, 1)),),
+        origin=(0, 3, 0),
+        target=(0, 0, 0),
+        up=(0, 0, 1),
+        fov_deg=40,
+    )
     scene = model.to_viscache()
     frame = vc.render(scene, vc.Direct(), size=(64, 64))
     # Pixels whose four corners agree need no knowledge of where in the pixel the sample lies

@@ -124,7 +124,9 @@ def test_a_card_a_seventh_of_the_scene_away_still_blocks(scale: float, away: flo
     card = quad((-0.5, 0.15625, -0.5), (0, 0, 1), (1, 0, 0))
     shift = np.array([away, away, -away])
     parts = [((q.vertices.astype(float) + shift) * scale).astype(np.float32) for q in (floor, card)]
-    scene = vc.Scene.from_arrays(np.concatenate(parts), np.concatenate([floor.triangles, card.triangles + 4]))
+    scene = vc.Scene.from_arrays(
+        np.concatenate(parts), np.concatenate([floor.triangles, card.triangles + 4])
+    )
     p, n = surface_samples(parts[0], floor.triangles, 3)
     up = np.broadcast_to(np.float32([0, 1, 0]), n.shape)
     assert (n == up).all()
@@ -135,8 +137,10 @@ def test_a_card_a_seventh_of_the_scene_away_still_blocks(scale: float, away: flo
 
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize("away", AWAY)
-def test_points_on_surfaces_see_each_other_through_free_space_only(scale: float, away: float) -> None:
-    """`visible` without normals: opposite walls of a room see each other; a screen between them hides."""
+def test_points_on_surfaces_see_each_other_through_free_space_only(
+    scale: float, away: float
+) -> None:
+    """`visible` without normals: opposite walls see each other; a screen between them hides."""
     low = quad((-0.5, 0, -0.5), (0, 0, 1), (1, 0, 0))
     high = quad((-0.5, 1, -0.5), (0, 0, 1), (1, 0, 0))
     screen = quad((-2, 0.5, -2), (0, 0, 4), (4, 0, 0))

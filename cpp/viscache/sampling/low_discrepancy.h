@@ -14,8 +14,8 @@ inline uint32_t reverse_bits(uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Owen scrambling of a number whose bits are given in reverse, by a hash (Laine and Karras 2011, as improved by
-/// Vegdahl 2021).
+/// Owen scrambling of a number whose bits are given in reverse, by a hash (Laine and Karras 2011, as improved
+/// by Vegdahl 2021).
 inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -33,8 +33,8 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
 /// The upper 24 bits as a number in [0, 1).
 inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
 
-/// Second dimension of Sobol' at `index`, bits reversed: its matrix is Pascal's triangle mod 2, the fifth Kronecker
-/// power of a 2×2 block, so five steps without a branch apply it.
+/// Second dimension of Sobol' at `index`, bits reversed: its matrix is Pascal's triangle mod 2, the fifth
+/// Kronecker power of a 2×2 block, so five steps without a branch apply it.
 inline uint32_t sobol2_reversed(uint32_t index) {
     index ^= (index & 0xaaaaaaaau) >> 1;
     index ^= (index & 0xccccccccu) >> 2;

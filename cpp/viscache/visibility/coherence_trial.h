@@ -1,6 +1,6 @@
 #pragma once
-// Which of Embree's traversal flags is faster for the packets at hand, found by timing. Speed only: every flag gives
-// the same answers.
+// Which of Embree's traversal flags is faster for the packets at hand, found by timing. Speed only: every
+// flag gives the same answers.
 #include <array>
 #include <cstddef>
 #include <ctime>
@@ -17,8 +17,8 @@ inline double thread_cpu_seconds() {
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// One object per thread and kind of packets. Work is done in pieces of some hundred rays or more; at times the
-/// flags take turns for a few pieces, and the faster one serves until the next turn.
+/// One object per thread and kind of packets. Work is done in pieces of some hundred rays or more; at times
+/// the flags take turns for a few pieces, and the faster one serves until the next turn.
 class CoherenceTrial {
 public:
     /// `fixed`: always this flag, no trial.
@@ -38,7 +38,7 @@ public:
         seconds_[turn % 2] += thread_cpu_seconds() - before, rays_[turn % 2] += rays;
         if (turn + 1 == kTurns && rays_[0] > 0 && rays_[1] > 0)
             best_ = seconds_[0] * double(rays_[1]) <= seconds_[1] * double(rays_[0]) ? Coherence::kCoherent
-                                                                                      : Coherence::kIncoherent;
+                                                                                     : Coherence::kIncoherent;
     }
 
 private:

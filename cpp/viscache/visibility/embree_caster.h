@@ -56,7 +56,8 @@ public:
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
     /// Any hit of rays [first, first + occluded.size()).
-    void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded, const PacketPlan& plan) const;
+    void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
+                  const PacketPlan& plan) const;
     /// The same by the plan that the trial finds fastest.
     void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded, PacketTrial& trial) const;
     const Scene& scene() const { return *scene_; }

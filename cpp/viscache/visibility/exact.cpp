@@ -15,8 +15,8 @@ uint64_t count_bits(const BitMatrix& m) {
     return n;
 }
 
-void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                        Counters& counters) {
+void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Counters& counters) {
     switch (order_) {
         case PacketOrder::kByLight: block_by_light(eyes, lights, wanted, visible); break;
         case PacketOrder::kByPixel: block_by_pixel(eyes, lights, wanted, visible); break;
@@ -30,7 +30,8 @@ void ExactOracle::block_by_light(const EyeBlock& eyes, const FarEnds& lights, co
                                  BitMatrix& visible) {
     for (size_t first = 0; first < wanted.rows(); first += 16) {
         check_cancelled();
-        block_flag_.piece([&](Coherence flag) { return rows16_by_light(first, eyes, lights, wanted, visible, flag); });
+        block_flag_.piece(
+            [&](Coherence flag) { return rows16_by_light(first, eyes, lights, wanted, visible, flag); });
     }
 }
 
@@ -95,7 +96,8 @@ namespace {
 
 constexpr uint32_t kBinEdge = 16;  // direction bins along one edge of the octahedral square
 
-/// Number of the bin of a direction, neighbours along a row of the octahedral square. The length does not matter.
+/// Number of the bin of a direction, neighbours along a row of the octahedral square. The length does not
+/// matter.
 uint32_t direction_bin(Vec3 d) {
     const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
     if (!(l > 0)) return 0;
@@ -111,8 +113,10 @@ uint32_t direction_bin(Vec3 d) {
 
 }  // namespace
 
-/// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same side.
-void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters) {
+/// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same
+/// side.
+void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                                    Counters& counters) {
     constexpr uint16_t kLeftOut = 0xffff;
     bin_.resize(queries.size());
     begin_.assign(kBinEdge * kBinEdge + 1, 0);
@@ -133,14 +137,17 @@ void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const Shadow
 }
 
 void ExactOracle::trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
-                               std::span<const ShadowQuery> queries, std::span<Word> visible, Coherence flag) {
+                               std::span<const ShadowQuery> queries, std::span<Word> visible,
+                               Coherence flag) {
     for (size_t at = 0; at < order.size(); at += 16) {
         const int n = int(std::min<size_t>(16, order.size() - at));
         RayPacket16 packet;
-        for (int i = 0; i < n; ++i) set_lane(packet, i, shadow_ray(eyes, queries[order[at + size_t(i)]], extent_));
+        for (int i = 0; i < n; ++i)
+            set_lane(packet, i, shadow_ray(eyes, queries[order[at + size_t(i)]], extent_));
         pad_lanes(packet, n);
         const uint32_t mask = (1u << n) - 1;
-        for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen; seen &= seen - 1)
+        for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
+             seen &= seen - 1)
             set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
     }
 }

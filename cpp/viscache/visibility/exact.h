@@ -30,14 +30,16 @@ public:
                Counters& counters) override;
 
 private:
-    void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
+    void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible);
     size_t rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                            BitMatrix& visible, Coherence flag);
-    void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
+    void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible);
 
     void sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters);
-    void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                      std::span<Word> visible, Coherence flag);
+    void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
+                      std::span<const ShadowQuery> queries, std::span<Word> visible, Coherence flag);
 
     const RayCaster& caster_;
     float extent_;

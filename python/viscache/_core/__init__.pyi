@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 from . import aqvc
 from . import sampling
-__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
+__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -401,3 +401,7 @@ def scene_mesh_count(scene: Scene) -> int:
     ...
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
+def trace_eye_points(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:
+    """
+    Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).
+    """

@@ -78,8 +78,8 @@ def aqvc_frame(quick: bool = False) -> Outcome:
             case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
             measure(outcome, load_scene(path), name, case)
     outcome.notes.append(
-        "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal flag"
-        " by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
+        "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal"
+        " flag by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
         " one table look-up per query. Ratios are of CPU seconds of whole frames: camera paths,"
         " VPLs, keys, rays, shading."
     )
