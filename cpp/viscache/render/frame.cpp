@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "viscache/math/morton.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
@@ -50,8 +51,12 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
     };
     if (integrator.direct) {
         SharedLights points, directions;
-        for (const PointLight& l : d.point_lights)
+        std::vector<Vec3> places;
+        for (const PointLight& l : d.point_lights) places.push_back(l.position);
+        for (const uint32_t i : morton_order(places)) {
+            const PointLight& l = d.point_lights[i];
             if (max_component(l.intensity) > 0) points.add(l.position, {}, l.position, l.intensity, 0);
+        }
         for (const DirectionalLight& l : d.directional_lights)
             if (max_component(l.irradiance) > 0)
                 directions.add(l.direction, {}, l.direction, l.irradiance, 0);
@@ -68,7 +73,10 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
         lights.bound2 = bound * bound;
-        for (size_t i = 0; i < vpls.size(); ++i) {
+        // Lights near each other follow each other: their rays meet the same triangles
+        std::vector<Vec3> places;
+        for (const Vpl& v : vpls) places.push_back(v.position);
+        for (const uint32_t i : morton_order(places)) {
             const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
             lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
         }

@@ -44,7 +44,7 @@ def rays(quick: bool = False) -> Outcome:
                 peers[name] = Peer(name, scene)
         try:
             for which in SETS:
-                n = 50_000 if quick else 1_000_000
+                n = 50_000 if quick else 500_000
                 _compare(
                     outcome, scene, spec, make_ray_set(scene, which, n), peers, 2 if quick else 5
                 )

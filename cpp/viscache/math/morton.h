@@ -1,0 +1,46 @@
+#pragma once
+// Points along a Morton curve: near in number, near in space.
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+/// Spreads the lowest 10 bits to every third bit.
+inline uint32_t spread3(uint32_t v) {
+    v &= 0x3ffu;
+    v = (v | v << 16) & 0x030000ffu;
+    v = (v | v << 8) & 0x0300f00fu;
+    v = (v | v << 4) & 0x030c30c3u;
+    return (v | v << 2) & 0x09249249u;
+}
+
+/// Code of a cell in a grid of 1024³; x on the lowest bit.
+inline uint32_t morton3(uint32_t x, uint32_t y, uint32_t z) {
+    return spread3(x) | spread3(y) << 1 | spread3(z) << 2;
+}
+
+/// Numbers of the points along the Morton curve of their bounding box; points of one cell keep their order.
+inline std::vector<uint32_t> morton_order(std::span<const Vec3> points) {
+    Vec3 lo{kInfinity, kInfinity, kInfinity}, hi{-kInfinity, -kInfinity, -kInfinity};
+    for (const Vec3& p : points) {
+        lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+        hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    }
+    const auto cell = [](float v, float low, float high) {
+        const float share = high > low ? (v - low) / (high - low) : 0.f;
+        return share >= 0 ? uint32_t(std::min(1023.f, share * 1024.f)) : 0u;
+    };
+    std::vector<uint32_t> code(points.size()), order(points.size());
+    for (size_t i = 0; i < points.size(); ++i)
+        code[i] = morton3(cell(points[i].x, lo.x, hi.x), cell(points[i].y, lo.y, hi.y), cell(points[i].z, lo.z, hi.z));
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return code[a] < code[b]; });
+    return order;
+}
+
+}  // namespace viscache
