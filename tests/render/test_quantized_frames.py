@@ -371,6 +371,14 @@ def test_a_parameter_given_explicitly_wins_over_the_preset():
     assert given.sha256 != q.render(q.lit_box(), preset="paper", c_e=8, c_z=4).sha256
 
 
+COUNTERS = (
+    *("queries", "occluded", "rays", "ray_reduction", "groups", "camera_rays", "light_rays"),
+    *("rays_per_level", "leftover_rays", "lookups", "hits", "neighbour_probes", "nil_neighbours"),
+    *("evictions", "bypassed", "clamped_low", "clamped_high", "clamped_nan", "boundary_queries"),
+    *("cells", "table_writes", "table_slots", "expected_false_hits", "non_finite", "vpls"),
+)
+
+
 @pytest.mark.parametrize("refinement", ["off", "on"])
 @pytest.mark.parametrize("form", q.FORMS)
 def test_counters_are_present_finite_and_add_up(form, refinement):
@@ -379,13 +387,9 @@ def test_counters_are_present_finite_and_add_up(form, refinement):
     integrator = vc.Whitted(n_vpls=12, n_area=4, n_environment=2, n_brdf=2)
     c = q.render(scene, integrator, c_e=8, refinement=refinement, **q.FORMS[form]).counters
     exact = q.exact(scene, integrator).counters
-    names = """queries occluded rays ray_reduction groups camera_rays light_rays rays_per_level
-        leftover_rays lookups hits neighbour_probes nil_neighbours evictions bypassed clamped_low
-        clamped_high clamped_nan boundary_queries cells table_writes table_slots
-        expected_false_hits non_finite vpls""".split()
-    assert set(names) <= set(c)
+    assert set(COUNTERS) <= set(c)
     assert set(c["groups"]) == {"point", "directional", "area", "environment", "vpl"}
-    flat = [c[n] for n in names if n not in ("groups", "rays_per_level")] + c["rays_per_level"]
+    flat = [c[n] for n in COUNTERS if n not in ("groups", "rays_per_level")] + c["rays_per_level"]
     assert all(np.isfinite(value) and value >= 0 for value in flat)
     for name in ("queries", "occluded", "rays"):
         assert c[name] == sum(group[name] for group in c["groups"].values())
@@ -439,7 +443,8 @@ def mirror_filling_the_view(bend):
     floor = np.stack([40 * square[:, 0], np.zeros(4), -40 * square[:, 1]], axis=1)
     description.add_mesh(floor, triangles, material=grey)
     lean = Rotation.from_euler("x", 25, degrees=True)
-    corners = lean.apply(np.column_stack([square, np.zeros(4)])) + [0, 1.6, 0]
+    corners = lean.apply(np.column_stack([square, np.zeros(4)]))
+    corners[:, 1] += 1.6
     normals = lean.apply(np.column_stack([bend * square, np.ones(4)]))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     description.add_mesh(corners, triangles, material=mirror, normals=normals)
@@ -484,6 +489,20 @@ def test_samples_of_single_eye_points_share_rays_and_err_less_with_small_c_e():
         assert error[0] > 1.1 * error[1] > 1.1**2 * error[2]
         assert 4 * rays[0] < 2 * rays[1] < rays[2]
         assert rays[2] < exact.counters["groups"][group]["queries"]
+
+
+def test_light_cells_leave_an_error_that_falls_with_the_samples():
+    """T1's limit: C_E shrinks eye cells only, so local light is exact for many samples alone."""
+    scene = q.lit_box().with_environment(0.5)
+    error = {"area": [], "environment": []}
+    for m in (1, 8):
+        integrator = vc.Direct(n_area=8 * m, n_environment=4 * m, n_brdf=4 * m)
+        frame = q.render(scene, integrator, c_e=1e-3)
+        for group, found in error.items():
+            exact = q.exact(scene, integrator).layers[group]
+            found.append(q.rel_l1(frame.layers[group], exact))
+    for few, many in error.values():
+        assert 0 < many < 0.5 * few
 
 
 def test_ambient_occlusion_shares_rays():
