@@ -24,8 +24,8 @@ inline std::string shape_text(const py::array& a) {
 /// Refuses anything but (N, columns); the error names the argument and the shape given.
 inline void require_rows(const py::array& a, py::ssize_t columns, const char* name) {
     if (a.ndim() != 2 || a.shape(1) != columns)
-        throw py::value_error(std::string(name) + " must have shape (N, " + std::to_string(columns) + "), got " +
-                              shape_text(a));
+        throw py::value_error(std::string(name) + " must have shape (N, " + std::to_string(columns) +
+                              "), got " + shape_text(a));
 }
 
 /// Rows of an (N, 3) array, without a copy; valid while the array lives.

@@ -44,7 +44,8 @@ int add_image(SceneDescription& d, const FloatArray& pixels) {
     if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
         throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
     Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)), image.channels = int(pixels.shape(2));
+    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
+    image.channels = int(pixels.shape(2));
     image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
     d.images.push_back(std::move(image));
     return int(d.images.size()) - 1;
@@ -54,7 +55,8 @@ void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     SceneDescription one;
     add_image(one, pixels);
     Image& image = d.images.at(index);
-    image.width = one.images[0].width, image.height = one.images[0].height, image.channels = one.images[0].channels;
+    image.width = one.images[0].width, image.height = one.images[0].height,
+    image.channels = one.images[0].channels;
     image.pixels = std::move(one.images[0].pixels);
 }
 
@@ -73,80 +75,94 @@ void bind_description(py::module_& m) {
     py::class_<SceneDescription>(m, "SceneDescription", "A scene that can still be changed.")
         .def(py::init<>())
         .def_readwrite("name", &SceneDescription::name)
-        .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(), py::arg("material") = 0,
-             py::arg("normals") = py::none(), py::arg("uvs") = py::none(), py::arg("emission") = Float3{0, 0, 0},
-             py::arg("emits_two_sided") = false, py::arg("in_world") = true, py::arg("name") = "",
-             "Add a triangle mesh; returns its index.")
-        .def("add_material",
-             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness, float eta,
-                bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff) {
-                 d.materials.push_back({kind, vec3(base_color), vec3(specular), roughness, eta, two_sided,
-                                        base_texture, alpha_texture, alpha_cutoff});
-                 return int(d.materials.size()) - 1;
-             },
-             py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(), py::arg("base_color") = Float3{.5f, .5f, .5f},
-             py::arg("specular") = Float3{1, 1, 1}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f,
-             py::arg("two_sided") = true, py::arg("base_texture") = -1, py::arg("alpha_texture") = -1,
-             py::arg("alpha_cutoff") = 0.5f, "Add a material; returns its index.")
-        .def("add_instance",
-             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
-                 d.instances.push_back({std::move(meshes), affine_from(to_world)});
-                 return int(d.instances.size()) - 1;
-             },
-             py::arg("meshes"), py::arg("to_world"), "Place meshes (added with in_world=False) once more.")
-        .def("add_point_light",
-             [](SceneDescription& d, Float3 position, Float3 intensity) {
-                 d.point_lights.push_back({vec3(position), vec3(intensity)});
-             },
-             py::arg("position"), py::arg("intensity"), "Intensity in W/sr.")
-        .def("add_directional_light",
-             [](SceneDescription& d, Float3 direction, Float3 irradiance) {
-                 d.directional_lights.push_back({normalize(vec3(direction)), vec3(irradiance)});
-             },
-             py::arg("direction"), py::arg("irradiance"), "`direction` points towards the light.")
-        .def("add_sphere_light",
-             [](SceneDescription& d, Float3 center, float radius, Float3 radiance) {
-                 d.sphere_lights.push_back({vec3(center), radius, vec3(radiance)});
-             },
-             py::arg("center"), py::arg("radius"), py::arg("radiance"))
+        .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+             py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
+             py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
+             py::arg("in_world") = true, py::arg("name") = "", "Add a triangle mesh; returns its index.")
+        .def(
+            "add_material",
+            [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
+               float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff) {
+                d.materials.push_back({kind, vec3(base_color), vec3(specular), roughness, eta, two_sided,
+                                       base_texture, alpha_texture, alpha_cutoff});
+                return int(d.materials.size()) - 1;
+            },
+            py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
+            py::arg("base_color") = Float3{.5f, .5f, .5f}, py::arg("specular") = Float3{1, 1, 1},
+            py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
+            py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
+            "Add a material; returns its index.")
+        .def(
+            "add_instance",
+            [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
+                d.instances.push_back({std::move(meshes), affine_from(to_world)});
+                return int(d.instances.size()) - 1;
+            },
+            py::arg("meshes"), py::arg("to_world"), "Place meshes (added with in_world=False) once more.")
+        .def(
+            "add_point_light",
+            [](SceneDescription& d, Float3 position, Float3 intensity) {
+                d.point_lights.push_back({vec3(position), vec3(intensity)});
+            },
+            py::arg("position"), py::arg("intensity"), "Intensity in W/sr.")
+        .def(
+            "add_directional_light",
+            [](SceneDescription& d, Float3 direction, Float3 irradiance) {
+                d.directional_lights.push_back({normalize(vec3(direction)), vec3(irradiance)});
+            },
+            py::arg("direction"), py::arg("irradiance"), "`direction` points towards the light.")
+        .def(
+            "add_sphere_light",
+            [](SceneDescription& d, Float3 center, float radius, Float3 radiance) {
+                d.sphere_lights.push_back({vec3(center), radius, vec3(radiance)});
+            },
+            py::arg("center"), py::arg("radius"), py::arg("radiance"))
         .def("add_image", &add_image, py::arg("pixels"), "Add an image (H, W, C), linear; returns its index.")
-        .def("set_image", &set_image, py::arg("index"), py::arg("pixels"), "Give the pixels of a pending image.")
-        .def_property_readonly("images",
-             [](const SceneDescription& d) {
-                 py::list out;
-                 for (const Image& i : d.images)
-                     out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where, py::arg("srgb") = i.srgb,
-                                         py::arg("width") = i.width, py::arg("height") = i.height,
-                                         py::arg("channels") = i.channels));
-                 return out;
-             },
-             "Path, place, size of every image; width 0 = still to be decoded.")
-        .def("set_environment",
-             [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {
-                 d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
-             },
-             py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1, py::arg("to_world") = py::none(),
-             "Constant radiance, or a lat-long image scaled.")
+        .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
+             "Give the pixels of a pending image.")
+        .def_property_readonly(
+            "images",
+            [](const SceneDescription& d) {
+                py::list out;
+                for (const Image& i : d.images)
+                    out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
+                                        py::arg("srgb") = i.srgb, py::arg("width") = i.width,
+                                        py::arg("height") = i.height, py::arg("channels") = i.channels));
+                return out;
+            },
+            "Path, place, size of every image; width 0 = still to be decoded.")
+        .def(
+            "set_environment",
+            [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {
+                d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
+            },
+            py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1,
+            py::arg("to_world") = py::none(), "Constant radiance, or a lat-long image scaled.")
         .def("clear_environment", [](SceneDescription& d) { d.environment.reset(); })
-        .def("add_camera",
-             [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width, int height,
-                bool horizontal, const std::string& name) {
-                 Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
-                 c.width = width, c.height = height, c.fov_is_horizontal = horizontal, c.name = name;
-                 d.cameras.push_back(c);
-             },
-             py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},
-             py::arg("fov_deg") = 45.f, py::arg("width") = 640, py::arg("height") = 400,
-             py::arg("horizontal") = false, py::arg("name") = "camera", "`fov_deg` is vertical unless horizontal=True.")
-        .def("warn", [](SceneDescription& d, std::string where, std::string text) {
-                 d.warnings.push_back({std::move(where), std::move(text)});
-             }, py::arg("where"), py::arg("text"))
+        .def(
+            "add_camera",
+            [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
+               int height, bool horizontal, const std::string& name) {
+                Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
+                c.width = width, c.height = height, c.fov_is_horizontal = horizontal, c.name = name;
+                d.cameras.push_back(c);
+            },
+            py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},
+            py::arg("fov_deg") = 45.f, py::arg("width") = 640, py::arg("height") = 400,
+            py::arg("horizontal") = false, py::arg("name") = "camera",
+            "`fov_deg` is vertical unless horizontal=True.")
+        .def(
+            "warn",
+            [](SceneDescription& d, std::string where, std::string text) {
+                d.warnings.push_back({std::move(where), std::move(text)});
+            },
+            py::arg("where"), py::arg("text"))
         .def_property_readonly("warnings",
-             [](const SceneDescription& d) {
-                 std::vector<std::pair<std::string, std::string>> out;
-                 for (const Warning& w : d.warnings) out.emplace_back(w.where, w.text);
-                 return out;
-             })
+                               [](const SceneDescription& d) {
+                                   std::vector<std::pair<std::string, std::string>> out;
+                                   for (const Warning& w : d.warnings) out.emplace_back(w.where, w.text);
+                                   return out;
+                               })
         .def_property_readonly("n_meshes", [](const SceneDescription& d) { return d.meshes.size(); })
         .def_property_readonly("n_lights", [](const SceneDescription& d) {
             size_t emitters = 0;

@@ -11,17 +11,19 @@ namespace {
 
 using Float3 = std::array<float, 3>;
 
-EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale, const std::optional<DoubleArray>& to_world,
-                                int resolution) {
+EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
+                                const std::optional<DoubleArray>& to_world, int resolution) {
     if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
         throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
     Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)), image.channels = int(pixels.shape(2));
+    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
+    image.channels = int(pixels.shape(2));
     image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
     Affine rotation;
     if (to_world) {
         require_rows(*to_world, 3, "to_world");
-        if (to_world->shape(0) != 3) throw py::value_error("to_world must have shape (3, 3), got " + shape_text(*to_world));
+        if (to_world->shape(0) != 3)
+            throw py::value_error("to_world must have shape (3, 3), got " + shape_text(*to_world));
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) rotation.m[i][j] = to_world->at(i, j);
     }
@@ -31,32 +33,41 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale, const st
 
 void bind_environment(py::module_& s) {
     py::class_<EnvironmentMap>(s, "EnvironmentMap", "Environment light on the equal-area octahedral map.")
-        .def_static("constant", [](Float3 radiance) { return EnvironmentMap::constant(vec3(radiance)); },
-                    py::arg("radiance"))
+        .def_static(
+            "constant", [](Float3 radiance) { return EnvironmentMap::constant(vec3(radiance)); },
+            py::arg("radiance"))
         .def_static("from_latlong", &environment_from, py::arg("pixels"), py::kw_only(),
-                    py::arg("scale") = Float3{1, 1, 1}, py::arg("to_world") = py::none(), py::arg("resolution") = 0,
+                    py::arg("scale") = Float3{1, 1, 1}, py::arg("to_world") = py::none(),
+                    py::arg("resolution") = 0,
                     "Resample a lat-long image (H, W, C); to_world (3, 3) rotates the map into the world.")
-        .def("eval", [](const EnvironmentMap& e, const FloatArray& wi) {
-                 return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.eval(w); });
-             },
-             py::arg("wi"), "Radiance from unit vectors (N, 3), (N, 3).")
-        .def("pdf", [](const EnvironmentMap& e, const FloatArray& wi) {
-                 return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.pdf(w); });
-             },
-             py::arg("wi"), "Density of `sample` per solid angle, (N,).")
-        .def("sample", [](const EnvironmentMap& e, const FloatArray& u) {
-                 std::vector<Vec3> radiance, wi;
-                 const auto pdf = map_rows<Vec2>(u, "u", [&](Vec2 v) {
-                     const auto sample = e.sample(v);
-                     wi.push_back(sample.wi), radiance.push_back(sample.radiance);
-                     return sample.pdf;
-                 });
-                 return std::tuple(from_vec3s(wi), from_vec3s(radiance), pdf);
-             },
-             py::arg("u"), "Directions (N, 3), radiances (N, 3) and densities (N,).")
-        .def_property_readonly("pixels", [](const EnvironmentMap& e) {
-                 return from_vec3s(e.pixels()).reshape({e.resolution(), e.resolution(), 3});
-             })
+        .def(
+            "eval",
+            [](const EnvironmentMap& e, const FloatArray& wi) {
+                return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.eval(w); });
+            },
+            py::arg("wi"), "Radiance from unit vectors (N, 3), (N, 3).")
+        .def(
+            "pdf",
+            [](const EnvironmentMap& e, const FloatArray& wi) {
+                return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.pdf(w); });
+            },
+            py::arg("wi"), "Density of `sample` per solid angle, (N,).")
+        .def(
+            "sample",
+            [](const EnvironmentMap& e, const FloatArray& u) {
+                std::vector<Vec3> radiance, wi;
+                const auto pdf = map_rows<Vec2>(u, "u", [&](Vec2 v) {
+                    const auto sample = e.sample(v);
+                    wi.push_back(sample.wi), radiance.push_back(sample.radiance);
+                    return sample.pdf;
+                });
+                return std::tuple(from_vec3s(wi), from_vec3s(radiance), pdf);
+            },
+            py::arg("u"), "Directions (N, 3), radiances (N, 3) and densities (N,).")
+        .def_property_readonly("pixels",
+                               [](const EnvironmentMap& e) {
+                                   return from_vec3s(e.pixels()).reshape({e.resolution(), e.resolution(), 3});
+                               })
         .def_property_readonly("resolution", &EnvironmentMap::resolution)
         .def_property_readonly("is_constant", &EnvironmentMap::is_constant)
         .def_property_readonly("total_power", &EnvironmentMap::total_power)
@@ -67,31 +78,38 @@ void bind_shading_point(py::module_& s) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "What reflection needs at a point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta) {
-                 return ShadingPoint{vec3(ng),       vec3(ns),  normalize(vec3(wo)), vec3(base),
-                                     vec3(specular), roughness, kind,                eta};
+                 return ShadingPoint{
+                     vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
+                     kind,     eta};
              }),
              py::arg("kind"), py::arg("wo"), py::kw_only(), py::arg("ns") = Float3{0, 0, 1},
              py::arg("ng") = Float3{0, 0, 1}, py::arg("base") = Float3{0, 0, 0},
              py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f);
-    s.def("eval_bsdf", [](const ShadingPoint& sp, const FloatArray& wi) {
-              return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return eval_bsdf(sp, w); });
-          },
-          py::arg("sp"), py::arg("wi"), "f without the cosine, (N, 3).");
-    s.def("pdf_bsdf", [](const ShadingPoint& sp, const FloatArray& wi) {
-              return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });
-          },
-          py::arg("sp"), py::arg("wi"), "Density of `sample_bsdf` per solid angle, (N,).");
-    s.def("sample_bsdf", [](const ShadingPoint& sp, const FloatArray& u) {
-              std::vector<Vec3> wi, weight;
-              const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
-                  const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
-                  wi.push_back(sample ? sample->wi : Vec3{}), weight.push_back(sample ? sample->weight : Rgb{});
-                  return sample ? sample->pdf : 0.f;
-              });
-              return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);
-          },
-          py::arg("sp"), py::arg("u"),
-          "Directions (N, 3), weights f·cos/pdf (N, 3) and densities (N,) for u (N, 3); density 0: no sample.");
+    s.def(
+        "eval_bsdf",
+        [](const ShadingPoint& sp, const FloatArray& wi) {
+            return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return eval_bsdf(sp, w); });
+        },
+        py::arg("sp"), py::arg("wi"), "f without the cosine, (N, 3).");
+    s.def(
+        "pdf_bsdf",
+        [](const ShadingPoint& sp, const FloatArray& wi) {
+            return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });
+        },
+        py::arg("sp"), py::arg("wi"), "Density of `sample_bsdf` per solid angle, (N,).");
+    s.def(
+        "sample_bsdf",
+        [](const ShadingPoint& sp, const FloatArray& u) {
+            std::vector<Vec3> wi, weight;
+            const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
+                const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
+                wi.push_back(sample ? sample->wi : Vec3{}), weight.push_back(sample ? sample->weight : Rgb{});
+                return sample ? sample->pdf : 0.f;
+            });
+            return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);
+        },
+        py::arg("sp"), py::arg("u"),
+        "Directions (N, 3), weights f·cos/pdf (N, 3) and densities (N,) for u (N, 3); density 0: no sample.");
 }
 
 }  // namespace

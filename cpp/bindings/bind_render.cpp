@@ -27,9 +27,9 @@ py::dict counters_of(const FrameResult& f) {
     py::dict groups;
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty())
-            groups[kLightGroupNames[g]] = py::dict(py::arg("queries") = c.groups[g].queries,
-                                                   py::arg("occluded") = c.groups[g].occluded,
-                                                   py::arg("rays") = c.groups[g].rays);
+            groups[kLightGroupNames[g]] =
+                py::dict(py::arg("queries") = c.groups[g].queries, py::arg("occluded") = c.groups[g].occluded,
+                         py::arg("rays") = c.groups[g].rays);
     std::vector<uint64_t> levels(c.rays_per_level.begin(), c.rays_per_level.end());
     while (!levels.empty() && levels.back() == 0) levels.pop_back();
     uint64_t occluded = 0;
@@ -65,11 +65,13 @@ py::dict dict_of(const FrameResult& f) {
 }
 
 FrameResult render(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
-                   const IntegratorSettings& integrator, const FrameSettings& frame, const OracleFactory& oracle,
-                   const py::object& progress) {
+                   const IntegratorSettings& integrator, const FrameSettings& frame,
+                   const OracleFactory& oracle, const py::object& progress) {
     FrameResult result;
     run_interruptible(
-        [&](Control& control) { result = render_frame(scene, caster, camera, integrator, frame, oracle, control); },
+        [&](Control& control) {
+            result = render_frame(scene, caster, camera, integrator, frame, oracle, control);
+        },
         progress);
     return result;
 }
@@ -78,9 +80,13 @@ FrameResult render(const Scene& scene, const EmbreeCaster& caster, const Camera&
 
 void bind_render(py::module_& m) {
     py::native_enum<PMode>(m, "PMode", "enum.Enum", "Where the density of an eye point comes from.")
-        .value("LAST_VERTEX", PMode::kLastVertex).value("FOOTPRINT", PMode::kFootprint).finalize();
+        .value("LAST_VERTEX", PMode::kLastVertex)
+        .value("FOOTPRINT", PMode::kFootprint)
+        .finalize();
     py::native_enum<PacketOrder>(m, "PacketOrder", "enum.Enum", "Which exact shadow rays share a packet.")
-        .value("BY_LIGHT", PacketOrder::kByLight).value("BY_PIXEL", PacketOrder::kByPixel).finalize();
+        .value("BY_LIGHT", PacketOrder::kByLight)
+        .value("BY_PIXEL", PacketOrder::kByPixel)
+        .finalize();
 
     py::class_<IntegratorSettings>(m, "IntegratorSettings")
         .def(py::init<>())
@@ -119,36 +125,46 @@ void bind_render(py::module_& m) {
         .def_property_readonly("right", [](const Camera& c) { return array3(c.right); })
         .def_property_readonly("up", [](const Camera& c) { return array3(c.up); });
     m.def("scene_cameras", [](const Scene& s) { return s.description().cameras; }, py::arg("scene"));
-    m.def("look_at",
-          [](std::array<float, 3> origin, std::array<float, 3> target, std::array<float, 3> up, float fov_deg) {
-              const Camera camera = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180);
-              check_camera(camera);
-              return camera;
-          },
-          py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"),
-          "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
-    m.def("render_exact",
-          [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
-             const FrameSettings& frame, PacketOrder order, bool coherent, const py::object& progress) {
-              const auto coherence = coherent ? Coherence::kCoherent : Coherence::kIncoherent;
-              return dict_of(render(scene, caster, camera, integrator, frame, [&] {
-                  return std::make_unique<ExactOracle>(caster, scene.offset_extent(), order, coherence);
-              }, progress));
-          },
-          py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
-          py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = true,
-          py::arg("progress") = py::none());
-    m.def("render_aqvc",
-          [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, const IntegratorSettings& integrator,
-             const FrameSettings& frame, const AqvcParameters& parameters, const py::object& progress) {
-              parameters.validate();
-              return dict_of(render(scene, caster, camera, integrator, frame, [&] {
-                  return std::make_unique<QuantizedCache>(caster, parameters, scene.center(), scene.radius(),
-                                                          scene.offset_extent(), frame.spp);
-              }, progress));
-          },
-          py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
-          py::arg("parameters"), py::kw_only(), py::arg("progress") = py::none());
+    m.def(
+        "look_at",
+        [](std::array<float, 3> origin, std::array<float, 3> target, std::array<float, 3> up, float fov_deg) {
+            const Camera camera = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180);
+            check_camera(camera);
+            return camera;
+        },
+        py::arg("origin"), py::arg("target"), py::arg("up"), py::arg("fov_deg"),
+        "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
+    m.def(
+        "render_exact",
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+           const IntegratorSettings& integrator, const FrameSettings& frame, PacketOrder order,
+           std::optional<bool> coherent, const py::object& progress) {
+            std::optional<Coherence> flag;
+            if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
+            return dict_of(render(
+                scene, caster, camera, integrator, frame,
+                [&] { return std::make_unique<ExactOracle>(caster, scene.offset_extent(), order, flag); },
+                progress));
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
+        py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
+        py::arg("progress") = py::none());
+    m.def(
+        "render_aqvc",
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+           const IntegratorSettings& integrator, const FrameSettings& frame, const AqvcParameters& parameters,
+           const py::object& progress) {
+            parameters.validate();
+            return dict_of(render(
+                scene, caster, camera, integrator, frame,
+                [&] {
+                    return std::make_unique<QuantizedCache>(caster, parameters, scene.center(),
+                                                            scene.radius(), scene.offset_extent(), frame.spp);
+                },
+                progress));
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
+        py::arg("parameters"), py::kw_only(), py::arg("progress") = py::none());
 }
 
 }  // namespace viscache::bindings

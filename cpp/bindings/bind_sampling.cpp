@@ -29,29 +29,40 @@ py::array_t<Value> draws(const KeyArray& keys, py::ssize_t count, Draw draw) {
 }
 
 void bind_sequences(py::module_& s) {
-    s.def("random_u32", [](const KeyArray& keys, py::ssize_t count) {
-              return draws<uint32_t>(keys, count, [](Rng& rng) { return rng.next_u32(); });
-          },
-          py::arg("keys"), py::arg("count"),
-          "First `count` numbers of each stream; keys (N, 4) are (seed, purpose, pixel, pass). (N, count) uint32.");
-    s.def("random", [](const KeyArray& keys, py::ssize_t count) {
-              return draws<float>(keys, count, [](Rng& rng) { return rng.next(); });
-          },
-          py::arg("keys"), py::arg("count"), "The same streams as floats in [0, 1).");
-    s.def("sobol02", [](const UintArray& index, uint32_t scramble_x, uint32_t scramble_y) {
-              if (index.ndim() != 1) throw py::value_error("index must have shape (N,), got " + shape_text(index));
-              py::array_t<float> out = rows_of<Vec2>(index.shape(0));
-              auto* to = reinterpret_cast<Vec2*>(out.mutable_data());
-              for (py::ssize_t i = 0; i < index.shape(0); ++i) to[i] = sobol02(index.at(i), scramble_x, scramble_y);
-              return out;
-          },
-          py::arg("index"), py::arg("scramble_x"), py::arg("scramble_y"),
-          "Points of the Owen-scrambled (0, 2)-sequence, (N, 2) in [0, 1).");
-    s.def("radical_inverse", [](uint32_t base, uint64_t index) {
-              if (base < 2) throw py::value_error("base must be >= 2, got " + std::to_string(base));
-              return radical_inverse(base, index);
-          },
-          py::arg("base"), py::arg("index"), "Digits of `index` mirrored at the radix point, in [0, 1).");
+    s.def(
+        "random_u32",
+        [](const KeyArray& keys, py::ssize_t count) {
+            return draws<uint32_t>(keys, count, [](Rng& rng) { return rng.next_u32(); });
+        },
+        py::arg("keys"), py::arg("count"),
+        "First `count` numbers of each stream; keys (N, 4) are (seed, purpose, pixel, pass). (N, count) "
+        "uint32.");
+    s.def(
+        "random",
+        [](const KeyArray& keys, py::ssize_t count) {
+            return draws<float>(keys, count, [](Rng& rng) { return rng.next(); });
+        },
+        py::arg("keys"), py::arg("count"), "The same streams as floats in [0, 1).");
+    s.def(
+        "sobol02",
+        [](const UintArray& index, uint32_t scramble_x, uint32_t scramble_y) {
+            if (index.ndim() != 1)
+                throw py::value_error("index must have shape (N,), got " + shape_text(index));
+            py::array_t<float> out = rows_of<Vec2>(index.shape(0));
+            auto* to = reinterpret_cast<Vec2*>(out.mutable_data());
+            for (py::ssize_t i = 0; i < index.shape(0); ++i)
+                to[i] = sobol02(index.at(i), scramble_x, scramble_y);
+            return out;
+        },
+        py::arg("index"), py::arg("scramble_x"), py::arg("scramble_y"),
+        "Points of the Owen-scrambled (0, 2)-sequence, (N, 2) in [0, 1).");
+    s.def(
+        "radical_inverse",
+        [](uint32_t base, uint64_t index) {
+            if (base < 2) throw py::value_error("base must be >= 2, got " + std::to_string(base));
+            return radical_inverse(base, index);
+        },
+        py::arg("base"), py::arg("index"), "Digits of `index` mirrored at the radix point, in [0, 1).");
 }
 
 void bind_distribution(py::module_& s) {
@@ -62,54 +73,59 @@ void bind_distribution(py::module_& s) {
                  return Distribution1D({weights.data(), size_t(weights.size())});
              }),
              py::arg("weights"))
-        .def("sample", [](const Distribution1D& d, const DoubleArray& u) {
-                 py::array_t<int64_t> index(u.size());
-                 py::array_t<double> pmf(u.size());
-                 py::array_t<float> rest(u.size());
-                 for (py::ssize_t i = 0; i < u.size(); ++i) {
-                     if (!(u.data()[i] >= 0 && u.data()[i] < 1))
-                         throw py::value_error("u must be in [0, 1), got " + std::to_string(u.data()[i]));
-                     const auto pick = d.sample(u.data()[i]);
-                     index.mutable_at(i) = int64_t(pick.index), pmf.mutable_at(i) = pick.pmf;
-                     rest.mutable_at(i) = pick.u;
-                 }
-                 return std::tuple(index, pmf, rest);
-             },
-             py::arg("u"), "Index, its probability and the stretched rest of u, each (N,).")
-        .def("pmf", [](const Distribution1D& d, size_t index) {
-                 if (index >= d.size())
-                     throw py::index_error("index must be < " + std::to_string(d.size()) + ", got " +
-                                           std::to_string(index));
-                 return d.pmf(index);
-             },
-             py::arg("index"), "Probability of an index.")
+        .def(
+            "sample",
+            [](const Distribution1D& d, const DoubleArray& u) {
+                py::array_t<int64_t> index(u.size());
+                py::array_t<double> pmf(u.size());
+                py::array_t<float> rest(u.size());
+                for (py::ssize_t i = 0; i < u.size(); ++i) {
+                    if (!(u.data()[i] >= 0 && u.data()[i] < 1))
+                        throw py::value_error("u must be in [0, 1), got " + std::to_string(u.data()[i]));
+                    const auto pick = d.sample(u.data()[i]);
+                    index.mutable_at(i) = int64_t(pick.index), pmf.mutable_at(i) = pick.pmf;
+                    rest.mutable_at(i) = pick.u;
+                }
+                return std::tuple(index, pmf, rest);
+            },
+            py::arg("u"), "Index, its probability and the stretched rest of u, each (N,).")
+        .def(
+            "pmf",
+            [](const Distribution1D& d, size_t index) {
+                if (index >= d.size())
+                    throw py::index_error("index must be < " + std::to_string(d.size()) + ", got " +
+                                          std::to_string(index));
+                return d.pmf(index);
+            },
+            py::arg("index"), "Probability of an index.")
         .def_property_readonly("total", &Distribution1D::total)
         .def("__len__", &Distribution1D::size);
 }
 
 void bind_octahedral(py::module_& s) {
-    s.def("direction_to_octahedral", [](const FloatArray& d) {
-              return map_rows<Vec3>(d, "d", direction_to_octahedral);
-          },
-          py::arg("d"), "Octahedral map of directions (N, 3) into [0, 1]², (N, 2).");
-    s.def("octahedral_to_direction", [](const FloatArray& p) {
-              return map_rows<Vec2>(p, "p", octahedral_to_direction);
-          },
-          py::arg("p"), "Its inverse: (N, 2) to unit vectors (N, 3).");
-    s.def("direction_to_equal_area", [](const FloatArray& d) {
-              return map_rows<Vec3>(d, "d", direction_to_equal_area);
-          },
-          py::arg("d"), "Equal-area octahedral map of unit vectors (N, 3) into [0, 1]², (N, 2).");
-    s.def("equal_area_to_direction", [](const FloatArray& p) {
-              return map_rows<Vec2>(p, "p", equal_area_to_direction);
-          },
-          py::arg("p"), "Its inverse: (N, 2) to unit vectors (N, 3).");
+    s.def(
+        "direction_to_octahedral",
+        [](const FloatArray& d) { return map_rows<Vec3>(d, "d", direction_to_octahedral); }, py::arg("d"),
+        "Octahedral map of directions (N, 3) into [0, 1]², (N, 2).");
+    s.def(
+        "octahedral_to_direction",
+        [](const FloatArray& p) { return map_rows<Vec2>(p, "p", octahedral_to_direction); }, py::arg("p"),
+        "Its inverse: (N, 2) to unit vectors (N, 3).");
+    s.def(
+        "direction_to_equal_area",
+        [](const FloatArray& d) { return map_rows<Vec3>(d, "d", direction_to_equal_area); }, py::arg("d"),
+        "Equal-area octahedral map of unit vectors (N, 3) into [0, 1]², (N, 2).");
+    s.def(
+        "equal_area_to_direction",
+        [](const FloatArray& p) { return map_rows<Vec2>(p, "p", equal_area_to_direction); }, py::arg("p"),
+        "Its inverse: (N, 2) to unit vectors (N, 3).");
 }
 
 }  // namespace
 
 void bind_sampling(py::module_& m) {
-    py::module_ s = m.def_submodule("sampling", "Samplers and their densities, as tests and notebooks use them.");
+    py::module_ s =
+        m.def_submodule("sampling", "Samplers and their densities, as tests and notebooks use them.");
     bind_sequences(s);
     bind_distribution(s);
     bind_octahedral(s);

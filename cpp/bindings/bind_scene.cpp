@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kChunk = 1 << 13;
 constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
+constexpr size_t kTrial = 1 << 14;  // rays per thread from which a trial of packet plans pays
 
 void require_usable(const FloatArray& a, const char* name) {
     const Vec3* rows = rows3(a, name);
@@ -24,8 +25,8 @@ void require_usable(const FloatArray& a, const char* name) {
 
 void require_same_rows(const py::array& a, const py::array& b, const char* names) {
     if (a.shape(0) != b.shape(0))
-        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) + " and " +
-                              shape_text(b));
+        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) +
+                              " and " + shape_text(b));
 }
 
 /// t_max: one number for all rays, or one per ray; never NaN.
@@ -35,8 +36,14 @@ FloatArray distances(const py::object& t_max, size_t n) {
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
         throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
     for (py::ssize_t i = 0; i < a.size(); ++i)
-        if (!(a.data()[i] >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
+        if (!(a.data()[i] >= 0))
+            throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
     return a;
+}
+
+/// A ray without direction has nowhere to go: it is empty.
+Ray endless(Vec3 origin, Vec3 direction) {
+    return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
 }
 
 /// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
@@ -66,18 +73,23 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     const RayArrays rays{origins, directions, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    std::vector<PacketTrial> trials(size_t(resolve_threads(threads)), PacketTrial(caster.native16()));
+    threads = resolve_threads(threads);
+    std::vector<PacketTrial> trials(size_t(threads),
+                                    PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
     std::atomic<bool> usable{true};
     in_chunks(n, threads, [&](size_t first, size_t last, int worker) {
         // Checked chunk by chunk, while the rays are in the cache
-        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first})) usable = false;
-        else caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
+        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first}))
+            usable = false;
+        else
+            caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
     });
     if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
     return result;
 }
 
-py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys, int threads) {
+py::array_t<bool> visible(const EmbreeCaster& caster, const FloatArray& xs, const FloatArray& ys,
+                          int threads) {
     require_usable(xs, "x"), require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
     const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
@@ -112,13 +124,14 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
             const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
             std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
-            for (size_t i = first; i < last; ++i) rays[i - first] = {origins[i], 0, directions[i], kInfinity};
+            for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
             caster.intersect(rays, hits);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];
                 const float nan = std::numeric_limits<float>::quiet_NaN();
                 t_out[i] = h.t;
-                triangle_out[i] = h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
+                triangle_out[i] =
+                    h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
                 instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
                 uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
             }
@@ -127,10 +140,12 @@ py::tuple intersect(const EmbreeCaster& caster, const FloatArray& o, const Float
     return py::make_tuple(t, triangle, uv, instance);
 }
 
-/// One plan for all rays, unchecked: the bare loop.
-py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d, float t_max,
-                                int width, bool coherent, int threads) {
+/// One plan for all rays: the bare loop.
+py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
+                                float t_max, int width, bool coherent, int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
+    if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
     const size_t n = size_t(o.shape(0));
     const RayArrays rays{rows3(o, "origins"), rows3(d, "directions"), &t_max, 0};
     const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
@@ -148,9 +163,10 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
 
 void bind_scene(py::module_& m) {
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "An immutable scene.")
-        .def_static("freeze", [](const SceneDescription& d) {
-                return std::const_pointer_cast<Scene>(Scene::freeze(d));
-            }, py::arg("description"), "Validate and freeze a description.")
+        .def_static(
+            "freeze",
+            [](const SceneDescription& d) { return std::const_pointer_cast<Scene>(Scene::freeze(d)); },
+            py::arg("description"), "Validate and freeze a description.")
         .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
         .def_property_readonly("triangles", &Scene::placed_triangles)
         .def_property_readonly("unique_triangles", &Scene::unique_triangles)
@@ -159,14 +175,16 @@ void bind_scene(py::module_& m) {
         .def_property_readonly("radius", &Scene::radius)
         .def_property_readonly("center", [](const Scene& s) { return array3(s.center()); })
         .def_property_readonly("offset_extent", &Scene::offset_extent)
-        .def_property_readonly("bounds", [](const Scene& s) {
-            return std::pair(array3(s.bounds().lo), array3(s.bounds().hi));
-        });
+        .def_property_readonly(
+            "bounds", [](const Scene& s) { return std::pair(array3(s.bounds().lo), array3(s.bounds().hi)); });
     py::class_<EmbreeCaster, std::shared_ptr<EmbreeCaster>>(m, "EmbreeCaster", "Exact rays by Embree.")
         .def(py::init([](std::shared_ptr<Scene> scene, bool robust) {
                  return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
-             }), py::arg("scene"), py::kw_only(), py::arg("robust") = true, py::call_guard<py::gil_scoped_release>())
-        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"), py::arg("threads") = 0)
+             }),
+             py::arg("scene"), py::kw_only(), py::arg("robust") = true,
+             py::call_guard<py::gil_scoped_release>())
+        .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+             py::arg("threads") = 0)
         .def("visible", &visible, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("intersect", &intersect, py::arg("origins"), py::arg("directions"), py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),

@@ -56,39 +56,56 @@ void bind_scene_info(py::module_& m) {
     m.def("scene_mesh", &mesh_dict, py::arg("scene"), py::arg("index"), "Arrays of one mesh.");
     m.def("scene_mesh_count", &Scene::described_meshes, py::arg("scene"));
     m.def("scene_lights", &lights_list, py::arg("scene"));
-    m.def("scene_materials", [](const Scene& s) {
-        py::list out;
-        for (const Material& m : std::span(s.materials()).first(s.described_materials()))
-            out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
-                                py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
-                                py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided));
-        return out;
-    }, py::arg("scene"));
-    m.def("scene_instances", [](const Scene& s) {
-        py::list out;
-        for (const Instance& i : s.description().instances)
-            out.append(py::make_tuple(i.meshes, py::array_t<double>({3, 4}, &i.to_world.m[0][0])));
-        return out;
-    }, py::arg("scene"), "(meshes, to_world (3, 4)) of every instance.");
-    m.def("scene_warnings", [](const Scene& s) {
-        std::vector<std::pair<std::string, std::string>> out;
-        for (const Warning& w : s.description().warnings) out.emplace_back(w.where, w.text);
-        return out;
-    }, py::arg("scene"));
-    m.def("description_of", [](const Scene& s) {
-        SceneDescription d = s.description();
-        d.meshes.resize(s.described_meshes()), d.materials.resize(s.described_materials());
-        return d;
-    }, py::arg("scene"), "A copy that can be changed.");
-    m.def("read_image", [](const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        if (!file) throw SceneError(path + ": no such file, or it cannot be read");
-        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-        const Image image = loading::decode_image(bytes, path, true);
-        py::array_t<float> pixels({py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)});
-        std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
-        return pixels;
-    }, py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
+    m.def(
+        "scene_materials",
+        [](const Scene& s) {
+            py::list out;
+            for (const Material& m : std::span(s.materials()).first(s.described_materials()))
+                out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
+                                    py::arg("specular") = array3(m.specular),
+                                    py::arg("roughness") = m.roughness, py::arg("eta") = m.eta,
+                                    py::arg("two_sided") = m.two_sided));
+            return out;
+        },
+        py::arg("scene"));
+    m.def(
+        "scene_instances",
+        [](const Scene& s) {
+            py::list out;
+            for (const Instance& i : s.description().instances)
+                out.append(py::make_tuple(i.meshes, py::array_t<double>({3, 4}, &i.to_world.m[0][0])));
+            return out;
+        },
+        py::arg("scene"), "(meshes, to_world (3, 4)) of every instance.");
+    m.def(
+        "scene_warnings",
+        [](const Scene& s) {
+            std::vector<std::pair<std::string, std::string>> out;
+            for (const Warning& w : s.description().warnings) out.emplace_back(w.where, w.text);
+            return out;
+        },
+        py::arg("scene"));
+    m.def(
+        "description_of",
+        [](const Scene& s) {
+            SceneDescription d = s.description();
+            d.meshes.resize(s.described_meshes()), d.materials.resize(s.described_materials());
+            return d;
+        },
+        py::arg("scene"), "A copy that can be changed.");
+    m.def(
+        "read_image",
+        [](const std::string& path) {
+            std::ifstream file(path, std::ios::binary);
+            if (!file) throw SceneError(path + ": no such file, or it cannot be read");
+            const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+            const Image image = loading::decode_image(bytes, path, true);
+            py::array_t<float> pixels(
+                {py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)});
+            std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
+            return pixels;
+        },
+        py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
 }
 

@@ -11,8 +11,8 @@
 
 namespace viscache::bindings {
 
-/// Runs work(Control&) on another thread. `progress` (None, or called with done and total) and signals are handled
-/// here; an exception of theirs cancels the work, waits for it and is rethrown.
+/// Runs work(Control&) on another thread. `progress` (None, or called with done and total) and signals are
+/// handled here; an exception of theirs cancels the work, waits for it and is rethrown.
 template <class Work>
 void run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
     namespace py = pybind11;

@@ -6,6 +6,7 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
 void bind_description(py::module_& m);
+void bind_eye_paths(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
@@ -28,5 +29,6 @@ PYBIND11_MODULE(_core, m) {
     bind_scene(m);
     bind_scene_info(m);
     bind_render(m);
+    bind_eye_paths(m);
     bind_warp(m);
 }

@@ -13,12 +13,14 @@ py::array_t<float> rows_of(py::ssize_t n) {
     return py::array_t<float>({n, py::ssize_t(sizeof(Value) / sizeof(float))});
 }
 
-/// f(row) of every row; `Row` is float for (N,), Vec2 for (N, 2) or Vec3 for (N, 3). The error names the argument.
+/// f(row) of every row; `Row` is float for (N,), Vec2 for (N, 2) or Vec3 for (N, 3). The error names the
+/// argument.
 template <class Row, class F>
 py::array_t<float> map_rows(const FloatArray& a, const char* name, F f) {
     using Value = decltype(f(Row{}));
     if constexpr (sizeof(Row) == sizeof(float)) {
-        if (a.ndim() != 1) throw py::value_error(std::string(name) + " must have shape (N,), got " + shape_text(a));
+        if (a.ndim() != 1)
+            throw py::value_error(std::string(name) + " must have shape (N,), got " + shape_text(a));
     } else {
         require_rows(a, sizeof(Row) / sizeof(float), name);
     }

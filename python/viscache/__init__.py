@@ -1,7 +1,8 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
 from viscache import metrics, plots, report, scenes
-from viscache._core import SceneDescription, look_at
+from viscache._core import SceneDescription
+from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.rays import Embree

@@ -6,11 +6,10 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from viscache import _core
 from viscache.checks import require
-from viscache.environments import apply_environment
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Integrator, core_settings
 from viscache.progress import progress_bar

@@ -146,7 +146,7 @@ class Scene:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What the file asked for that is not modelled, each with its place; and a scene without light."""
+        """What the file asked for that is not modelled, with its place; a scene without light."""
         texts = [
             f"{where}: {text}" if where else text
             for where, text in _core.scene_warnings(self._core)

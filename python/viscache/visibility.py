@@ -23,12 +23,13 @@ class Exact:
     order : {"by_light", "by_pixel"}
         Which rays share a packet: 16 neighbouring eye points towards one light (the fastest), or
         one eye point towards 16 lights. Never changes an answer.
-    coherent : bool
-        Embree's traversal flag for the packets of "by_light". Never changes an answer.
+    coherent : bool, optional
+        Embree's traversal flag. By default short trials while rendering find the faster one. Never
+        changes an answer.
     """
 
     order: Literal["by_light", "by_pixel"] = "by_light"
-    coherent: bool = True
+    coherent: bool | None = None
 
     def __post_init__(self) -> None:
         require(
@@ -37,7 +38,7 @@ class Exact:
             self.order,
         )
 
-    def core(self) -> tuple[_core.PacketOrder, bool]:
+    def core(self) -> tuple[_core.PacketOrder, bool | None]:
         """The C++ settings."""
         return _core.PacketOrder[self.order.upper()], self.coherent
 

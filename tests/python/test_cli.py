@@ -120,16 +120,29 @@ def test_lists_name_what_is_not_there_yet(capsys: pytest.CaptureFixture[str]) ->
 def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from viscache.commands import bench
+    from viscache import bench
 
     figure = {"name": "x vs y", "value": 1.0, "unit": "s", "baseline": "y", "ratio": 0.5, "goal": 2}
-    result = {"bench": "rays", "machine": "m", "figures": [{**figure, "holds": False}]}
-    checked = {n: {**result, "answers_checked": n == "right"} for n in ("right", "no")}
-    table = {name: (lambda quick, r=r: r) for name, r in checked.items()}
-    monkeypatch.setattr(bench, "registry", lambda: table)
+    figure |= {"holds": False, "low": 0.4, "high": 0.6}
+    machine = {"processor": "p", "cores": 1}
+    answer = {"what": "same hits", "value": 1.0, "limit": 0.0}
+
+    def made(name: str, quick: bool = False) -> dict[str, Any]:
+        holds = name == "right"
+        return {
+            "bench": name,
+            "machine": machine,
+            "figures": [figure],
+            "answers_checked": True,
+            "answers_hold": holds,
+            "answers": [{**answer, "holds": holds}],
+            "skipped": [],
+        }
+
+    monkeypatch.setattr(bench, "run", made)
     assert run(capsys, "bench", "right")[0] == 0
     status, out, _ = run(capsys, "bench", "no", "--json")
-    assert status == 1 and json.loads(out)["answers_checked"] is False
+    assert status == 1 and json.loads(out)["answers_hold"] is False
 
 
 def test_help_needs_no_heavy_imports() -> None:

@@ -107,7 +107,11 @@ class Model:
                 shape["emitter"] = {"type": "area", "radiance": _rgb(part.emission)}
             scene[f"part{i}"] = shape
         for i, (position, intensity) in enumerate(self.points):
-            scene[f"point{i}"] = {"type": "point", "position": position, "intensity": _rgb(intensity)}
+            scene[f"point{i}"] = {
+                "type": "point",
+                "position": position,
+                "intensity": _rgb(intensity),
+            }
         for i, (direction, irradiance) in enumerate(self.directions):
             scene[f"direction{i}"] = {
                 "type": "directional",
@@ -177,7 +181,11 @@ def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
                 "alpha": look.roughness,
             }
         case "mirror":
-            inner = {"type": "conductor", "material": "none", "specular_reflectance": _rgb(look.specular)}
+            inner = {
+                "type": "conductor",
+                "material": "none",
+                "specular_reflectance": _rgb(look.specular),
+            }
         case "dielectric":
             return {"type": "dielectric", "int_ior": look.eta, "ext_ior": 1.0}
         case _:
@@ -198,7 +206,11 @@ def write_ply(path: Path, part: Part) -> str:
     rows = np.concatenate(columns, axis=1)
     lines = ["ply", "format ascii 1.0", f"element vertex {len(rows)}"]
     lines += [f"property float {n}" for n in names]
-    lines += [f"element face {len(part.triangles)}", "property list uchar int vertex_indices", "end_header"]
+    lines += [
+        f"element face {len(part.triangles)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
     lines += [" ".join(f"{v:.9g}" for v in row) for row in rows]
     lines += ["3 " + " ".join(str(i) for i in t) for t in part.triangles]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
@@ -212,7 +224,9 @@ def quad(corner: Color, a: Color, b: Color, **kwargs: Any) -> Part:
     """Parallelogram; its front looks along a × b."""
     o, u, v = (np.asarray(x, np.float32) for x in (corner, a, b))
     uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-    return Part(np.stack([o, o + u, o + u + v, o + v]), np.array([[0, 1, 2], [0, 2, 3]]), uvs=uvs, **kwargs)
+    return Part(
+        np.stack([o, o + u, o + u + v, o + v]), np.array([[0, 1, 2], [0, 2, 3]]), uvs=uvs, **kwargs
+    )
 
 
 def box(low: Color, high: Color, **kwargs: Any) -> Part:
@@ -224,7 +238,9 @@ def box(low: Color, high: Color, **kwargs: Any) -> Part:
     return Part(lo + corners * (hi - lo), np.array(triangles), **kwargs)
 
 
-def ball(center: Color, radius: float, rings: int = 12, *, smooth: bool = False, **kwargs: Any) -> Part:
+def ball(
+    center: Color, radius: float, rings: int = 12, *, smooth: bool = False, **kwargs: Any
+) -> Part:
     """Sphere of latitudes and longitudes."""
     theta, phi = np.meshgrid(
         np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij"

@@ -1,7 +1,7 @@
 """Exact frames against Mitsuba 3, an independent renderer: z-tests over seeds, each with its power.
 
-Mitsuba renders with `path`: its `direct` counts a delta light `emitter_samples` times. max_depth 2 is
-direct light. Both sides use a box filter of one pixel.
+Mitsuba renders with `path`: its `direct` counts a delta light `emitter_samples` times. max_depth 2
+is direct light. Both sides use a box filter of one pixel.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import pytest
 
 import viscache as vc
 from render.mitsuba_scene import Look, Model, Part, ball, box, quad, sensor
-from render.ztest import compare
+from render.ztest import ROUNDING, compare
 from viscache import _core
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
@@ -34,14 +34,24 @@ def mi() -> Any:
     return mitsuba
 
 
-def theirs(mi: Any, scene: Any, *, depth: int = 2, spp: int = 64, seeds: int = 8, **kwargs: Any) -> Images:
+def theirs(
+    mi: Any, scene: Any, *, depth: int = 2, spp: int = 64, seeds: int = 16, **kwargs: Any
+) -> Images:
     path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
-    shots = [np.array(mi.render(scene, integrator=path, spp=spp, seed=100 + i, **kwargs)) for i in range(seeds)]
+    shots = [
+        np.array(mi.render(scene, integrator=path, spp=spp, seed=100 + i, **kwargs))
+        for i in range(seeds)
+    ]
     return np.stack(shots).astype(np.float64)[..., :3]
 
 
 def ours(
-    scene: vc.Scene, integrator: Any = None, *, spp: int = 16, seeds: int = 8, size: tuple[int, int] = SIZE
+    scene: vc.Scene,
+    integrator: Any = None,
+    *,
+    spp: int = 16,
+    seeds: int = 12,
+    size: tuple[int, int] = SIZE,
 ) -> Images:
     integrator = integrator or vc.Direct()
     frames = [vc.render(scene, integrator, size=size, spp=spp, seed=i) for i in range(seeds)]
@@ -49,11 +59,13 @@ def ours(
     return np.stack([f.image for f in frames]).astype(np.float64)
 
 
-def assert_same(a: Images, b: Images) -> None:
+def assert_same(a: Images, b: Images, tolerance: float = ROUNDING) -> None:
     """The z-test passes, and 1 % less energy makes it fail."""
-    found = compare(a, b)
+    found = compare(a, b, tolerance=tolerance)
     assert found.same, found
-    assert not compare(0.99 * a, b).same, "the test has no power to see 1 % of the energy"
+    assert not compare(0.99 * a, b, tolerance=tolerance).same, (
+        "the test has no power to see 1 % of the energy"
+    )
 
 
 def without(model: Model, field: str, index: int) -> Model:
@@ -85,7 +97,9 @@ def cornell_reference(mi: Any, cornell: Path) -> Images:
     return theirs(mi, mi.load_file(str(cornell)), sensor=camera, spp=128)
 
 
-def test_the_cornell_box_has_mitsubas_direct_light(cornell: Path, cornell_reference: Images) -> None:
+def test_the_cornell_box_has_mitsubas_direct_light(
+    cornell: Path, cornell_reference: Images
+) -> None:
     assert_same(ours(vc.load_scene(cornell)), cornell_reference)
 
 
@@ -99,12 +113,19 @@ def test_the_cornell_box_with_its_light_turned_around_is_told_apart(
         order = [2, 1, 0] if max(mesh["emission"]) > 0 else [0, 1, 2]
         material = description.add_material(base_color=materials[mesh["material"]]["base_color"])
         description.add_mesh(
-            mesh["vertices"], mesh["triangles"][:, order], material=material, emission=mesh["emission"]
+            mesh["vertices"],
+            mesh["triangles"][:, order],
+            material=material,
+            emission=mesh["emission"],
         )
     camera = scene.cameras[0]
     target = np.add(camera.origin, camera.forward)
     description.add_camera(
-        camera.origin, target, up=camera.up, fov_deg=np.degrees(camera.fov_rad), horizontal=camera.fov_is_horizontal
+        camera.origin,
+        target,
+        up=camera.up,
+        fov_deg=np.degrees(camera.fov_rad),
+        horizontal=camera.fov_is_horizontal,
     )
     turned = vc.Scene.from_description(description)
     assert not compare(ours(turned, seeds=4), cornell_reference).same
@@ -112,7 +133,11 @@ def test_the_cornell_box_with_its_light_turned_around_is_told_apart(
 
 POINTS = Model(
     (FLOOR, BLOCK, GLOBE),
-    points=(((1.5, 2.0, 1.5), (8, 6, 4)), ((-2, 2.5, 0.5), (2, 4, 9)), ((0, 1.2, 1.0), (0.5, 0.5, 0.5))),
+    points=(
+        ((1.5, 2.0, 1.5), (8, 6, 4)),
+        ((-2, 2.5, 0.5), (2, 4, 9)),
+        ((0, 1.2, 1.0), (0.5, 0.5, 0.5)),
+    ),
     directions=(((0.48, 0.6, 0.64), (0.4, 0.5, 0.3)),),
 )
 
@@ -134,7 +159,11 @@ def test_point_and_directional_light_is_mitsubas(point_reference: Images) -> Non
         pytest.param(
             replace(
                 POINTS,
-                parts=(FLOOR, BLOCK, replace(GLOBE, look=replace(GLOBE.look, two_sided=False)).reversed()),
+                parts=(
+                    FLOOR,
+                    BLOCK,
+                    replace(GLOBE, look=replace(GLOBE.look, two_sided=False)).reversed(),
+                ),
             ),
             id="one body's cosine flipped",
         ),
@@ -168,7 +197,9 @@ def test_a_sky_without_one_body_is_told_apart(sky_reference: Images) -> None:
 def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
     """A sky with a soft sun to one side; no two axes alike."""
     v, u = np.meshgrid(
-        (np.arange(width // 2) + 0.5) / (width // 2), (np.arange(width) + 0.5) / width, indexing="ij"
+        (np.arange(width // 2) + 0.5) / (width // 2),
+        (np.arange(width) + 0.5) / width,
+        indexing="ij",
     )
     theta, phi = np.pi * v, 2 * np.pi * u
     d = np.stack([np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], -1)
@@ -179,12 +210,14 @@ def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
 
 def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
-    model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=45)
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=96)
+    model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     image = ours(model.to_viscache())
     assert_same(image, reference)
     turned = replace(model, env=np.ascontiguousarray(np.roll(smooth_map(), 32, axis=1)))
-    assert not compare(ours(turned.to_viscache(), seeds=4), reference).same, "45° of rotation are not seen"
+    assert not compare(ours(turned.to_viscache(), seeds=4), reference).same, (
+        "45° of rotation are not seen"
+    )
 
 
 # Lights
@@ -196,7 +229,7 @@ def test_area_lights_of_two_colours_and_sizes_are_mitsubas(mi: Any, tmp_path: Pa
         quad((2, 0.2, -1), (0, 0, 1.5), (0, 1, 0), emission=(1, 2, 5)).reversed(),
     )
     model = Model((FLOOR, BLOCK, GLOBE, *lamps))
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=128)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
     for wrong in (lamps[:1], (lamps[0], lamps[1].reversed())):
         image = ours(replace(model, parts=(FLOOR, BLOCK, GLOBE, *wrong)).to_viscache(), seeds=4)
@@ -211,7 +244,7 @@ def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
         origin=(0.3, 1.6, 3.0),
         target=(0, 0.2, 0),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=128)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
     assert_same(ours(model.to_viscache(), vc.Direct(n_area=32)), reference)
     assert not compare(ours(without(model, "spheres", 1).to_viscache(), seeds=4), reference).same
 
@@ -219,7 +252,7 @@ def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
 # Materials
 
 
-@pytest.mark.parametrize("roughness", [0.15, 0.5])
+@pytest.mark.parametrize("roughness", [0.15, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_path: Path) -> None:
     metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
     model = Model(
@@ -227,8 +260,10 @@ def test_a_ggx_lobe_is_mitsubas_rough_conductor(roughness: float, mi: Any, tmp_p
         points=(((0.5, 2.5, 0.5), (4, 4, 4)),),
         env=(0.4, 0.5, 0.6),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=192)
-    assert_same(ours(model.to_viscache(), vc.Direct(n_environment=32, n_brdf=32), spp=64), reference)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), spp=64)
+    assert_same(
+        ours(model.to_viscache(), vc.Direct(n_environment=16, n_brdf=16), spp=32), reference
+    )
     rougher = replace(metal, roughness=roughness * 1.2)
     wrong = replace(model, parts=tuple(replace(p, look=rougher) for p in model.parts))
     assert not compare(ours(wrong.to_viscache(), seeds=4), reference).same
@@ -258,7 +293,7 @@ def test_back_sides_are_mitsubas(two_sided: bool, mi: Any, tmp_path: Path) -> No
 
 
 def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None:
-    """Finely divided: at grazing views we bend a normal that looks away, Mitsuba shows black there."""
+    """Finely divided: a normal that looks away from the eye is bent by us, black in Mitsuba."""
     globe = ball((0, 0.7, 0), 0.7, 40, smooth=True, look=GREY)
     model = Model((FLOOR, globe), points=(((1.5, 2.5, 2.5), (9, 9, 9)),), target=(0, 0.5, 0))
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path))
@@ -268,9 +303,11 @@ def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None
     assert not compare(ours(faceted.to_viscache(), seeds=4), reference).same
 
 
-# Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave nothing
-# between diffuse surfaces for Mitsuba to find.
+# Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave little
+# between diffuse surfaces for Mitsuba to find, and we drop branches below 1/1000 of an eye path:
+# 1/2000 is tolerated.
 
+SPECULAR_TOLERANCE = 5e-4
 DIM = Look(base_color=(1e-3, 1e-3, 8e-4))
 BARE = vc.Whitted(n_vpls=0, n_area=32)
 
@@ -288,12 +325,15 @@ def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None
         env=(0.3, 0.4, 0.5),
     )
     reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=6, spp=96)
-    assert_same(ours(model.to_viscache(), replace(BARE, max_depth=4), spp=64), reference)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=4), spp=64)
+    assert_same(image, reference, SPECULAR_TOLERANCE)
     shallow = ours(model.to_viscache(), replace(BARE, max_depth=1), spp=16, seeds=4)
-    assert not compare(shallow, reference).same, "mirrors in mirrors are not seen"
+    assert not compare(shallow, reference, tolerance=SPECULAR_TOLERANCE).same, (
+        "mirrors in mirrors are not seen"
+    )
 
 
-@pytest.mark.parametrize("eta", [1.5, 1 / 1.3])
+@pytest.mark.parametrize("eta", [1.5, pytest.param(1 / 1.3, marks=pytest.mark.slow)])
 def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path: Path) -> None:
     glass = Look(kind="dielectric", eta=eta)
     model = Model(
@@ -305,12 +345,15 @@ def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path:
         points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
         env=(0.3, 0.6, 0.9),
     )
-    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=192)
-    assert_same(ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64), reference)
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=96)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
+    assert_same(image, reference, SPECULAR_TOLERANCE)
     denser = replace(glass, eta=eta * 1.1)
-    wrong = replace(model, parts=(model.parts[0], *(replace(p, look=denser) for p in model.parts[1:])))
+    wrong = replace(
+        model, parts=(model.parts[0], *(replace(p, look=denser) for p in model.parts[1:]))
+    )
     image = ours(wrong.to_viscache(), replace(BARE, max_depth=12), seeds=4)
-    assert not compare(image, reference).same
+    assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
 
 
 def test_parts_are_what_they_say() -> None:

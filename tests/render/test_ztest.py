@@ -33,7 +33,10 @@ def test_equal_expectations_pass_as_often_as_they_should() -> None:
         pytest.param(lambda a: a[:, ::-1], id="upside down"),
         pytest.param(lambda a: a[:, :, ::-1], id="mirrored"),
         pytest.param(lambda a: a[..., ::-1] * [1, 1, 1.01], id="one channel 1 % up"),
-        pytest.param(lambda a: np.where(np.indices(SHAPE[:2]).sum(0)[..., None] == 9, 0.5 * a, a), id="a few pixels"),
+        pytest.param(
+            lambda a: np.where(np.indices(SHAPE[:2]).sum(0)[..., None] == 9, 0.5 * a, a),
+            id="a few pixels",
+        ),
     ],
 )
 def test_a_wrong_image_fails(spoil) -> None:  # type: ignore[no-untyped-def]

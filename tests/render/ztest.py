@@ -1,8 +1,8 @@
 """Do two renderers have the same expectation? z-tests per pixel, per block and over the image.
 
-Each side is a stack of images of independent seeds. A cell of the test is a pixel, an 8 × 8 block or
-the whole image, of one channel; the variance of its mean is estimated from the seeds, so Welch's t
-decides. The smallest p of all cells is corrected for their number (Šidák 1967).
+Each side is a stack of images of independent seeds. A cell of the test is a pixel, an 8 × 8 block
+or the whole image, of one channel; the variance of its mean is estimated from the seeds, so Welch's
+t decides. The smallest p of all cells is corrected for their number (Šidák 1967).
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class ZTest:
         return self.p >= ALPHA
 
     def __str__(self) -> str:
-        return f"p = {self.p:.2g} over {self.cells} cells, t = {self.z:.1f} at {self.where}, energy {self.energy:+.4%}"
+        worst = f"t = {self.z:.1f} at {self.where}"
+        return f"p = {self.p:.2g} over {self.cells} cells, {worst}, energy {self.energy:+.4%}"
 
 
 def _blocks(images: Images, edge: int) -> Images:
@@ -47,11 +48,11 @@ def _blocks(images: Images, edge: int) -> Images:
     return cut.reshape(n, rows, edge, columns, edge, c).mean(axis=(2, 4))
 
 
-def _t(a: Images, b: Images) -> tuple[Images, Images]:
-    """Welch's t and its degrees of freedom per cell; rounding differences count as none."""
+def _t(a: Images, b: Images, tolerance: float) -> tuple[Images, Images]:
+    """Welch's t and its degrees of freedom per cell; `tolerance` counts as noise of that size."""
     va, vb = a.var(axis=0, ddof=1) / len(a), b.var(axis=0, ddof=1) / len(b)
     difference = a.mean(axis=0) - b.mean(axis=0)
-    rounding = ROUNDING * (np.abs(b.mean(axis=0)) + np.abs(b.mean()))
+    rounding = tolerance * (np.abs(b.mean(axis=0)) + np.abs(b.mean()))
     # Noise far below rounding says nothing about a difference of that size
     variance = va + vb + rounding**2
     freedom = (va + vb) ** 2 / np.maximum(va**2 / (len(a) - 1) + vb**2 / (len(b) - 1), 1e-300)
@@ -59,8 +60,14 @@ def _t(a: Images, b: Images) -> tuple[Images, Images]:
     return difference / np.sqrt(variance), np.maximum(freedom, 1.0)
 
 
-def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8) -> ZTest:
-    """Compare two stacks (seeds, H, W, C) of finite images."""
+def compare(
+    ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8, tolerance: float = ROUNDING
+) -> ZTest:
+    """Compare two stacks (seeds, H, W, C) of finite images.
+
+    `tolerance` is a standard deviation allowed for known differences, relative to the cell and to
+    the image.
+    """
     a, b = np.asarray(ours, np.float64), np.asarray(theirs, np.float64)
     assert a.ndim == b.ndim == 4 and a.shape[1:] == b.shape[1:] and min(len(a), len(b)) >= 4
     assert np.isfinite(a).all() and np.isfinite(b).all()
@@ -73,11 +80,13 @@ def compare(ours: npt.ArrayLike, theirs: npt.ArrayLike, *, edge: int = 8) -> ZTe
     best = (np.inf, "", 0.0)
     cells = 0
     for name, (x, y) in scales.items():
-        t, freedom = _t(x, y)
+        t, freedom = _t(x, y, tolerance)
         p = 2 * stats.t.sf(np.abs(t), freedom)
         cells += p.size
         worst = np.unravel_index(np.argmin(p), p.shape)
-        best = min(best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst])))
+        best = min(
+            best, (float(p[worst]), f"{name} {tuple(int(i) for i in worst)}", float(t[worst]))
+        )
     corrected = float(-np.expm1(cells * np.log1p(-min(best[0], 1 - 1e-16))))
     energy = float(whole[0].mean() / whole[1].mean() - 1) if whole[1].mean() else 0.0
     return ZTest(corrected, cells, best[1], best[2], energy)

@@ -33,8 +33,7 @@ inline Vec3 Affine::normal(Vec3 n) const {
     double r[3];
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const double c[3] = {m[j][1] * m[k][2] - m[j][2] * m[k][1],
-                             m[j][2] * m[k][0] - m[j][0] * m[k][2],
+        const double c[3] = {m[j][1] * m[k][2] - m[j][2] * m[k][1], m[j][2] * m[k][0] - m[j][0] * m[k][2],
                              m[j][0] * m[k][1] - m[j][1] * m[k][0]};
         r[i] = sign * (c[0] * n.x + c[1] * n.y + c[2] * n.z);
     }

@@ -70,7 +70,8 @@ private:
 
 /// Column view of 16 rows: bit i of the answer is bit k of row first + i. Rows past the end count as 0.
 uint16_t column16(const BitMatrix& m, size_t first_row, size_t k);
-/// Transposes words: for the 16 rows from `first_row` and the 64 columns of word w, columns[j] holds column 64·w + j.
+/// Transposes words: for the 16 rows from `first_row` and the 64 columns of word w, columns[j] holds column
+/// 64·w + j.
 void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]);
 /// The inverse: ors 64 columns of 16 bits into the rows.
 void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t columns[64]);

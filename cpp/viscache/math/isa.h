@@ -19,8 +19,10 @@ std::string_view isa_name(Isa isa);
 // instruction of a higher ISA can leak into shared inline functions.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define VISCACHE_X86 1
-#define VISCACHE_TARGET_AVX512 \
-    __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512vpopcntdq,avx2,bmi,bmi2,fma,popcnt,prefer-vector-width=512")))
+#define VISCACHE_TARGET_AVX512                                                                              \
+    __attribute__((                                                                                         \
+        target("avx512f,avx512bw,avx512dq,avx512vl,avx512vpopcntdq,avx2,bmi,bmi2,fma,popcnt,prefer-vector-" \
+               "width=512")))
 #define VISCACHE_TARGET_AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #else
 #define VISCACHE_X86 0

@@ -14,7 +14,10 @@ struct Vec3 {
     float x = 0, y = 0, z = 0;
 
     float operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-    Vec3& operator+=(Vec3 b) { x += b.x, y += b.y, z += b.z; return *this; }
+    Vec3& operator+=(Vec3 b) {
+        x += b.x, y += b.y, z += b.z;
+        return *this;
+    }
 };
 
 /// Linear RGB; the same type, a different meaning.

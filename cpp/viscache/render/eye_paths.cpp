@@ -9,7 +9,8 @@ namespace viscache {
 namespace {
 
 constexpr size_t kRaysPerCall = 4096;
-constexpr float kMinThroughput = 1e-3f;  // branches below this luminance are dropped, in the reference as well
+constexpr float kMinThroughput =
+    1e-3f;  // branches below this luminance are dropped, in the reference as well
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
 struct Differential {
@@ -23,8 +24,8 @@ struct Branch {
     uint32_t pixel;
     uint32_t order_x, order_y;
     uint64_t stream;
-    float distance = 0;    ///< unfolded length so far
-    float camera_cos;      ///< cosine of the primary ray to the optical axis
+    float distance = 0;  ///< unfolded length so far
+    float camera_cos;    ///< cosine of the primary ray to the optical axis
     int depth = 0;
     Differential d;
 };
@@ -57,11 +58,13 @@ void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float c = dot(ray.d, n), dc = dot(dd, n) + dot(ray.d, dn);
         return dd - (n * dc + dn * c) * 2.f;
     };
-    d.direction_x = reflected(d.origin_x, d.direction_x), d.direction_y = reflected(d.origin_y, d.direction_y);
+    d.direction_x = reflected(d.origin_x, d.direction_x),
+    d.direction_y = reflected(d.origin_y, d.direction_y);
 }
 
 /// Refraction from relative index eta = n_i/n_t; n on the incoming side.
-void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta, Vec3 transmitted) {
+void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta,
+                          Vec3 transmitted) {
     const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
     const float cos_i = dot(ray.d, n), cos_t = dot(transmitted, n);
     const float mu = eta * cos_i - cos_t;
@@ -71,7 +74,8 @@ void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float dc = dot(dd, n) + dot(ray.d, dn);
         return dd * eta - (dn * mu + n * (dmu * dc));
     };
-    d.direction_x = refracted(d.origin_x, d.direction_x), d.direction_y = refracted(d.origin_y, d.direction_y);
+    d.direction_x = refracted(d.origin_x, d.direction_x),
+    d.direction_y = refracted(d.origin_y, d.direction_y);
 }
 
 }  // namespace
@@ -96,7 +100,8 @@ public:
     void start(const Tile& tile) {
         const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
-        out_.block.tile_width = uint32_t(out_.width * grid), out_.block.tile_height = uint32_t(out_.height * grid);
+        out_.block.tile_width = uint32_t(out_.width * grid),
+        out_.block.tile_height = uint32_t(out_.height * grid);
         for (auto [px, py] : morton_pixels(out_.width, out_.height))
             for (int s = 0; s < spp; ++s) current_.push_back(primary(tile, px, py, s, grid));
     }
@@ -168,7 +173,9 @@ private:
         switch (material.kind) {
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: store(b, s, material, front); break;
-            case MaterialKind::kMirror: reflect(b, s, front, material.specular, material.two_sided || front); break;
+            case MaterialKind::kMirror:
+                reflect(b, s, front, material.specular, material.two_sided || front);
+                break;
             case MaterialKind::kDielectric: split(b, s, material, front); break;
         }
     }
@@ -180,7 +187,8 @@ private:
         const Vec3 ng = front ? s.ng : -s.ng;
         ShadingPoint sp;
         sp.ng = ng, sp.ns = front ? s.ns : -s.ns, sp.wo = -b.ray.d;
-        // A shading normal turned away from the eye would make the surface black: bend it back to the geometric one
+        // A shading normal turned away from the eye would make the surface black: bend it back to the
+        // geometric one
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
         sp.base = s.base_color, sp.specular = material.specular, sp.roughness = material.roughness;
         sp.kind = material.kind, sp.eta = material.eta;
@@ -211,8 +219,8 @@ private:
         return b.depth < t_.integrator.max_depth && luminance(throughput) > kMinThroughput;
     }
 
-    void follow(const Branch& b, const SurfacePoint& s, Vec3 side, Vec3 direction, Rgb throughput, Differential d,
-                uint64_t which) {
+    void follow(const Branch& b, const SurfacePoint& s, Vec3 side, Vec3 direction, Rgb throughput,
+                Differential d, uint64_t which) {
         Branch child = b;
         child.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, direction, kInfinity};
         child.throughput = throughput, child.depth = b.depth + 1, child.d = d;

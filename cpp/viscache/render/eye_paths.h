@@ -14,20 +14,23 @@
 
 namespace viscache {
 
-/// Eye points with what shading needs, beside the oracle's EyeBlock; index i is the same eye point in all arrays.
+/// Eye points with what shading needs, beside the oracle's EyeBlock; index i is the same eye point in all
+/// arrays.
 struct EyeTile {
     EyeBlock block;
     std::vector<ShadingPoint> shading;
     std::vector<Rgb> throughput;
-    std::vector<uint32_t> pixel;   ///< index into the tile's pixels, row-major
-    std::vector<uint64_t> stream;  ///< key of the eye point's random numbers: unique in the frame, free of tiles and threads
+    std::vector<uint32_t> pixel;  ///< index into the tile's pixels, row-major
+    std::vector<uint64_t>
+        stream;  ///< key of the eye point's random numbers: unique in the frame, free of tiles and threads
 
     // Per pixel of the tile, row-major
     int width = 0, height = 0;
-    std::vector<Rgb> emitted;      ///< light that reaches the eye without a connection: emitters and environment seen
-    std::vector<float> depth;      ///< mean distance of first hits
-    std::vector<Vec3> normal;      ///< mean shading normal of first hits
-    std::vector<Rgb> albedo;       ///< mean base colour of first hits
+    std::vector<Rgb>
+        emitted;  ///< light that reaches the eye without a connection: emitters and environment seen
+    std::vector<float> depth;  ///< mean distance of first hits
+    std::vector<Vec3> normal;  ///< mean shading normal of first hits
+    std::vector<Rgb> albedo;   ///< mean base colour of first hits
 
     void reset(int width, int height);
     size_t size() const { return block.size(); }

@@ -1,50 +1,45 @@
 #include "viscache/render/frame.h"
 
 #include <chrono>
-#include <ctime>
 
 #include "viscache/render/local_samples.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
+#include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 
 namespace {
 
-constexpr int kTileSamples = 128;          // edge of a tile in eye samples
-constexpr int kTileSamplesFewLights = 256; // where the largest shared group has at most kFewLights columns
+constexpr int kTileSamples = 128;           // edge of a tile in eye samples
+constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kEyesPerBatch = 1024;     // eye points whose own samples are asked for together,
-constexpr size_t kPairsPerBatch = 1 << 20; // or fewer: their queries stay below this number
-constexpr size_t kRowsPerCheck = 256;      // eye points between looks at the wish to stop
+constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
+constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
+constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 /// Adds the CPU time since the last call to one stage after another.
 class StageClock {
 public:
     void lap(double& stage) {
-        const double now = thread_seconds();
+        const double now = thread_cpu_seconds();
         stage += now - last_;
         last_ = now;
     }
 
 private:
-    double last_ = thread_seconds();
+    double last_ = thread_cpu_seconds();
 };
 
 }  // namespace
 
-std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
-                                             const IntegratorSettings& integrator, const FrameSettings& frame,
-                                             Control& control, Counters& counters) {
+std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster,
+                                             const FilmCamera& film, const IntegratorSettings& integrator,
+                                             const FrameSettings& frame, Control& control,
+                                             Counters& counters) {
     std::vector<SharedLights> groups;
     const SceneDescription& d = scene.description();
     auto keep = [&](SharedLights& lights, Semantic semantic, LightGroup group) {
@@ -58,15 +53,17 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         for (const PointLight& l : d.point_lights)
             if (max_component(l.intensity) > 0) points.add(l.position, {}, l.position, l.intensity, 0);
         for (const DirectionalLight& l : d.directional_lights)
-            if (max_component(l.irradiance) > 0) directions.add(l.direction, {}, l.direction, l.irradiance, 0);
+            if (max_component(l.irradiance) > 0)
+                directions.add(l.direction, {}, l.direction, l.irradiance, 0);
         keep(points, Semantic::kPoint, LightGroup::kPoint);
         keep(directions, Semantic::kDirection, LightGroup::kDirectional);
     }
     if (integrator.n_vpls > 0) {
         const size_t n = size_t(integrator.n_vpls);
-        auto candidates = trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth,
-                                     frame.seed, frame.threads, control, counters);
-        const auto vpls = resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
+        auto candidates = trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates),
+                                     integrator.vpl_max_depth, frame.seed, frame.threads, control, counters);
+        const auto vpls =
+            resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
         const auto density = vpl_densities(vpls, frame.threads, control);
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
@@ -101,11 +98,13 @@ public:
         oracle_->watch(control);
     }
 
-    void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages, const Control& control) {
+    void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
+                const Control& control) {
         StageClock clock;
         c_.tracer.trace(tile, eyes_, counters, control);
         clock.lap(stages.eye_paths);
-        for (int g = 0; g < kLightGroups; ++g) sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
+        for (int g = 0; g < kLightGroups; ++g)
+            sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
         oracle_->begin_tile(eyes_.block);
         clock.lap(stages.visibility);
         for (const SharedLights& lights : c_.shared) {
@@ -149,7 +148,8 @@ private:
             });
         if (environment)
             add_batches(s.n_environment + s.n_brdf, counters, stages, clock, control, [&](uint32_t eye) {
-                if (reflects(eye)) add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+                if (reflects(eye))
+                    add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
         if (s.ambient)
             add_batches(s.n_ambient, counters, stages, clock, control,
@@ -158,17 +158,18 @@ private:
 
     /// Runs of eye points in the oracle's order: make their samples (at most `samples` each), ask, add up.
     template <class MakeSamples>
-    void add_batches(int samples, Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control,
-                     MakeSamples make_samples) {
+    void add_batches(int samples, Counters& counters, StageSeconds& stages, StageClock& clock,
+                     const Control& control, MakeSamples make_samples) {
         const PairOrder order = oracle_->pair_order(eyes_.block);
         const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
         size_t run = 0;
         for (size_t first = 0; first < eyes_.size();) {
             control.check();
-            const size_t last = run < order.run_end.size() ? order.run_end[run++]
-                                                           : std::min(first + eyes, eyes_.size());
+            const size_t last =
+                run < order.run_end.size() ? order.run_end[run++] : std::min(first + eyes, eyes_.size());
             local_.clear();
-            for (size_t i = first; i < last; ++i) make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
+            for (size_t i = first; i < last; ++i)
+                make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
             clock.lap(stages.contributions);
             answer_.assign(words_for(local_.queries.size()), 0);
             oracle_->pairs(eyes_.block, local_.queries, answer_, counters);
@@ -184,9 +185,12 @@ private:
 
     bool reflects(size_t i) const {
         const ShadingPoint& sp = eyes_.shading[i];
-        return max_component(sp.base) > 0 || (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
+        return max_component(sp.base) > 0 ||
+               (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
     }
-    EyeShade shade(size_t i) const { return {eyes_.block.position[i], eyes_.shading[i].ng, eyes_.shading[i].ns}; }
+    EyeShade shade(size_t i) const {
+        return {eyes_.block.position[i], eyes_.shading[i].ng, eyes_.shading[i].ns};
+    }
 
     void write(const Tile& tile, FrameResult& out) const {
         for (int y = tile.y0; y < tile.y1; ++y)
@@ -215,7 +219,8 @@ FrameResult empty_result(const FrameContext& c) {
     FrameResult out;
     out.width = c.frame.width, out.height = c.frame.height;
     const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n), out.albedo.resize(n);
+    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
+        out.albedo.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
     if (c.integrator.direct && !c.scene.area_lights().empty()) has(LightGroup::kArea);
@@ -233,7 +238,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
     const double start = wall_seconds();
-    FrameContext context{scene, caster, integrator, frame, {scene, caster, film, integrator, frame},
+    FrameContext context{scene,
+                         caster,
+                         integrator,
+                         frame,
+                         {scene, caster, film, integrator, frame},
                          make_shared_lights(scene, caster, film, integrator, frame, control, counters)};
     FrameResult out = empty_result(context);
     out.lights_s = wall_seconds() - start;

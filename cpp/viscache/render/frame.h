@@ -16,7 +16,8 @@ using OracleFactory = std::function<std::unique_ptr<VisibilityOracle>()>;
 struct StageSeconds {
     double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
     void merge(const StageSeconds& b) {
-        eye_paths += b.eye_paths, contributions += b.contributions, visibility += b.visibility, shading += b.shading;
+        eye_paths += b.eye_paths, contributions += b.contributions, visibility += b.visibility,
+            shading += b.shading;
     }
 };
 
@@ -37,9 +38,10 @@ struct FrameResult {
 };
 
 /// The shared light groups of a frame: point, directional, VPL.
-std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
-                                             const IntegratorSettings& integrator, const FrameSettings& frame,
-                                             Control& control, Counters& counters);
+std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster,
+                                             const FilmCamera& film, const IntegratorSettings& integrator,
+                                             const FrameSettings& frame, Control& control,
+                                             Counters& counters);
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,

@@ -18,10 +18,12 @@ LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
     const AreaLights& area = scene.area_lights();
     for (size_t i = 0; i < area.triangles.size(); ++i)
         add(Kind::kTriangle, i,
-            M_PI * area.triangles[i].area * luminance(area.triangles[i].radiance) * (area.triangles[i].two_sided ? 2 : 1));
+            M_PI * area.triangles[i].area * luminance(area.triangles[i].radiance) *
+                (area.triangles[i].two_sided ? 2 : 1));
     for (size_t i = 0; i < area.spheres.size(); ++i)
         add(Kind::kSphere, i,
-            4 * M_PI * M_PI * double(area.spheres[i].radius) * area.spheres[i].radius * luminance(area.spheres[i].radiance));
+            4 * M_PI * M_PI * double(area.spheres[i].radius) * area.spheres[i].radius *
+                luminance(area.spheres[i].radiance));
     if (scene.environment()) add(Kind::kEnvironment, 0, disk * scene.environment()->total_power());
     if (!power.empty()) choice_ = Distribution1D(power);
 }
@@ -55,7 +57,8 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     switch (entry.kind) {
         case Kind::kPoint: {
             const PointLight& l = d.point_lights[entry.index];
-            return {{l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity}, l.intensity * (4 * kPi)};
+            return {{l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity},
+                    l.intensity * (4 * kPi)};
         }
         case Kind::kDirectional: {
             const DirectionalLight& l = d.directional_lights[entry.index];
@@ -65,8 +68,8 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
             const EmissiveTriangle& t = area.triangles[entry.index];
             const Vec2 b = square_to_triangle(rng.next2());
             const bool back = t.two_sided && rng.next() < 0.5f;
-            return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal, t.radiance,
-                                t.two_sided ? 2 * t.area : t.area);
+            return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
+                                t.radiance, t.two_sided ? 2 * t.area : t.area);
         }
         case Kind::kSphere: {
             const SphereLight& s = area.spheres[entry.index];

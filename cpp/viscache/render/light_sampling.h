@@ -39,7 +39,7 @@ private:
 /// A point on an area light, as seen from one eye point.
 struct AreaSample {
     Vec3 point, normal;
-    Vec3 ray_end;    ///< spawned off the light's own surface
+    Vec3 ray_end;  ///< spawned off the light's own surface
     Rgb radiance;
     float pdf_area;  ///< probability density per m² of light, light choice included
 };

@@ -19,12 +19,14 @@ void LocalQueries::add(const ShadowQuery& query, Rgb value, Counters& counters) 
 namespace {
 
 /// Randomised low-discrepancy samples keyed by one eye point and purpose: a (0,2)-sequence for positions, and
-/// beside it one number each for choices, in a shuffled order: else choice and position would go hand in hand.
+/// beside it one number each for choices, in a shuffled order: else choice and position would go hand in
+/// hand.
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
     EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
         Rng rng(seed, purpose, stream, 0);
-        sx = rng.next_u32(), sy = rng.next_u32(), choice_scramble = rng.next_u32(), choice_shuffle = rng.next_u32();
+        sx = rng.next_u32(), sy = rng.next_u32(), choice_scramble = rng.next_u32(),
+        choice_shuffle = rng.next_u32();
     }
     Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
     float choice(int i) const {
@@ -41,8 +43,9 @@ ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float densit
 
 }  // namespace
 
-void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings,
-                      uint64_t seed, LocalQueries& out, Counters& counters) {
+void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
+                      const IntegratorSettings& settings, uint64_t seed, LocalQueries& out,
+                      Counters& counters) {
     const EyeSamples samples(seed, Purpose::kAreaLight, eyes.stream[eye]);
     const ShadingPoint& sp = eyes.shading[eye];
     const Vec3 x = eyes.block.position[eye];
@@ -59,7 +62,8 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye, con
                           (cos_x * cos_y / (d2 * y->pdf_area * float(n)));
         ShadowQuery q;
         q.eye = eye, q.semantic = Semantic::kSurface, q.group = uint8_t(LightGroup::kArea);
-        q.far = y->point, q.far_normal = y->normal, q.ray_end = y->ray_end, q.density = y->pdf_area * float(n);
+        q.far = y->point, q.far_normal = y->normal, q.ray_end = y->ray_end,
+        q.density = y->pdf_area * float(n);
         out.add(q, value, counters);
     }
 }
@@ -102,7 +106,8 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
     const float t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
     for (int i = 0; i < settings.n_ambient; ++i) {
         const Vec2 u = samples.position(i);
-        const Vec3 local = settings.ambient_cosine ? square_to_cosine_hemisphere(u) : square_to_uniform_hemisphere(u);
+        const Vec3 local =
+            settings.ambient_cosine ? square_to_cosine_hemisphere(u) : square_to_uniform_hemisphere(u);
         const float pdf = settings.ambient_cosine ? local.z / kPi : 0.5f / kPi;
         const float weight = settings.ambient_cosine ? 1.f : 2 * local.z;
         if (!(local.z > 0)) continue;

@@ -1,5 +1,6 @@
 #pragma once
-// What a frame is asked to be. The same names and defaults as the Python dataclasses; a test pins them together.
+// What a frame is asked to be. The same names and defaults as the Python dataclasses; a test pins them
+// together.
 #include <cstdint>
 
 namespace viscache {
@@ -12,28 +13,29 @@ enum class PMode {
 
 struct IntegratorSettings {
     // Which parts are on
-    bool direct = true;             ///< point, directional, area and environment light
-    bool ambient = false;           ///< ambient occlusion instead of light
-    int n_vpls = 0;                 ///< virtual point lights (Whitted); 0 = none
-    int max_depth = 1;              ///< specular bounces of an eye path that are followed
-    bool shade_after_specular = false;  ///< false (Direct): after a mirror or glass only emission is collected
+    bool direct = true;    ///< point, directional, area and environment light
+    bool ambient = false;  ///< ambient occlusion instead of light
+    int n_vpls = 0;        ///< virtual point lights (Whitted); 0 = none
+    int max_depth = 1;     ///< specular bounces of an eye path that are followed
+    bool shade_after_specular =
+        false;  ///< false (Direct): after a mirror or glass only emission is collected
 
     // Samples per eye point
-    int n_area = 16;                ///< over all area lights together, chosen by power
-    int n_environment = 16;         ///< light samples of the environment
-    int n_brdf = 16;                ///< BRDF samples of the environment; both combined by the balance heuristic
+    int n_area = 16;         ///< over all area lights together, chosen by power
+    int n_environment = 16;  ///< light samples of the environment
+    int n_brdf = 16;         ///< BRDF samples of the environment; both combined by the balance heuristic
     int n_ambient = 64;
-    bool ambient_cosine = true;     ///< false: uniform directions
-    float ambient_max_distance = 0; ///< 0 = unlimited
+    bool ambient_cosine = true;      ///< false: uniform directions
+    float ambient_max_distance = 0;  ///< 0 = unlimited
 
     // Virtual point lights
-    int vpl_max_depth = 4;          ///< bounces after the light
-    int vpl_candidates = 4;         ///< candidates per VPL that is kept
-    int vpl_eye_points = 64;        ///< camera points that judge the candidates
-    float vpl_bound = 0.01f;        ///< × scene diagonal: added (squared) to d² in the geometry term; 0 = unbounded
+    int vpl_max_depth = 4;    ///< bounces after the light
+    int vpl_candidates = 4;   ///< candidates per VPL that is kept
+    int vpl_eye_points = 64;  ///< camera points that judge the candidates
+    float vpl_bound = 0.01f;  ///< × scene diagonal: added (squared) to d² in the geometry term; 0 = unbounded
 
     PMode p_mode = PMode::kLastVertex;
-    float cosmin = 0.05f;           ///< cosθ is clamped to this in densities
+    float cosmin = 0.05f;  ///< cosθ is clamped to this in densities
 };
 
 struct FrameSettings {

@@ -57,7 +57,8 @@ Columns columns_of(const SharedLights& s) {
 uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
-        case Isa::kAvx512: return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
+        case Isa::kAvx512:
+            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
         case Isa::kAvx2: return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
 #endif
         default: return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);

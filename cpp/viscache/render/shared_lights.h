@@ -14,8 +14,9 @@ namespace viscache {
 
 struct SharedLights {
     FarEnds ends;
-    std::vector<float> r, g, b;  ///< intensity, irradiance, or reflected flux density of a VPL; padded with zeros
-    float bound2 = 0;            ///< VPLs: added to d² in the geometry term; 0 = unbounded
+    std::vector<float> r, g,
+        b;             ///< intensity, irradiance, or reflected flux density of a VPL; padded with zeros
+    float bound2 = 0;  ///< VPLs: added to d² in the geometry term; 0 = unbounded
     bool empty() const { return ends.count == 0; }
 
     /// Adds a column. `end` is where shadow rays stop, `value` the RGB factor of its contributions.
@@ -29,14 +30,16 @@ struct EyeShade {
     Vec3 position, ng, ns;
 };
 
-/// Geometry factor g of every column, unoccluded: point cosθ/d², direction cosθ, VPL cosθ·cosθ'/(d² + bound²).
-/// Sets the bits of `row` where 0 < g < ∞; returns the number of columns with g = ∞ (dropped, counted as non-finite).
+/// Geometry factor g of every column, unoccluded: point cosθ/d², direction cosθ, VPL cosθ·cosθ'/(d² +
+/// bound²). Sets the bits of `row` where 0 < g < ∞; returns the number of columns with g = ∞ (dropped,
+/// counted as non-finite).
 uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
 
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);
 
 /// The same with a full BRDF: Σ f(wi_k) · g_k · value_k.
-Rgb sum_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf, const Word* row);
+Rgb sum_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf,
+                   const Word* row);
 
 }  // namespace viscache

@@ -1,5 +1,6 @@
 #pragma once
-// Tiles: the unit of work, of reuse and of determinism. Cut from parameters and scene only, never from threads.
+// Tiles: the unit of work, of reuse and of determinism. Cut from parameters and scene only, never from
+// threads.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,7 +13,8 @@ struct Tile {
     int x0, y0, x1, y1;  ///< pixels [x0, x1) × [y0, y1)
 };
 
-/// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp rounded to a power of two, ≥ 4.
+/// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp rounded to a power of two,
+/// ≥ 4.
 inline int tile_edge(int samples_edge, int spp) {
     const double edge = samples_edge / std::sqrt(double(spp));
     return std::max(4, int(std::exp2(std::round(std::log2(edge)))));

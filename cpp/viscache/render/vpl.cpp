@@ -31,7 +31,8 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         caster.intersect({&photon.ray, 1}, {&hit, 1});
         ++counters.light_rays;
         if (!hit.valid()) return;
-        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle, hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
+                                             hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
         if (length2(s.ng) == 0) return;
         const Material& material = scene.materials()[size_t(s.material)];
         const bool front = dot(s.ng, photon.ray.d) < 0;
@@ -39,7 +40,8 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         const float extent = scene.offset_extent();
         if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
         if (material.kind == MaterialKind::kMirror) {
-            photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
+            photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)),
+                          kInfinity};
             photon.flux = photon.flux * material.specular;
             ++depth;
             continue;
@@ -47,9 +49,11 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         if (material.kind == MaterialKind::kDielectric) {
             const float fresnel = fresnel_dielectric(dot(s.ns, -photon.ray.d), material.eta);
             const bool reflects = rng.next() < fresnel;
-            const auto transmitted = viscache::refract(-photon.ray.d, ns, front ? 1 / material.eta : material.eta);
+            const auto transmitted =
+                viscache::refract(-photon.ray.d, ns, front ? 1 / material.eta : material.eta);
             if (reflects || !transmitted || dot(*transmitted, ng) >= 0)
-                photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
+                photon.ray = {spawn(s.position, ng, extent), 0,
+                              photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
             else
                 photon.ray = {spawn(s.position, -ng, extent), 0, *transmitted, kInfinity};
             ++depth;
@@ -74,9 +78,9 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
 namespace {
 
 /// VPLs of `paths` light paths; `pass` keys the random numbers.
-std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster, size_t paths,
-                             int max_depth, uint64_t seed, uint64_t pass, int threads, Control& control,
-                             Counters& counters) {
+std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster,
+                             size_t paths, int max_depth, uint64_t seed, uint64_t pass, int threads,
+                             Control& control, Counters& counters) {
     const size_t chunks = (paths + kPathsPerChunk - 1) / kPathsPerChunk;
     std::vector<std::vector<Vpl>> found(chunks);
     std::vector<Counters> counted(chunks);
@@ -104,32 +108,37 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
                             uint64_t seed, int threads, Control& control, Counters& counters) {
     const LightSampler lights(scene);
     if (lights.empty() || candidates == 0) return {};
-    // A pilot tells how many VPLs a path leaves: few where light only enters through windows. Its own VPLs are
-    // dropped, so that the number of paths is independent of the paths that count.
-    const auto pilot = trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
+    // A pilot tells how many VPLs a path leaves: few where light only enters through windows. Its own VPLs
+    // are dropped, so that the number of paths is independent of the paths that count.
+    const auto pilot =
+        trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
     const double per_path = std::max(double(pilot.size()), 1.0) / double(kPilotPaths);
-    const double paths = std::min(std::ceil(double(candidates) / per_path), double(kMaxPathsPerCandidate) * double(candidates));
+    const double paths = std::min(std::ceil(double(candidates) / per_path),
+                                  double(kMaxPathsPerCandidate) * double(candidates));
     return trace_paths(lights, scene, caster, size_t(paths), max_depth, seed, 1, threads, control, counters);
 }
 
 namespace {
 
 /// First diffuse or glossy hits of stratified camera samples: the judges of the candidates.
-std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film, int count,
-                                     uint64_t seed, std::vector<float>& albedo, Counters& counters) {
+std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
+                                     int count, uint64_t seed, std::vector<float>& albedo,
+                                     Counters& counters) {
     const int columns = std::max(1, int(std::lround(std::sqrt(double(count) * film.width / film.height))));
     const int rows = std::max(1, (count + columns - 1) / columns);
     std::vector<EyeShade> points;
     for (int i = 0; i < rows * columns; ++i) {
         Rng rng(seed, Purpose::kVplResampling, uint64_t(i), 1);
         const Vec2 u = rng.next2();
-        const float x = (i % columns + u.x) / columns * film.width, y = (i / columns + u.y) / rows * film.height;
+        const float x = (i % columns + u.x) / columns * film.width,
+                    y = (i / columns + u.y) / rows * film.height;
         const Ray ray{film.camera.origin, 0, normalize(film.direction(x, y)), kInfinity};
         Hit hit;
         caster.intersect({&ray, 1}, {&hit, 1});
         ++counters.light_rays;
         if (!hit.valid()) continue;
-        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle, hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
+        const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
+                                             hit.instance == kNoHit ? -1 : int(hit.instance), hit.u, hit.v);
         if (length2(s.ng) == 0) continue;
         const float side = dot(s.ng, ray.d) < 0 ? 1.f : -1.f;
         points.push_back({s.position, s.ng * side, s.ns * side});
@@ -139,9 +148,9 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
 }
 
 /// Exact contributions of the candidates in [first, last) to the judging points. Returns the number of rays.
-uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last, const std::vector<EyeShade>& eyes,
-               const std::vector<float>& albedo, float extent, const RayCaster& caster, float bound2,
-               std::vector<double>& value) {
+uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
+               const std::vector<EyeShade>& eyes, const std::vector<float>& albedo, float extent,
+               const RayCaster& caster, float bound2, std::vector<double>& value) {
     uint64_t traced = 0;
     std::vector<Ray> rays;
     std::vector<size_t> who;
@@ -171,15 +180,17 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last, co
 
 /// The same for all candidates, by all threads.
 std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
-                              const std::vector<float>& albedo, float extent, const RayCaster& caster, float bound2,
-                              int threads, Control& control, Counters& counters) {
+                              const std::vector<float>& albedo, float extent, const RayCaster& caster,
+                              float bound2, int threads, Control& control, Counters& counters) {
     std::vector<double> value(candidates.size(), 0.0);
     std::atomic<uint64_t> rays{0};
-    parallel_for((candidates.size() + kCandidatesPerChunk - 1) / kCandidatesPerChunk, threads, [&](size_t chunk, int) {
-        control.check();
-        const size_t first = chunk * kCandidatesPerChunk, last = std::min(candidates.size(), first + kCandidatesPerChunk);
-        rays += judge(candidates, first, last, eyes, albedo, extent, caster, bound2, value);
-    });
+    parallel_for((candidates.size() + kCandidatesPerChunk - 1) / kCandidatesPerChunk, threads,
+                 [&](size_t chunk, int) {
+                     control.check();
+                     const size_t first = chunk * kCandidatesPerChunk,
+                                  last = std::min(candidates.size(), first + kCandidatesPerChunk);
+                     rays += judge(candidates, first, last, eyes, albedo, extent, caster, bound2, value);
+                 });
     counters.light_rays += rays;
     return value;
 }
@@ -187,16 +198,18 @@ std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vec
 }  // namespace
 
 std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
-                               const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
-                               const FrameSettings& frame, Control& control, Counters& counters) {
+                               const RayCaster& caster, const FilmCamera& film,
+                               const IntegratorSettings& settings, const FrameSettings& frame,
+                               Control& control, Counters& counters) {
     if (candidates.empty() || wanted == 0) return {};
     std::vector<float> albedo;
-    const auto eyes = judging_points(scene, caster, film, settings.vpl_eye_points, frame.seed, albedo, counters);
+    const auto eyes =
+        judging_points(scene, caster, film, settings.vpl_eye_points, frame.seed, albedo, counters);
     const float bound = settings.vpl_bound * scene.bounds().diagonal();
     // With an unbounded geometry term single pairs would dominate: judge with the default bound
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
-    const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster, judge_bound * judge_bound,
-                                 frame.threads, control, counters);
+    const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,
+                                 judge_bound * judge_bound, frame.threads, control, counters);
     double total_value = 0, total_flux = 0;
     for (size_t i = 0; i < candidates.size(); ++i)
         total_value += value[i], total_flux += luminance(candidates[i].flux);

@@ -16,16 +16,18 @@ struct Vpl {
     Rgb flux;     ///< reflected radiant exitance × area / π: contribution = f · flux · cos·cos'/(d² + bound²)
 };
 
-/// About `candidates` VPLs, from as many light paths as that takes (at most 256 each); their sum estimates the
-/// indirect light, whatever their number.
+/// About `candidates` VPLs, from as many light paths as that takes (at most 256 each); their sum estimates
+/// the indirect light, whatever their number.
 std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t candidates, int max_depth,
                             uint64_t seed, int threads, Control& control, Counters& counters);
 
-/// Keeps `wanted` of the candidates with probability by their exact contribution to camera points (with a floor
-/// of 10 % by flux, so that every light keeps a chance); the sum's expectation stays. Equal picks are merged.
+/// Keeps `wanted` of the candidates with probability by their exact contribution to camera points (with a
+/// floor of 10 % by flux, so that every light keeps a chance); the sum's expectation stays. Equal picks are
+/// merged.
 std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted, const Scene& scene,
-                               const RayCaster& caster, const FilmCamera& film, const IntegratorSettings& settings,
-                               const FrameSettings& frame, Control& control, Counters& counters);
+                               const RayCaster& caster, const FilmCamera& film,
+                               const IntegratorSettings& settings, const FrameSettings& frame,
+                               Control& control, Counters& counters);
 
 /// D_l of VPLs, from the set itself: 4/(π r₄²), r₄ = distance to the fourth nearest with a compatible normal
 /// (AQVC spec, section 5).

@@ -31,7 +31,8 @@ public:
             cumulative_.push_back(cumulative_.back() + w);
         }
         if (!(total() > 0) || !std::isfinite(total()))
-            throw std::invalid_argument("weights must have a positive, finite sum, got " + std::to_string(total()));
+            throw std::invalid_argument("weights must have a positive, finite sum, got " +
+                                        std::to_string(total()));
         // guide_[j] = first index whose cumulative weight exceeds j/n of the total
         const size_t n = size();
         guide_.resize(n + 1);

@@ -14,9 +14,9 @@ inline uint32_t reverse_bits(uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Owen scrambling of the bits of x by a hash (Laine and Karras 2011, as improved by Vegdahl 2021).
-inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
-    x = reverse_bits(x);
+/// Owen scrambling of a number whose bits are given in reverse, by a hash (Laine and Karras 2011, as improved
+/// by Vegdahl 2021).
+inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1u;
@@ -25,17 +25,29 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return reverse_bits(x);
 }
 
+/// The same for bits in their own order.
+inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
+    return owen_scramble_reversed(reverse_bits(x), seed);
+}
+
 /// The upper 24 bits as a number in [0, 1).
 inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
+
+/// Second dimension of Sobol' at `index`, bits reversed: its matrix is Pascal's triangle mod 2, the fifth
+/// Kronecker power of a 2×2 block, so five steps without a branch apply it.
+inline uint32_t sobol2_reversed(uint32_t index) {
+    index ^= (index & 0xaaaaaaaau) >> 1;
+    index ^= (index & 0xccccccccu) >> 2;
+    index ^= (index & 0xf0f0f0f0u) >> 4;
+    index ^= (index & 0xff00ff00u) >> 8;
+    return index ^ (index & 0xffff0000u) >> 16;
+}
 
 /// Point `index` of the (0,2)-sequence (van der Corput and the second dimension of Sobol'), Owen-scrambled
 /// per dimension by two seeds; in [0, 1)².
 inline Vec2 sobol02(uint32_t index, uint32_t scramble_x, uint32_t scramble_y) {
-    uint32_t y = 0;
-    for (uint32_t bit = 1u << 31, rest = index; rest; rest >>= 1, bit ^= bit >> 1)
-        if (rest & 1) y ^= bit;
-    return {to_unit_float(owen_scramble(reverse_bits(index), scramble_x)),
-            to_unit_float(owen_scramble(y, scramble_y))};
+    return {to_unit_float(owen_scramble_reversed(index, scramble_x)),
+            to_unit_float(owen_scramble_reversed(sobol2_reversed(index), scramble_y))};
 }
 
 /// Digits of i in `base` >= 2, mirrored at the radix point; in [0, 1).

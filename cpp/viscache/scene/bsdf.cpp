@@ -17,8 +17,9 @@ Rgb diffuse_albedo(const ShadingPoint& sp, float cos_o) {
     return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
 }
 
-/// ∝ 1 − F(cos_i). The factor 21/20 would make its cosine-weighted mean one; 0.3 % less, because the albedo of
-/// the lobe exceeds F(cos_o) by up to 0.26 % (F0 = 0, roughness 0.15, cos_o = 0.63), keeps the sum below one.
+/// ∝ 1 − F(cos_i). The factor 21/20 would make its cosine-weighted mean one; 0.3 % less, because the albedo
+/// of the lobe exceeds F(cos_o) by up to 0.26 % (F0 = 0, roughness 0.15, cos_o = 0.63), keeps the sum below
+/// one.
 float diffuse_entry(const ShadingPoint& sp, float cos_i) {
     if (sp.kind != MaterialKind::kGlossy) return 1;
     return 1.047f * (1 - schlick(Rgb{}, cos_i).x);

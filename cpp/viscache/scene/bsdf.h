@@ -17,9 +17,10 @@ struct ShadingPoint {
 };
 
 /// f(wo, wi) without the cosine, per steradian; symmetric in wo and wi; zero below either normal.
-/// Diffuse: base/π. Glossy: a GGX lobe with Schlick's Fresnel term F of `specular` = F0, over the diffuse part
-/// that the lobe leaves (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 − cos_i)⁵), of
-/// albedo 0.997 base (1 − F(cos_o)). With base and F0 at most 1, no more is reflected than arrives.
+/// Diffuse: base/π. Glossy: a GGX lobe with Schlick's Fresnel term F of `specular` = F0, over the diffuse
+/// part that the lobe leaves (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 −
+/// cos_i)⁵), of albedo 0.997 base (1 − F(cos_o)). With base and F0 at most 1, no more is reflected than
+/// arrives.
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi);
 /// Density of `sample_bsdf`, per solid angle. Integrates to one minus the share of empty samples.
 float pdf_bsdf(const ShadingPoint& sp, Vec3 wi);

@@ -9,9 +9,10 @@ namespace viscache {
 struct Camera {
     std::string name = "camera";
     Vec3 origin{0, 0, 0};
-    Vec3 right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  ///< orthonormal; image x grows along right, y against up
-    float fov_y_rad = 0.8f;                               ///< full vertical angle of view
-    int width = 640, height = 400;                        ///< what the file asks for; render's size wins
+    Vec3 right{1, 0, 0}, up{0, 1, 0},
+        forward{0, 0, -1};           ///< orthonormal; image x grows along right, y against up
+    float fov_y_rad = 0.8f;          ///< full vertical angle of view
+    int width = 640, height = 400;   ///< what the file asks for; render's size wins
     bool fov_is_horizontal = false;  ///< true: `fov_y_rad` is the angle across the width instead
 };
 

@@ -26,8 +26,10 @@ std::string text(Vec3 p) {
 
 void check_mesh(const Mesh& m, size_t index, size_t materials) {
     const std::string name = "mesh " + std::to_string(index) + (m.name.empty() ? "" : " '" + m.name + "'");
-    if (m.vertices.size() >= (size_t{1} << 32)) fail(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
-    if (m.triangles.size() >= (size_t{1} << 31)) fail(name, ": at most 2^31 triangles, got ", m.triangles.size());
+    if (m.vertices.size() >= (size_t{1} << 32))
+        fail(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
+    if (m.triangles.size() >= (size_t{1} << 31))
+        fail(name, ": at most 2^31 triangles, got ", m.triangles.size());
     for (size_t i = 0; i < m.vertices.size(); ++i)
         if (!usable(m.vertices[i]))
             fail(name, ": vertex ", i, " must be finite and below 1e16 in size, got ", text(m.vertices[i]));
@@ -35,7 +37,8 @@ void check_mesh(const Mesh& m, size_t index, size_t materials) {
         const Vec3u t = m.triangles[i];
         const uint32_t worst = std::max({t.x, t.y, t.z});
         if (worst >= m.vertices.size())
-            fail(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(), " vertices");
+            fail(name, ": triangle ", i, " names vertex ", worst, ", but there are ", m.vertices.size(),
+                 " vertices");
     }
     if (!m.normals.empty() && m.normals.size() != m.vertices.size())
         fail(name, ": normals must be one per vertex (", m.vertices.size(), "), got ", m.normals.size());
@@ -51,7 +54,8 @@ void check_material(const Material& m, size_t index, size_t images) {
     for (Rgb c : {m.base_color, m.specular})
         if (!usable_color(c) || max_component(c) > 1)
             fail(name, ": base_color and specular must be in [0, 1], got ", text(c));
-    if (!(m.roughness >= 1e-3f && m.roughness <= 1)) fail(name, ": roughness must be in [0.001, 1], got ", m.roughness);
+    if (!(m.roughness >= 1e-3f && m.roughness <= 1))
+        fail(name, ": roughness must be in [0.001, 1], got ", m.roughness);
     if (!(m.eta > 0.1f && m.eta < 10)) fail(name, ": eta must be in (0.1, 10), got ", m.eta);
     for (int t : {m.base_texture, m.alpha_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
@@ -61,19 +65,24 @@ void check_lights(const SceneDescription& d) {
     for (size_t i = 0; i < d.point_lights.size(); ++i) {
         const PointLight& l = d.point_lights[i];
         if (!usable(l.position)) fail("point light ", i, ": position must be finite, got ", text(l.position));
-        if (!usable_color(l.intensity)) fail("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
+        if (!usable_color(l.intensity))
+            fail("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
     }
     for (size_t i = 0; i < d.directional_lights.size(); ++i) {
         const DirectionalLight& l = d.directional_lights[i];
         if (!(std::fabs(length(l.direction) - 1) < 1e-3f))
-            fail("directional light ", i, ": direction must not be zero or non-finite, got ", text(l.direction));
-        if (!usable_color(l.irradiance)) fail("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
+            fail("directional light ", i, ": direction must not be zero or non-finite, got ",
+                 text(l.direction));
+        if (!usable_color(l.irradiance))
+            fail("directional light ", i, ": irradiance must be finite and >= 0, got ", text(l.irradiance));
     }
     for (size_t i = 0; i < d.sphere_lights.size(); ++i) {
         const SphereLight& l = d.sphere_lights[i];
         if (!usable(l.center)) fail("sphere light ", i, ": center must be finite, got ", text(l.center));
-        if (!(l.radius > 0 && l.radius < kMaxVertex)) fail("sphere light ", i, ": radius must be > 0, got ", l.radius);
-        if (!usable_color(l.radiance)) fail("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
+        if (!(l.radius > 0 && l.radius < kMaxVertex))
+            fail("sphere light ", i, ": radius must be > 0, got ", l.radius);
+        if (!usable_color(l.radiance))
+            fail("sphere light ", i, ": radiance must be finite and >= 0, got ", text(l.radiance));
     }
 }
 
@@ -111,7 +120,8 @@ void check_description(const SceneDescription& d) {
 void check_camera(const Camera& c) {
     if (!usable(c.origin)) fail("camera '", c.name, "': origin must be finite, got ", text(c.origin));
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
-        fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ", c.fov_y_rad * 180 / kPi);
+        fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
+             c.fov_y_rad * 180 / kPi);
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
             fail("camera '", c.name, "': origin and target must be finite and differ");

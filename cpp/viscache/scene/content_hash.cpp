@@ -25,7 +25,9 @@ public:
         word(rest);
     }
     template <class T>
-    void array(const std::vector<T>& v) { word(v.size()), bytes(v.data(), v.size() * sizeof(T)); }
+    void array(const std::vector<T>& v) {
+        word(v.size()), bytes(v.data(), v.size() * sizeof(T));
+    }
     void floats(std::initializer_list<float> v) { bytes(v.begin(), v.size() * sizeof(float)); }
     void vec(Vec3 v) { floats({v.x, v.y, v.z}); }
     std::string hex() const {
@@ -48,7 +50,8 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(m.emission);
     }
     h.word(d.instances.size());
-    for (const Instance& i : d.instances) h.array(i.meshes), h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
+    for (const Instance& i : d.instances)
+        h.array(i.meshes), h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
     for (const Material& m : d.materials) {
         h.word(uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
         h.vec(m.base_color), h.vec(m.specular);
@@ -57,13 +60,15 @@ std::string content_hash(const SceneDescription& d) {
     for (const Image& i : d.images) h.word(uint64_t(i.width) << 32 | uint64_t(i.channels)), h.array(i.pixels);
     for (const PointLight& l : d.point_lights) h.word(1), h.vec(l.position), h.vec(l.intensity);
     for (const DirectionalLight& l : d.directional_lights) h.word(2), h.vec(l.direction), h.vec(l.irradiance);
-    for (const SphereLight& l : d.sphere_lights) h.word(3), h.vec(l.center), h.floats({l.radius}), h.vec(l.radiance);
+    for (const SphereLight& l : d.sphere_lights)
+        h.word(3), h.vec(l.center), h.floats({l.radius}), h.vec(l.radiance);
     if (d.environment) {
         h.word(4), h.vec(d.environment->scale), h.word(uint64_t(d.environment->image + 1));
         h.bytes(d.environment->to_world.m.data(), sizeof d.environment->to_world.m);
     }
     for (const Camera& c : d.cameras)
-        h.vec(c.origin), h.vec(c.right), h.vec(c.up), h.vec(c.forward), h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
+        h.vec(c.origin), h.vec(c.right), h.vec(c.up), h.vec(c.forward),
+            h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
     return h.hex();
 }
 

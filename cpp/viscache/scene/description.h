@@ -23,9 +23,9 @@ struct Mesh {
     std::vector<Vec3> normals;  ///< shading normals per vertex; empty = the geometric normal
     std::vector<Vec2> uvs;      ///< per vertex; empty = (0, 0). v grows upwards: row 0 of an image is v = 1
     int material = 0;
-    Rgb emission{};             ///< radiance of an area light; zero = none
+    Rgb emission{};  ///< radiance of an area light; zero = none
     bool emits_two_sided = false;
-    bool in_world = true;       ///< false: only seen through instances
+    bool in_world = true;  ///< false: only seen through instances
 };
 
 /// Meshes placed together by one transform. Single level: a group holds no instances.
@@ -44,7 +44,8 @@ struct DirectionalLight {
     Rgb irradiance;  ///< W/m² on a surface that faces it
 };
 
-/// A sphere that emits: sampled analytically, traced tessellated (the tessellation is not counted as triangles).
+/// A sphere that emits: sampled analytically, traced tessellated (the tessellation is not counted as
+/// triangles).
 struct SphereLight {
     Vec3 center;
     float radius = 1;
@@ -52,9 +53,9 @@ struct SphereLight {
 };
 
 struct Image {
-    std::string path;   ///< file the scene asks for; empty for images given as arrays
-    std::string where;  ///< "file:line" that asks for it
-    bool srgb = true;   ///< 8-bit values are sRGB-encoded colour (false: linear data)
+    std::string path;                         ///< file the scene asks for; empty for images given as arrays
+    std::string where;                        ///< "file:line" that asks for it
+    bool srgb = true;                         ///< 8-bit values are sRGB-encoded colour (false: linear data)
     int width = 0, height = 0, channels = 0;  ///< 0 until decoded
     std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
 };
@@ -62,8 +63,8 @@ struct Image {
 struct Environment {
     Rgb scale{1, 1, 1};  ///< constant radiance, or factor on the image
     int image = -1;      ///< lat-long image; -1 = constant
-    Affine to_world;     ///< rotation from the map's frame. There, direction d is at u = atan2(d.x, -d.z)/2π mod 1
-                         ///< (column, left to right) and v = acos(d.y)/π (row, top to bottom), as in Mitsuba 3
+    Affine to_world;  ///< rotation from the map's frame. There, direction d is at u = atan2(d.x, -d.z)/2π mod
+                      ///< 1 (column, left to right) and v = acos(d.y)/π (row, top to bottom), as in Mitsuba 3
 };
 
 struct Warning {

@@ -10,7 +10,7 @@ namespace viscache {
 /// One emitting triangle in world space.
 struct EmissiveTriangle {
     Vec3 a, b, c;
-    Vec3 normal;   ///< unit, on the emitting side
+    Vec3 normal;  ///< unit, on the emitting side
     Rgb radiance;
     float area;
     bool two_sided;

@@ -41,7 +41,8 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description) {
     check_description(description);
     std::shared_ptr<Scene> scene(new Scene);
     scene->d_ = std::move(description);
-    scene->described_meshes_ = scene->d_.meshes.size(), scene->described_materials_ = scene->d_.materials.size();
+    scene->described_meshes_ = scene->d_.meshes.size(),
+    scene->described_materials_ = scene->d_.materials.size();
     scene->measure();
     scene->build_lights();
     scene->add_sphere_light_meshes();
@@ -70,7 +71,8 @@ void Scene::measure() {
             for (Vec3 v : mesh.vertices) bounds_.add(instance.to_world.point(v));
         }
     if (!bounds_.empty() && bounds_.magnitude() > 1e16f)
-        throw SceneError("instances must stay below 1e16 in size, got " + std::to_string(bounds_.magnitude()));
+        throw SceneError("instances must stay below 1e16 in size, got " +
+                         std::to_string(bounds_.magnitude()));
     for (const Image& image : d_.images) memory_bytes_ += image.pixels.size() * sizeof(float);
     // Embree's BVH: about 100 bytes a unique triangle (measured 90–140), 600 an instance.
     memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
@@ -148,7 +150,8 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
         if (blended_length > 1e-12f && std::isfinite(blended_length)) {
             s.ns = facing(blended / blended_length, s.ng);
             const float sign = dot(blended, s.ng) < 0 ? -1.f : 1.f;
-            s.dndu = (ns[1] - ns[0]) * (sign / blended_length), s.dndv = (ns[2] - ns[0]) * (sign / blended_length);
+            s.dndu = (ns[1] - ns[0]) * (sign / blended_length),
+            s.dndv = (ns[2] - ns[0]) * (sign / blended_length);
         }
     }
     if (!mesh.uvs.empty()) {
@@ -190,7 +193,8 @@ Rgba sample_image(const Image& image, Vec2 uv) {
     float sum[4] = {};
     for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx) {
-            const int xi = (x0 + dx + image.width) % image.width, yi = (y0 + dy + image.height) % image.height;
+            const int xi = (x0 + dx + image.width) % image.width,
+                      yi = (y0 + dy + image.height) % image.height;
             const float weight = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy);
             const float* texel = &image.pixels[(size_t(yi) * image.width + xi) * image.channels];
             for (int c = 0; c < image.channels && c < 4; ++c) sum[c] += weight * texel[c];

@@ -8,7 +8,8 @@
 
 namespace viscache {
 
-/// True if all components are finite and at most kMaxCoordinate in size. Without branches: runs as fast as memory.
+/// True if all components are finite and at most kMaxCoordinate in size. Without branches: runs as fast as
+/// memory.
 inline bool all_usable(std::span<const Vec3> vectors) {
     static_assert(sizeof(Vec3) == 3 * sizeof(float));
     const float* v = reinterpret_cast<const float*>(vectors.data());

@@ -8,7 +8,8 @@ namespace viscache {
 constexpr int kLightGroups = 6;
 /// Light groups of a frame, in this order everywhere.
 enum class LightGroup : int { kPoint, kDirectional, kArea, kEnvironment, kVpl, kAmbient };
-constexpr const char* kLightGroupNames[kLightGroups] = {"point", "directional", "area", "environment", "vpl", "ambient"};
+constexpr const char* kLightGroupNames[kLightGroups] = {"point",       "directional", "area",
+                                                        "environment", "vpl",         "ambient"};
 constexpr int kMaxLevels = 32;
 
 struct GroupCounters {
@@ -19,27 +20,37 @@ struct GroupCounters {
 
 struct Counters {
     std::array<GroupCounters, kLightGroups> groups;
-    uint64_t camera_rays = 0;       ///< rays of eye paths, mirror and glass branches included
-    uint64_t light_rays = 0;        ///< rays of VPL tracing and of resampling
-    uint64_t brdf_rays = 0;         ///< rays of BRDF sampling towards the environment (asked through the oracle they count as queries instead)
+    uint64_t camera_rays = 0;  ///< rays of eye paths, mirror and glass branches included
+    uint64_t light_rays = 0;   ///< rays of VPL tracing and of resampling
+    uint64_t brdf_rays = 0;  ///< rays of BRDF sampling towards the environment (asked through the oracle they
+                             ///< count as queries instead)
     // Quantized cache
     std::array<uint64_t, kMaxLevels> rays_per_level{};
-    uint64_t leftover_rays = 0;     ///< waves: bits active for a pixel but not for its representative
-    uint64_t lookups = 0, hits = 0; ///< table or row look-ups of single bits, without neighbour probes
+    uint64_t leftover_rays = 0;      ///< waves: bits active for a pixel but not for its representative
+    uint64_t lookups = 0, hits = 0;  ///< table or row look-ups of single bits, without neighbour probes
     uint64_t neighbour_probes = 0, nil_neighbours = 0;
-    uint64_t evictions = 0;         ///< writes over another key
-    uint64_t bypassed = 0;          ///< queries traced without the cache (non-finite input, degenerate normal)
-    uint64_t clamped_low = 0;       ///< R < 1
-    uint64_t clamped_high = 0;      ///< R > R_max
-    uint64_t clamped_nan = 0;       ///< R not a number: finest
-    uint64_t boundary_queries = 0;  ///< queries whose cell disagrees with a neighbour at the last level looked at
-    uint64_t cells = 0;             ///< eye cells made
+    uint64_t evictions = 0;     ///< writes over another key
+    uint64_t bypassed = 0;      ///< queries traced without the cache (non-finite input, degenerate normal)
+    uint64_t clamped_low = 0;   ///< R < 1
+    uint64_t clamped_high = 0;  ///< R > R_max
+    uint64_t clamped_nan = 0;   ///< R not a number: finest
+    uint64_t boundary_queries =
+        0;               ///< queries whose cell disagrees with a neighbour at the last level looked at
+    uint64_t cells = 0;  ///< eye cells made
     uint64_t table_writes = 0, table_slots = 0;  ///< hash form: occupancy = 1 − exp(−writes/slots) expected
     double expected_false_hits = 0;
-    uint64_t non_finite = 0;        ///< contributions dropped because they were not finite
+    uint64_t non_finite = 0;  ///< contributions dropped because they were not finite
 
-    uint64_t queries() const { uint64_t n = 0; for (auto& g : groups) n += g.queries; return n; }
-    uint64_t rays() const { uint64_t n = 0; for (auto& g : groups) n += g.rays; return n; }
+    uint64_t queries() const {
+        uint64_t n = 0;
+        for (auto& g : groups) n += g.queries;
+        return n;
+    }
+    uint64_t rays() const {
+        uint64_t n = 0;
+        for (auto& g : groups) n += g.rays;
+        return n;
+    }
     GroupCounters& group(int i) { return groups[size_t(i)]; }
     void merge(const Counters& b);
 };

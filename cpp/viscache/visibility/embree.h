@@ -18,8 +18,8 @@ public:
         rtcInitRayQueryContext(&context_);
         rtcInitOccludedArguments(&occluded_), rtcInitIntersectArguments(&intersect_);
         occluded_.context = intersect_.context = &context_;
-        occluded_.flags = intersect_.flags = coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT
-                                                                               : RTC_RAY_QUERY_FLAG_INCOHERENT;
+        occluded_.flags = intersect_.flags =
+            coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
     }
     void occluded1(RTCScene s, RTCRay& r) { rtcOccluded1(s, &r, &occluded_); }
     void occluded4(const int* v, RTCScene s, RTCRay4& r) { rtcOccluded4(v, s, &r, &occluded_); }

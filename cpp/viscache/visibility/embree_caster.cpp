@@ -1,10 +1,10 @@
 #include "viscache/visibility/embree_caster.h"
 
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <stdexcept>
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/embree.h"
 
 namespace viscache {
@@ -17,7 +17,9 @@ static_assert(sizeof(RTCRay16) >= sizeof(RayPacket16));
 RTCDevice shared_device() {
     static const RTCDevice device = [] {
         RTCDevice d = rtcNewDevice(nullptr);
-        if (!d) throw std::runtime_error("Embree could not be started: error " + std::to_string(rtcGetDeviceError(nullptr)));
+        if (!d)
+            throw std::runtime_error("Embree could not be started: error " +
+                                     std::to_string(rtcGetDeviceError(nullptr)));
         return d;
     }();
     return device;
@@ -46,8 +48,8 @@ struct EmbreeCaster::Impl {
     RTCScene top = nullptr;
     bool native16 = rtcGetDeviceProperty(shared_device(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
     std::vector<RTCScene> groups;
-    std::vector<GeometryData> data;               // one per mesh; never reallocated after construction
-    std::vector<uint32_t> top_mesh, top_instance; // geomID of the top scene → mesh, or instance
+    std::vector<GeometryData> data;                // one per mesh; never reallocated after construction
+    std::vector<uint32_t> top_mesh, top_instance;  // geomID of the top scene → mesh, or instance
     std::vector<std::vector<uint32_t>> group_mesh, instance_mesh;
 
     ~Impl() {
@@ -69,8 +71,10 @@ unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, ui
     RTCGeometry g = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!mesh.triangles.empty()) {
         // New buffers (not shared ones): Embree pads them for its 16-byte loads.
-        void* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3), mesh.vertices.size());
-        void* t = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Vec3u), mesh.triangles.size());
+        void* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3),
+                                          mesh.vertices.size());
+        void* t = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Vec3u),
+                                          mesh.triangles.size());
         if (!v || !t) throw std::bad_alloc();
         std::memcpy(v, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
         std::memcpy(t, mesh.triangles.data(), mesh.triangles.size() * sizeof(Vec3u));
@@ -150,13 +154,16 @@ EmbreeCaster::EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions opt
     rtcCommitScene(impl.top);
     const RTCError error = rtcGetDeviceError(shared_device());
     if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not build the scene: error " + std::to_string(error));
+    if (error != RTC_ERROR_NONE)
+        throw std::runtime_error("Embree could not build the scene: error " + std::to_string(error));
 }
 
 EmbreeCaster::~EmbreeCaster() = default;
 
 std::string EmbreeCaster::version() {
-    const auto number = [](RTCDeviceProperty p) { return std::to_string(rtcGetDeviceProperty(shared_device(), p)); };
+    const auto number = [](RTCDeviceProperty p) {
+        return std::to_string(rtcGetDeviceProperty(shared_device(), p));
+    };
     return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
            number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }
@@ -169,7 +176,7 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         alignas(64) int valid[16];
         for (size_t i = 0; i < 16; ++i) {
             const Ray& r = rays[first + std::min(i, n - 1)];
-            valid[i] = i < n ? -1 : 0;
+            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval holds no hit
             packet.ray.org_x[i] = r.o.x, packet.ray.org_y[i] = r.o.y, packet.ray.org_z[i] = r.o.z;
             packet.ray.dir_x[i] = r.d.x, packet.ray.dir_y[i] = r.d.y, packet.ray.dir_z[i] = r.d.z;
             packet.ray.tnear[i] = r.t_min, packet.ray.tfar[i] = r.t_max;
@@ -178,22 +185,24 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
         }
         query.intersect16(valid, impl_->top, packet);
         for (size_t i = 0; i < n; ++i)
-            hits[first + i] = impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i], packet.hit.primID[i],
-                                            packet.hit.u[i], packet.hit.v[i], packet.ray.tfar[i]);
+            hits[first + i] =
+                !valid[i] ? Hit{}
+                          : impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i], packet.hit.primID[i],
+                                          packet.hit.u[i], packet.hit.v[i], packet.ray.tfar[i]);
     }
 }
 
 namespace {
 
-double thread_seconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) {
+    query.occluded4(valid, scene, rays);
 }
-
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) { query.occluded4(valid, scene, rays); }
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) { query.occluded8(valid, scene, rays); }
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) { query.occluded16(valid, scene, rays); }
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) {
+    query.occluded8(valid, scene, rays);
+}
+void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) {
+    query.occluded16(valid, scene, rays);
+}
 
 /// What all rays share.
 template <class Packet>
@@ -204,7 +213,8 @@ void set_common(Packet& packet) {
 
 /// Lanes [first, first + width of Packet) of sixteen rays.
 template <class Packet, int kWidth>
-uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays, int first) {
+uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays,
+                        int first) {
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     constexpr size_t kRow = sizeof(float) * kWidth;
@@ -221,7 +231,7 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
     }
     trace(query, scene, valid, packet);
     uint32_t occluded = 0;
-    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(packet.tfar[i] < 0) << i;
+    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(valid[i] && packet.tfar[i] < 0) << i;
     return occluded;
 }
 
@@ -248,7 +258,8 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
             packet.dx[i] = r.d.x, packet.dy[i] = r.d.y, packet.dz[i] = r.d.z;
             packet.t_min[i] = r.t_min, packet.t_max[i] = r.t_max;
         }
-        const uint16_t bits = occluded16(uint16_t(n == 16 ? 0xffff : (1 << n) - 1), packet, Coherence::kIncoherent);
+        const uint16_t bits =
+            occluded16(uint16_t(n == 16 ? 0xffff : (1 << n) - 1), packet, Coherence::kIncoherent);
         for (size_t i = 0; i < n; ++i) occluded[first + i] = bits >> i & 1;
     }
 }
@@ -268,13 +279,16 @@ void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, 
             const size_t k = first + at + std::min(i, n - 1);
             const Vec3 o = rays.origin[k], d = rays.direction[k];
             const float t = rays.t_max[k * rays.t_stride];
-            const bool active = i < n && t > 0;
+            const bool active =
+                i < n && t > 0 && !(d == Vec3{});  // a ray without direction has nowhere to go
             valid[i] = active ? -1 : 0;
             packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z, packet.tnear[i] = 0;
-            packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z, packet.tfar[i] = active ? t : kInfinity;
+            packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z,
+            packet.tfar[i] = active ? t : kInfinity;
         }
         trace(query, scene, valid, packet);
-        for (size_t i = 0; i < n; ++i) occluded[at + i] = packet.tfar[i] < 0;
+        // Where Embree splits wide packets it traces lanes that are off as well
+        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
     }
 }
 
@@ -284,7 +298,7 @@ void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, s
         const Vec3 o = rays.origin[first + i], d = rays.direction[first + i];
         const float t = rays.t_max[(first + i) * rays.t_stride];
         occluded[i] = 0;
-        if (!(t > 0)) continue;
+        if (!(t > 0) || d == Vec3{}) continue;
         RTCRay ray{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, t, ~0u, 0, 0};
         query.occluded1(scene, ray);
         occluded[i] = ray.tfar < 0;
@@ -302,25 +316,28 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
         case 4: return occluded_packets<RTCRay4, 4>(query, top, rays, first, occluded);
         case 8: return occluded_packets<RTCRay8, 8>(query, top, rays, first, occluded);
         case 16: return occluded_packets<RTCRay16, 16>(query, top, rays, first, occluded);
-        default: throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
+        default:
+            throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
     }
 }
 
 void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
                             PacketTrial& trial) const {
-    constexpr size_t kShare = 256;  // rays in a row by one plan, so that all plans see like rays
+    // Shares in a row by one plan, so that all plans see like rays; few enough to cost little when a plan is
+    // slow
+    constexpr size_t kShare = 128, kRounds = 4;
     const size_t plans = trial.plans().size();
-    if (!trial.due() || occluded.size() < 4 * plans * kShare) {
+    if (!trial.due() || occluded.size() < kRounds * plans * kShare) {
         this->occluded(rays, first, occluded, trial.best());
         return;
     }
     std::vector<double> seconds(plans, 0.0);
-    double before = thread_seconds();
+    double before = thread_cpu_seconds();
     size_t at = 0;
-    for (size_t round = 0; at + plans * kShare <= occluded.size(); ++round)
+    for (size_t round = 0; round < kRounds; ++round)
         for (size_t p = 0; p < plans; ++p, at += kShare) {
             this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
-            const double now = thread_seconds();
+            const double now = thread_cpu_seconds();
             // The first round only warms the caches
             if (round > 0) seconds[p] += now - before;
             before = now;
@@ -329,9 +346,10 @@ void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8
     this->occluded(rays, first + at, occluded.subspan(at), trial.best());
 }
 
-PacketTrial::PacketTrial(bool native16) {
+PacketTrial::PacketTrial(bool native16, bool worth_it) : worth_it_(worth_it) {
     const int widest = native16 ? 16 : 8;
-    plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent}, PacketPlan{1}};
+    plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent},
+              PacketPlan{1}};
 }
 
 void PacketTrial::learn(std::span<const double> seconds) {

@@ -32,10 +32,10 @@ struct PacketPlan {
 /// Chooses a plan by timing some plans on a share of the rays. One object per thread and batch of alike rays.
 class PacketTrial {
 public:
-    /// Plans for this CPU; more are tried when the batch is large enough to pay for it.
-    explicit PacketTrial(bool native16);
+    /// Plans for this CPU; a batch of few rays is not worth a trial and goes by the first.
+    explicit PacketTrial(bool native16, bool worth_it = true);
     /// True if the next chunk should try all plans; counts the chunk.
-    bool due() { return chunks_++ % kPeriod == 0; }
+    bool due() { return worth_it_ && chunks_++ % kPeriod == 0; }
     std::span<const PacketPlan> plans() const { return plans_; }
     const PacketPlan& best() const { return plans_[best_]; }
     /// Takes the seconds each plan spent on equal shares of a chunk.
@@ -45,6 +45,7 @@ private:
     static constexpr size_t kPeriod = 32;
     std::array<PacketPlan, 3> plans_;
     size_t best_ = 0, chunks_ = 0;
+    bool worth_it_;
 };
 
 class EmbreeCaster final : public RayCaster {
@@ -55,7 +56,8 @@ public:
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
     /// Any hit of rays [first, first + occluded.size()).
-    void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded, const PacketPlan& plan) const;
+    void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
+                  const PacketPlan& plan) const;
     /// The same by the plan that the trial finds fastest.
     void occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded, PacketTrial& trial) const;
     const Scene& scene() const { return *scene_; }

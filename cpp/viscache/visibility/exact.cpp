@@ -1,5 +1,9 @@
 #include "viscache/visibility/exact.h"
 
+#include <bit>
+#include <cmath>
+#include <cstring>
+
 #include "viscache/visibility/shadow_ray.h"
 
 namespace viscache {
@@ -11,8 +15,8 @@ uint64_t count_bits(const BitMatrix& m) {
     return n;
 }
 
-void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                        Counters& counters) {
+void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Counters& counters) {
     switch (order_) {
         case PacketOrder::kByLight: block_by_light(eyes, lights, wanted, visible); break;
         case PacketOrder::kByPixel: block_by_pixel(eyes, lights, wanted, visible); break;
@@ -24,33 +28,43 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
 
 void ExactOracle::block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                  BitMatrix& visible) {
-    RayPacket16 origin, packet;
-    uint16_t columns[64], answers[64];
     for (size_t first = 0; first < wanted.rows(); first += 16) {
         check_cancelled();
-        const size_t n = std::min<size_t>(16, wanted.rows() - first);
-        for (size_t i = 0; i < 16; ++i) {
-            const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
-            origin.ox[i] = o.x, origin.oy[i] = o.y, origin.oz[i] = o.z;
-        }
-        for (size_t w = 0; w < wanted.row_words(); ++w) {
-            columns16(wanted, first, w, columns);
-            bool any = false;
-            for (int j = 0; j < 64; ++j) {
-                answers[j] = 0;
-                if (!columns[j]) continue;
-                any = true;
-                // Aim the 16 eye points at light k
-                const size_t k = w * kWordBits + size_t(j);
-                std::memcpy(packet.ox, origin.ox, 3 * sizeof origin.ox);
-                for (int i = 0; i < 16; ++i)
-                    packet.dx[i] = lights.tx[k], packet.dy[i] = lights.ty[k], packet.dz[i] = lights.tz[k];
-                aim16(packet, lights.semantic, extent_);
-                answers[j] = uint16_t(columns[j] & ~caster_.occluded16(columns[j], packet, coherence_));
-            }
-            if (any) or_columns16(visible, first, w, answers);
-        }
+        block_flag_.piece(
+            [&](Coherence flag) { return rows16_by_light(first, eyes, lights, wanted, visible, flag); });
     }
+}
+
+/// Sixteen eye points towards all their lights, one light after another. Returns the number of rays.
+size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights,
+                                    const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
+    RayPacket16 origin, packet;
+    uint16_t columns[64], answers[64];
+    size_t rays = 0;
+    const size_t n = std::min<size_t>(16, wanted.rows() - first);
+    for (size_t i = 0; i < 16; ++i) {
+        const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
+        origin.ox[i] = o.x, origin.oy[i] = o.y, origin.oz[i] = o.z;
+    }
+    for (size_t w = 0; w < wanted.row_words(); ++w) {
+        columns16(wanted, first, w, columns);
+        bool any = false;
+        for (int j = 0; j < 64; ++j) {
+            answers[j] = 0;
+            if (!columns[j]) continue;
+            any = true;
+            // Aim the 16 eye points at light k
+            const size_t k = w * kWordBits + size_t(j);
+            std::memcpy(packet.ox, origin.ox, 3 * sizeof origin.ox);
+            for (int i = 0; i < 16; ++i)
+                packet.dx[i] = lights.tx[k], packet.dy[i] = lights.ty[k], packet.dz[i] = lights.tz[k];
+            aim16(packet, lights.semantic, extent_);
+            answers[j] = uint16_t(columns[j] & ~caster_.occluded16(columns[j], packet, flag));
+            rays += size_t(std::popcount(columns[j]));
+        }
+        if (any) or_columns16(visible, first, w, answers);
+    }
+    return rays;
 }
 
 void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -78,29 +92,82 @@ void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, co
     }
 }
 
+namespace {
+
+constexpr uint32_t kBinEdge = 16;  // direction bins along one edge of the octahedral square
+
+/// Number of the bin of a direction, neighbours along a row of the octahedral square. The length does not
+/// matter.
+uint32_t direction_bin(Vec3 d) {
+    const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
+    if (!(l > 0)) return 0;
+    float u = d.x / l, v = d.y / l;
+    if (d.z < 0) {
+        const float fu = std::copysign(1 - std::fabs(v), u), fv = std::copysign(1 - std::fabs(u), v);
+        u = fu, v = fv;
+    }
+    const auto cell = [](float s) { return std::min(kBinEdge - 1, uint32_t((s + 1) * (0.5f * kBinEdge))); };
+    const uint32_t x = cell(u), y = cell(v);
+    return y * kBinEdge + (y & 1 ? kBinEdge - 1 - x : x);
+}
+
+}  // namespace
+
+/// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same
+/// side.
+void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                                    Counters& counters) {
+    constexpr uint16_t kLeftOut = 0xffff;
+    bin_.resize(queries.size());
+    begin_.assign(kBinEdge * kBinEdge + 1, 0);
+    for (size_t i = 0; i < queries.size(); ++i) {
+        const ShadowQuery& q = queries[i];
+        const Vec3 far = is_direction(q.semantic) ? q.far : q.ray_end;
+        if (!is_traceable(eyes.origin[q.eye]) || !is_traceable(far)) {
+            bin_[i] = kLeftOut, ++counters.bypassed;
+            continue;
+        }
+        bin_[i] = uint16_t(direction_bin(is_direction(q.semantic) ? far : far - eyes.origin[q.eye]));
+        ++begin_[bin_[i] + 1u];
+    }
+    for (size_t b = 0; b < kBinEdge * kBinEdge; ++b) begin_[b + 1] += begin_[b];
+    order_by_direction_.resize(begin_.back());
+    for (size_t i = 0; i < queries.size(); ++i)
+        if (bin_[i] != kLeftOut) order_by_direction_[begin_[bin_[i]]++] = uint32_t(i);
+}
+
+void ExactOracle::trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
+                               std::span<const ShadowQuery> queries, std::span<Word> visible,
+                               Coherence flag) {
+    for (size_t at = 0; at < order.size(); at += 16) {
+        const int n = int(std::min<size_t>(16, order.size() - at));
+        RayPacket16 packet;
+        for (int i = 0; i < n; ++i)
+            set_lane(packet, i, shadow_ray(eyes, queries[order[at + size_t(i)]], extent_));
+        pad_lanes(packet, n);
+        const uint32_t mask = (1u << n) - 1;
+        for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
+             seen &= seen - 1)
+            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
+    }
+}
+
 void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                         Counters& counters) {
-    for (size_t first = 0; first < queries.size(); first += 16) {
-        if (first % 4096 == 0) check_cancelled();
-        const int n = int(std::min<size_t>(16, queries.size() - first));
-        RayPacket16 packet;
-        uint16_t mask = 0;
-        for (int i = 0; i < n; ++i) {
-            const ShadowQuery& q = queries[first + size_t(i)];
-            const Ray ray = shadow_ray(eyes, q, extent_);
-            const bool ok = is_traceable(eyes.origin[q.eye]) && is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
-            counters.bypassed += !ok;
-            set_lane(packet, i, ok ? ray : Ray{{0, 0, 0}, 0, {0, 0, 1}, 1});
-            mask |= uint16_t(uint16_t(ok) << i);
-        }
-        pad_lanes(packet, n);
-        const uint16_t seen = uint16_t(mask & ~caster_.occluded16(mask, packet, Coherence::kIncoherent));
-        for (int i = 0; i < n; ++i) {
-            const bool is_visible = seen >> i & 1;
-            if (is_visible) set_bit(visible.data(), first + size_t(i));
-            GroupCounters& group = counters.group(queries[first + size_t(i)].group);
-            group.queries += 1, group.rays += 1, group.occluded += !is_visible;
-        }
+    constexpr size_t kPiece = 1024;
+    sort_by_direction(eyes, queries, counters);
+    const std::span<const uint32_t> order(order_by_direction_);
+    for (size_t first = 0; first < order.size(); first += kPiece) {
+        check_cancelled();
+        pairs_flag_.piece([&](Coherence flag) {
+            const auto piece = order.subspan(first, std::min(kPiece, order.size() - first));
+            trace_sorted(piece, eyes, queries, visible, flag);
+            return piece.size();
+        });
+    }
+    for (size_t i = 0; i < queries.size(); ++i) {
+        GroupCounters& group = counters.group(queries[i].group);
+        group.queries += 1, group.rays += 1, group.occluded += !get_bit(visible.data(), i);
     }
 }
 

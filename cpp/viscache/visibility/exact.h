@@ -1,6 +1,11 @@
 #pragma once
 // The exact oracle: one ray per question, in the order that traces fastest.
+#include <optional>
+#include <vector>
+
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/oracle.h"
+#include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
 namespace viscache {
@@ -13,10 +18,10 @@ enum class PacketOrder {
 
 class ExactOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent.
+    /// `extent` is Scene::offset_extent. Without a flag, short trials find the faster one.
     ExactOracle(const RayCaster& caster, float extent, PacketOrder order = PacketOrder::kByLight,
-                Coherence coherence = Coherence::kCoherent)
-        : caster_(caster), extent_(extent), order_(order), coherence_(coherence) {}
+                std::optional<Coherence> flag = std::nullopt)
+        : caster_(caster), extent_(extent), order_(order), block_flag_(flag), pairs_flag_(flag) {}
 
     void begin_tile(const EyeBlock&) override {}
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
@@ -25,13 +30,25 @@ public:
                Counters& counters) override;
 
 private:
-    void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
-    void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible);
+    void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible);
+    size_t rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                           BitMatrix& visible, Coherence flag);
+    void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible);
+
+    void sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters);
+    void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
+                      std::span<const ShadowQuery> queries, std::span<Word> visible, Coherence flag);
 
     const RayCaster& caster_;
     float extent_;
     PacketOrder order_;
-    Coherence coherence_;
+    CoherenceTrial block_flag_, pairs_flag_;
+    // Of `pairs`: the queries' direction bins, and their numbers sorted by bin
+    std::vector<uint16_t> bin_;
+    std::vector<uint32_t> order_by_direction_;
+    std::vector<uint32_t> begin_;
 };
 
 /// Number of set bits of a matrix.

@@ -19,13 +19,13 @@ namespace viscache {
 /// What the far end of a connection is; the numbers are the paper's semantic index (AQVC Sec. 3.5).
 enum class Semantic : uint8_t { kPoint = 0, kDirection = 1, kSurface = 2, kSolidAngle = 3 };
 
-/// The near ends of a tile in processing order: along the tile's Morton order, so that 16 neighbours lie close
-/// together. "Eye point" = sample × mirror/glass branch × side of the surface.
+/// The near ends of a tile in processing order: along the tile's Morton order, so that 16 neighbours lie
+/// close together. "Eye point" = sample × mirror/glass branch × side of the surface.
 struct EyeBlock {
-    std::vector<Vec3> position;        ///< on the surface
-    std::vector<Vec3> normal;          ///< unit geometric normal on the side the connections leave from
-    std::vector<Vec3> origin;          ///< spawn(position, normal): where rays start
-    std::vector<float> density;        ///< D_e = N_S·P_e: eye samples per unit area at the point
+    std::vector<Vec3> position;              ///< on the surface
+    std::vector<Vec3> normal;                ///< unit geometric normal on the side the connections leave from
+    std::vector<Vec3> origin;                ///< spawn(position, normal): where rays start
+    std::vector<float> density;              ///< D_e = N_S·P_e: eye samples per unit area at the point
     std::vector<uint32_t> order_x, order_y;  ///< sample position inside the tile, for Halton–Morton order
     uint32_t tile_width = 0, tile_height = 0;  ///< extent of order_x, order_y
     size_t size() const { return position.size(); }
@@ -37,12 +37,14 @@ struct EyeBlock {
 /// One light group whose members are shared by all eye points: the columns of a block.
 struct FarEnds {
     Semantic semantic = Semantic::kPoint;
-    std::vector<float> x, y, z;     ///< positions, or unit directions towards the light; padded to 512 columns
+    std::vector<float> x, y, z;  ///< positions, or unit directions towards the light; padded to 512 columns
     std::vector<float> nx, ny, nz;  ///< surface normals (kSurface only, else zeros); padded
-    std::vector<float> tx, ty, tz;  ///< where shadow rays end: position spawned off its own surface; = x, y, z for the rest
-    std::vector<float> density;     ///< D_l = M·P_l: light samples per m² (kSurface) or per sr (kSolidAngle); else 0
-    size_t count = 0;               ///< columns in use
-    int group = 0;                  ///< index of the light group: selects C_E and refinement
+    std::vector<float> tx, ty,
+        tz;  ///< where shadow rays end: position spawned off its own surface; = x, y, z for the rest
+    std::vector<float>
+        density;       ///< D_l = M·P_l: light samples per m² (kSurface) or per sr (kSolidAngle); else 0
+    size_t count = 0;  ///< columns in use
+    int group = 0;     ///< index of the light group: selects C_E and refinement
 };
 
 /// One connection whose far end belongs to one eye point alone.
@@ -50,17 +52,18 @@ struct ShadowQuery {
     uint32_t eye = 0;  ///< index into the EyeBlock
     Semantic semantic = Semantic::kPoint;
     uint8_t group = 0;
-    Vec3 far;           ///< position, or unit direction
-    Vec3 far_normal;    ///< kSurface only
-    Vec3 ray_end;       ///< where the shadow ray ends (position spawned off its surface); unused for directions
-    float density = 0;  ///< D_l at the far end
+    Vec3 far;         ///< position, or unit direction
+    Vec3 far_normal;  ///< kSurface only
+    Vec3 ray_end;     ///< where the shadow ray ends (position spawned off its surface); unused for directions
+    float density = 0;        ///< D_l at the far end
     float t_max = kInfinity;  ///< how far a direction looks (ambient occlusion); unused for positions
 };
 
 /// In which order an oracle likes to be asked by `pairs`. Empty: any.
 struct PairOrder {
-    std::span<const uint32_t> eye;      ///< the tile's eye points in processing order
-    std::span<const uint32_t> run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
+    std::span<const uint32_t> eye;  ///< the tile's eye points in processing order
+    std::span<const uint32_t>
+        run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
 };
 
 class VisibilityOracle {
@@ -70,9 +73,10 @@ public:
     virtual void watch(const Control& control) { control_ = &control; }
     /// Forgets the tile before and learns the eye points of the next one.
     virtual void begin_tile(const EyeBlock& eyes) = 0;
-    /// Eye points × one light group; only the set bits of `wanted` are asked. `visible` arrives zeroed, of equal size.
-    virtual void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
-                       Counters& counters) = 0;
+    /// Eye points × one light group; only the set bits of `wanted` are asked. `visible` arrives zeroed, of
+    /// equal size.
+    virtual void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                       BitMatrix& visible, Counters& counters) = 0;
     /// The order in which `pairs` should be asked about this tile; valid until the next begin_tile.
     virtual PairOrder pair_order(const EyeBlock&) { return {}; }
     /// Any connections of the tile's eye points. Bit i of `visible` (zeroed on entry) answers queries[i].

@@ -8,8 +8,8 @@
 namespace viscache {
 
 /// Offsets are this many units in the last place of the largest coordinate in play. Measured: 4 leave no
-/// self-intersection in 10^6 rays, half of them grazing, at any scale and up to 1e5 sizes off the origin, also on
-/// instances. More only lets rays out there pass through what stands close: 32 are 0.4 sizes.
+/// self-intersection in 10^6 rays, half of them grazing, at any scale and up to 1e5 sizes off the origin,
+/// also on instances. More only lets rays out there pass through what stands close: 32 are 0.4 sizes.
 constexpr float kOffsetUlps = 8.f;
 /// The same for the ends of segments whose points a caller computed, with rounding of their own.
 constexpr float kSegmentUlps = 32.f;
@@ -26,10 +26,9 @@ struct Ray {
 
 inline float max_abs(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
-/// How far to leave a surface at p: kOffsetUlps ulps of the larger of |p| and `extent` (Scene::offset_extent).
-inline float spawn_offset(Vec3 p, float extent) {
-    return kOffsetUlps * kUlp * std::max(max_abs(p), extent);
-}
+/// How far to leave a surface at p: kOffsetUlps ulps of the larger of |p| and `extent`
+/// (Scene::offset_extent).
+inline float spawn_offset(Vec3 p, float extent) { return kOffsetUlps * kUlp * std::max(max_abs(p), extent); }
 
 /// Origin of a ray that leaves the surface at p towards the side of unit normal n (n·wi > 0).
 inline Vec3 spawn(Vec3 p, Vec3 n, float extent) { return p + n * spawn_offset(p, extent); }

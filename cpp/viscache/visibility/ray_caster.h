@@ -13,7 +13,8 @@ struct alignas(64) RayPacket16 {
     float dx[16], dy[16], dz[16], t_max[16];
 };
 
-/// Packets whose rays start near each other and end near each other may ask for coherent traversal. Never changes an answer.
+/// Packets whose rays start near each other and end near each other may ask for coherent traversal. Never
+/// changes an answer.
 enum class Coherence { kIncoherent, kCoherent };
 
 constexpr uint32_t kNoHit = 0xffffffffu;

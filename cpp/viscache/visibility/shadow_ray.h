@@ -29,7 +29,8 @@ inline Ray shadow_ray(const EyeBlock& eyes, const ShadowQuery& q, float extent) 
     return segment_to_point(eyes.origin[q.eye], q.ray_end, extent);
 }
 
-/// True if rays may start, end or point there; connections with other ends are never traced and count as bypassed.
+/// True if rays may start, end or point there; connections with other ends are never traced and count as
+/// bypassed.
 inline bool is_traceable(Vec3 p) { return is_finite(p) && max_abs(p) <= kMaxCoordinate; }
 
 /// Puts one ray into a lane of a packet.
@@ -70,8 +71,10 @@ inline void aim_along16(RayPacket16& packet) {
 
 /// Either of the two, by the far ends' semantic.
 inline void aim16(RayPacket16& packet, Semantic semantic, float extent) {
-    if (is_direction(semantic)) aim_along16(packet);
-    else aim_at_points16(packet, extent);
+    if (is_direction(semantic))
+        aim_along16(packet);
+    else
+        aim_at_points16(packet, extent);
 }
 
 }  // namespace viscache

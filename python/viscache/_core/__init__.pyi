@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 from . import aqvc
 from . import sampling
-__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings']
+__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -171,15 +171,18 @@ class EmbreeCaster:
     """
     def __init__(self, scene: Scene, *, robust: bool = True) -> None:
         ...
-    def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+    def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, *, coherent: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         """
-        Baseline of `viscache bench rays`: a loop over one packet width.
+        Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.
         """
     def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
         ...
     def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
     def visible(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    @property
+    def native16(self) -> bool:
         ...
 class PMode(enum.Enum):
     """
@@ -376,7 +379,7 @@ def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
 def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...
-def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool = True, progress: typing.Any = None) -> dict:
+def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...
@@ -398,3 +401,7 @@ def scene_mesh_count(scene: Scene) -> int:
     ...
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
+def trace_eye_points(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:
+    """
+    Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).
+    """

@@ -1,1 +1,5 @@
+"""Benches: figures are ratios against named baselines of the same run, answers are checked."""
 
+from viscache.bench.registry import BENCHES, BenchInfo, run, run_all
+
+__all__ = ["BENCHES", "BenchInfo", "run", "run_all"]

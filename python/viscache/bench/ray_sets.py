@@ -56,7 +56,11 @@ def make_ray_set(scene: Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
 def surface_points(scene: Scene, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """N points spread by area over the scene's own meshes, each with a normal on a random side."""
     corners = np.concatenate(
-        [np.asarray(m["vertices"])[np.asarray(m["triangles"])] for m in scene.meshes()]
+        [
+            np.asarray(m["vertices"])[np.asarray(m["triangles"])]
+            for m in scene.meshes()
+            if m["in_world"]
+        ]
     ).astype(np.float64)
     a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normals = np.cross(ab, ac)
@@ -78,7 +82,8 @@ def _cosine_directions(normals: Array, rng: np.random.Generator) -> Array:
     r = np.sqrt(np.maximum(0, 1 - z * z))
     sphere = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1)
     d = normals + 0.999 * sphere
-    return (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32)
+    unit: Array = (d / np.linalg.norm(d, axis=1, keepdims=True)).astype(np.float32)
+    return unit
 
 
 def _camera_rays(scene: Scene, n: int) -> RaySet:

@@ -1,0 +1,142 @@
+"""`viscache bench aqvc-frame`: whole frames with the quantized cache against exact ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache.frame import Frame
+from viscache.integrators import Whitted
+from viscache.metrics import compare
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.visibility import Aqvc, Exact, Visibility
+
+__all__ = ["aqvc_frame"]
+
+ROOM = "room?triangles=200000"
+SMALL = "room?triangles=20000"
+#: A frame further from the exact one than this is wrong, whatever its speed.
+WRONG_REL_L1 = 0.1
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Case:
+    """One frame: the setting whose ratio has a goal first, others beside it."""
+
+    size: tuple[int, int]
+    spp: int
+    n_vpls: int
+    c_e: float
+    goal: float | None = None
+    repeats: int = 2
+    with_slow: bool = False
+
+    @property
+    def label(self) -> str:
+        """As in the figures' names."""
+        return f"{self.size[0]}x{self.size[1]}x{self.spp}"
+
+
+CASES = (
+    Case(size=(1024, 1024), spp=1, n_vpls=1024, c_e=10, goal=5, with_slow=True),
+    Case(size=(512, 512), spp=16, n_vpls=256, c_e=24, goal=8, with_slow=True),
+    Case(size=(512, 512), spp=4, n_vpls=1024, c_e=20),
+    Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
+)
+QUICK = (Case(size=(128, 128), spp=1, n_vpls=64, c_e=10, repeats=2, with_slow=True),)
+#: The error up to which a ratio with a goal counts.
+REL_L1_GOAL = 0.01
+
+
+def aqvc_frame(quick: bool = False) -> Outcome:
+    """The room in several sizes. Refinement on for all light groups."""
+    outcome = Outcome()
+    scene = build_scene(SMALL if quick else ROOM)
+    for case in QUICK if quick else CASES:
+        measure(outcome, scene, "room", case)
+    outcome.notes.append(
+        "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal"
+        " flag by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
+        " one table look-up per query. Ratios are of CPU seconds of whole frames: camera paths,"
+        " VPLs, keys, rays, shading."
+    )
+    return outcome
+
+
+def measure(
+    outcome: Outcome, scene: Scene, name: str, case: Case, camera: str | None = None
+) -> dict[str, Frame]:
+    """Add the figures of one case."""
+    settings: dict[str, Visibility] = {
+        "aqvc": Aqvc(c_e=case.c_e, refinement="on"),
+        "points": Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
+        "exact": Exact(),
+    }
+    # Slow and far from any goal: run once
+    once: dict[str, Visibility] = {}
+    if case.with_slow:
+        once["exact-by-pixel"] = Exact(order="by_pixel")
+        once["hash"] = Aqvc(c_e=case.c_e, refinement="on", form="pairs")
+    frames: dict[str, Frame] = {}
+
+    def runner(key: str) -> Callable[[], Sample]:
+        def run() -> Sample:
+            frame = render(
+                scene,
+                Whitted(n_vpls=case.n_vpls),
+                visibility=(settings | once)[key],
+                size=case.size,
+                spp=case.spp,
+                camera=camera,
+            )
+            frames[key] = frame
+            t = frame.timings
+            return Sample(wall_s=t["total_s"] - t["build_s"], cpu_s=t["cpu_s"])
+
+        return run
+
+    scene.caster()  # not part of any frame
+    samples = interleave({key: runner(key) for key in settings}, case.repeats, warm_up=False)
+    samples |= interleave({key: runner(key) for key in once}, 1, warm_up=False)
+    figures = (
+        ("", "aqvc", "exact", case.goal),
+        ("", "aqvc", "exact-by-pixel", None),
+        ("point lights at C_E 2, ", "points", "exact", None),
+        ("hash ", "hash", "exact", None),
+    )
+    for prefix, key, base, goal in figures:
+        if key not in samples or base not in samples:
+            continue
+        pairs = min(len(samples[key]), len(samples[base]))
+        error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
+        row = ratio_figure(
+            f"{prefix}{name} {case.label} whole-frame vs {base}",
+            samples[key][:pairs],
+            samples[base][:pairs],
+            goal=goal,
+            rel_l1=error,
+            **_shares(frames[key]),
+        )
+        if goal is not None:
+            row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
+        outcome.figures.append(row)
+        outcome.check(f"{row['name']}: rel_l1", error, WRONG_REL_L1)
+    if "exact-by-pixel" in frames:
+        unlike = frames["exact-by-pixel"].sha256 != frames["exact"].sha256
+        outcome.check(f"{name} {case.label}: bytes of exact orders differ", float(unlike), 0)
+    return frames
+
+
+def _shares(frame: Frame) -> dict[str, Any]:
+    c = frame.counters
+    queries = max(1, c["queries"])
+    seconds: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")
+    return {
+        "share_occluded": c["occluded"] / queries,
+        "share_boundary": c["boundary_queries"] / queries,
+        "share_rays": c["rays"] / queries,
+        "stages_cpu_s": {s: frame.timings[f"{s}_cpu_s"] for s in seconds},
+    }

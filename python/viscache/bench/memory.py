@@ -1,0 +1,58 @@
+"""`viscache bench memory`: the peak memory of a frame of a large scene, in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+from viscache.bench.common import Outcome, figure
+
+__all__ = ["memory"]
+
+LIMIT_GIB = 4.0
+PROGRAM = """
+import json, resource, sys
+import numpy as np
+import viscache as vc
+from viscache.bench.common import build_scene
+scene = build_scene(sys.argv[1])
+size = (int(sys.argv[2]), int(sys.argv[3]))
+integrator = vc.Whitted(n_vpls=int(sys.argv[4]))
+visibility = vc.Aqvc(c_e=10) if sys.argv[5] == "aqvc" else vc.Exact()
+frame = vc.render(scene, integrator, visibility=visibility, size=size)
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+finite = bool(np.isfinite(frame.image).all())
+print(json.dumps({"triangles": scene.triangles, "peak_bytes": peak * 1024,
+                  "mean": float(frame.image.mean()), "finite": finite}))
+"""
+
+
+def memory(quick: bool = False) -> Outcome:
+    """2.2 million placed triangles, unlike each other, at 1280x800 with 1024 VPLs."""
+    outcome = Outcome()
+    spec = "random_triangles?triangles=" + ("20000" if quick else "2200000")
+    width, height, n_vpls = (160, 100, 64) if quick else (1280, 800, 1024)
+    for visibility in ("exact", "aqvc"):
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, spec, str(width), str(height), str(n_vpls), visibility],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        found = json.loads(done.stdout)
+        name = spec.partition("?")[0]
+        gib = found["peak_bytes"] / 2**30
+        outcome.figures.append(
+            figure(
+                f"{name} {found['triangles']} {width}x{height} {visibility} peak memory",
+                gib,
+                "GiB",
+                baseline=LIMIT_GIB,
+                ratios=[LIMIT_GIB / gib],
+                goal=1.0,
+            )
+        )
+        outcome.check(f"{visibility}: pixels not finite", float(not found["finite"]), 0)
+        outcome.check(f"{visibility}: black image", float(not found["mean"] > 0), 0)
+    return outcome

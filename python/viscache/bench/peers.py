@@ -1,0 +1,110 @@
+"""Other ray tracers in processes of their own: they get arrays by file and take turns with us."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from viscache.bench.common import Sample
+from viscache.scene import Scene
+
+__all__ = ["PEERS", "Peer", "missing"]
+
+#: Name of a peer: (package that must be there, module that runs it).
+PEERS = {
+    "mitsuba": ("mitsuba", "viscache.bench.peer_mitsuba"),
+    "embreex": ("embreex", "viscache.bench.peer_embreex"),
+}
+
+
+class PeerError(RuntimeError):
+    """The other program could not do what was asked; the message is its own."""
+
+
+def missing(name: str, scene: Scene) -> str | None:
+    """Why a peer cannot be compared with on this scene; None if it can."""
+    package = PEERS[name][0]
+    if importlib.util.find_spec(package) is None:
+        return f"{package} is not installed"
+    if scene.info()["instances"]:
+        return "the scene has instances, which are not handed over"
+    return None
+
+
+class Peer:
+    """One peer, its scene built; `run(job)` makes it do one job and report how long it took.
+
+    Protocol: one line of JSON per job on its standard input, one line of JSON back.
+    """
+
+    def __init__(self, name: str, scene: Scene) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="viscache-bench-")
+        self._path = Path(self._folder.name)
+        meshes = [m for m in scene.meshes() if m["in_world"]]
+        starts = np.cumsum([0] + [len(m["vertices"]) for m in meshes])
+        np.savez(
+            self._path / "scene.npz",
+            vertices=np.concatenate([m["vertices"] for m in meshes]),
+            triangles=np.concatenate(
+                [np.asarray(m["triangles"]) + s for m, s in zip(meshes, starts, strict=False)]
+            ).astype(np.uint32),
+        )
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", PEERS[name][1], str(self._path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.about = self._answer()
+
+    def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
+        """Do a job; the rest of its report beside the time."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps(job) + "\n")
+        self._process.stdin.flush()
+        report = self._answer()
+        return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
+
+    def give(self, **arrays: Any) -> None:
+        """Leave arrays for the next jobs."""
+        np.savez(self._path / "input.npz", **arrays)
+        self.run({"job": "load"})
+
+    def result(self) -> dict[str, Any]:
+        """Arrays the last job left."""
+        self.run({"job": "save"})
+        with np.load(self._path / "output.npz") as file:
+            return dict(file)
+
+    def _answer(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise PeerError(f"the other program ended with status {self._process.wait()}")
+        report: dict[str, Any] = json.loads(line)
+        if "error" in report:
+            raise PeerError(report["error"])
+        return report
+
+    def __enter__(self) -> Peer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.close()
+        self._process.wait(timeout=60)
+        self._process.stdout.close()
+        self._folder.cleanup()

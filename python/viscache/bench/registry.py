@@ -1,0 +1,103 @@
+"""Which benches there are, and running one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from viscache.bench.aqvc_frame import aqvc_frame
+from viscache.bench.aqvc_lookup import aqvc_lookup
+from viscache.bench.common import Outcome, machine
+from viscache.bench.frames import frames
+from viscache.bench.memory import memory
+from viscache.bench.rays import rays
+from viscache.settings import NotThereYetError, nearest
+
+__all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
+
+Bench: TypeAlias = Callable[[bool], Outcome]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BenchInfo:
+    """One bench."""
+
+    description: str
+    function: Bench | None = None
+    """Takes `quick`; None where the part it measures is not there yet."""
+
+    @property
+    def is_there(self) -> bool:
+        """False for a bench whose part viscache does not have yet."""
+        return self.function is not None
+
+
+BENCHES: dict[str, BenchInfo] = {
+    "rays": BenchInfo(
+        description="any-hit rays from numpy to numpy against a bare Embree loop, Mitsuba, embreex",
+        function=rays,
+    ),
+    "frames": BenchInfo(
+        description="exact frames: ambient occlusion and 500 point lights against Mitsuba",
+        function=frames,
+    ),
+    "aqvc-frame": BenchInfo(
+        description="whole frames with the quantized cache against exact frames",
+        function=aqvc_frame,
+    ),
+    "aqvc-lookup": BenchInfo(
+        description="nanoseconds per query of each form of the quantized cache, beside one ray",
+        function=aqvc_lookup,
+    ),
+    "memory": BenchInfo(
+        description="peak memory of a 1280x800 frame of a scene of 2.2 million triangles",
+        function=memory,
+    ),
+    "correlation": BenchInfo(description="pair statistics per second"),
+    "vlf-build": BenchInfo(description="building visibility fields"),
+    "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
+    "vismap-variance": BenchInfo(description="variance with visibility maps at equal time"),
+    "sweep": BenchInfo(description="overhead of a sweep outside rendering and metrics"),
+    "peers": BenchInfo(description="caches of other renderers at equal time"),
+}
+
+
+def run(name: str, quick: bool = False) -> dict[str, Any]:
+    """Run one bench: the object that `viscache bench NAME --json` prints.
+
+    Returns
+    -------
+    dict
+        bench, machine, figures, answers_checked; beside them answers (each check with value and
+        limit), answers_hold, skipped, notes, quick.
+
+    Raises
+    ------
+    ValueError
+        An unknown name; the message has the nearest known one.
+    NotThereYetError
+        A bench whose part viscache does not have yet.
+    """
+    if name not in BENCHES:
+        raise ValueError(f"unknown bench {name!r}{nearest(name, BENCHES)}")
+    function = BENCHES[name].function
+    if function is None:
+        raise NotThereYetError(f"bench {name} is not there yet in this version of viscache")
+    outcome = function(quick)
+    return {
+        "bench": name,
+        "machine": machine(),
+        "figures": outcome.figures,
+        "answers_checked": bool(outcome.answers),
+        "answers_hold": outcome.answers_hold,
+        "answers": outcome.answers,
+        "skipped": outcome.skipped,
+        "notes": outcome.notes,
+        "quick": quick,
+    }
+
+
+def run_all(quick: bool = False) -> list[dict[str, Any]]:
+    """Run every bench that is there."""
+    return [run(name, quick) for name, info in BENCHES.items() if info.is_there]

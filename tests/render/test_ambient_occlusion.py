@@ -1,0 +1,119 @@
+"""AmbientOcclusion: uniform or cosine directions, a distance at which looking ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from render.mitsuba_scene import Look, Model, box, quad
+from render.ztest import compare
+
+PLANE = quad((-20, 0, -20), (0, 0, 40), (40, 0, 0))
+WALL = quad((0, 0, -20), (0, 0, 40), (0, 20, 0))
+CORNER = Model((PLANE, WALL), origin=(2, 1.5, 3), target=(0.5, 0, 0))
+
+
+def ambient(
+    model: Model, size: tuple[int, int] = (32, 24), seeds: int = 1, spp: int = 1, **kwargs: Any
+) -> Any:
+    scene = model.to_viscache()
+    shots = [
+        vc.render(scene, vc.AmbientOcclusion(**kwargs), size=size, seed=s, spp=spp)
+        for s in range(seeds)
+    ]
+    return np.stack([s.image for s in shots]).astype(np.float64) if seeds > 1 else shots[0]
+
+
+def test_an_open_plane_is_fully_lit_and_a_closed_room_dark() -> None:
+    for distribution in ("cosine", "uniform"):
+        plane = Model((PLANE,), origin=(0, 2, 0), target=(0, 0, 0), up=(0, 0, 1))
+        image = ambient(plane, n_samples=64, distribution=distribution).image
+        # Uniform directions carry the cosine as a weight, whose mean is 1 but for noise
+        np.testing.assert_allclose(image, 1, atol=1e-6 if distribution == "cosine" else 0.05)
+        room = Model(
+            (box((-1, -1, -1), (1, 1, 1)).reversed(),), origin=(0.1, 0, 0), target=(1, 0.2, 0)
+        )
+        assert not ambient(room, n_samples=16, distribution=distribution).image.any()
+
+
+@pytest.mark.stat
+def test_uniform_and_cosine_directions_have_one_expectation() -> None:
+    a, b = (
+        ambient(CORNER, seeds=8, spp=16, n_samples=16, distribution=d)
+        for d in ("uniform", "cosine")
+    )
+    assert compare(a, b).same
+    assert not compare(0.99 * a, b).same
+
+
+@pytest.mark.stat
+def test_beside_an_endless_wall_half_of_the_sky_is_left_and_a_little_away_the_rest() -> None:
+    """At distance x from a wall of height h the cosine-weighted share is (1 + x/√(x² + h²))/2."""
+    wall = quad((0, 0, -200), (0, 0, 400), (0, 1, 0))
+    scene = Model((quad((-200, 0, -200), (0, 0, 400), (400, 0, 0)), wall)).to_viscache()
+    for x in (0.1, 0.5, 1.0, 3.0):
+        view = vc.look_at((x, 0.02, 0), (x, 0, 0), (0, 0, 1), 0.5)
+        frame = vc.render(
+            scene, vc.AmbientOcclusion(n_samples=256), size=(1, 1), spp=64, camera=view
+        )
+        np.testing.assert_allclose(frame.image, (1 + x / np.hypot(x, 1)) / 2, rtol=0.01)
+
+
+@pytest.mark.parametrize("distribution", ["cosine", "uniform"])
+def test_blockers_beyond_the_maximum_distance_do_not_count(distribution: str) -> None:
+    ceiling = quad((-50, 1, -50), (100, 0, 0), (0, 0, 100))
+    model = Model((PLANE, ceiling), origin=(0, 0.9, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=10)
+
+    def share(distance: float) -> float:
+        frame = ambient(model, n_samples=256, distribution=distribution, max_distance=distance)
+        return float(frame.image.mean())
+
+    assert share(0.0) < 1e-3, "0 is no limit"
+    assert share(0.99) == pytest.approx(1, abs=0.02)
+    assert share(1.01) < 1
+    # A ray at angle t meets the ceiling after 1/cos t: cos t < 1/2 escapes, a share of 1/2²
+    assert share(2.0) == pytest.approx(0.25, abs=0.02)
+    assert share(1e9) < 1e-3
+
+
+def test_mirrors_glass_black_and_one_sided_surfaces_are_surfaces_like_others() -> None:
+    reference = ambient(CORNER).image
+    for look in (
+        Look(kind="mirror"),
+        Look(kind="dielectric"),
+        Look(base_color=(0, 0, 0)),
+        Look(two_sided=False),
+        Look(kind="glossy"),
+    ):
+        model = replace(CORNER, parts=tuple(replace(p, look=look) for p in CORNER.parts))
+        np.testing.assert_array_equal(ambient(model).image, reference)
+
+
+def test_each_sample_is_one_query_of_the_ambient_group() -> None:
+    frame = ambient(CORNER, size=(10, 10), spp=2, n_samples=7)
+    assert frame.counters["groups"].keys() == {"ambient"}
+    assert 0 < frame.counters["queries"] <= 10 * 10 * 2 * 7
+    assert frame.counters["queries"] == frame.counters["rays"]
+    assert set(frame.layers) == {"color", "emitted", "ambient", "depth", "normal", "albedo"}
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"n_samples": 0},
+        {"distribution": "sine"},
+        {"max_distance": -1.0},
+        {"max_distance": float("nan")},
+        {"max_distance": float("inf")},
+        {"cosmin": 0.0},
+        {"p_mode": "none"},
+    ],
+    ids=str,
+)
+def test_parameters_out_of_range_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be"):
+        vc.AmbientOcclusion(**wrong)

@@ -1,0 +1,258 @@
+"""Eye points and their density D_e, cameras, and scenes at the edge of what there is to see."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from render.mitsuba_scene import Look, Model, ball, box, quad
+from viscache import _core
+
+FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0))
+VIEW: dict[str, Any] = {"origin": (0, 2, 2), "target": (0, 0, 0), "fov_deg": 40}
+
+
+def eye_points(
+    scene: vc.Scene, integrator: Any, size: tuple[int, int], spp: int = 1
+) -> dict[str, Any]:
+    frame = _core.FrameSettings()
+    frame.width, frame.height, frame.spp, frame.seed = size[0], size[1], spp, 3
+    from viscache.integrators import core_settings
+
+    return _core.trace_eye_points(
+        scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame
+    )
+
+
+@pytest.mark.parametrize("p_mode", ["last_vertex", "footprint"])
+@pytest.mark.parametrize("spp", [1, 4, 9])
+def test_one_over_the_density_adds_up_to_the_area_in_view(p_mode: Any, spp: int) -> None:
+    """Each eye point stands for 1/D_e of surface: on a floor in full view, the view's trapezoid."""
+    scene = Model((FLOOR,), **VIEW).to_viscache()
+    found = eye_points(scene, vc.Direct(p_mode=p_mode), (60, 40), spp)
+    half_y, half_x = np.tan(np.radians(20)), 1.5 * np.tan(np.radians(20))
+    camera = scene.cameras[0]
+    corners = [
+        np.array(camera.forward)
+        + sx * half_x * np.array(camera.right)
+        + sy * half_y * np.array(camera.up)
+        for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    ground = [np.array(camera.origin) - d * camera.origin[1] / d[1] for d in corners]
+    x, z = np.array(ground)[:, 0], np.array(ground)[:, 2]
+    area = 0.5 * abs(np.dot(x, np.roll(z, 1)) - np.dot(z, np.roll(x, 1)))
+    assert len(found["density"]) == 60 * 40 * spp
+    assert np.sum(1 / found["density"]) == pytest.approx(area, rel=0.01)
+
+
+def test_both_densities_agree_on_plain_hits_and_in_plane_mirrors() -> None:
+    mirror = quad((-1.5, 0, -1), (3, 0, 0.3), (0, 2, 0), look=Look(kind="mirror"))
+    for model in (
+        Model((FLOOR, ball((0, 0.5, 0), 0.5, 48)), **VIEW),
+        Model((FLOOR, mirror), **VIEW),
+    ):
+        a, b = (
+            eye_points(model.to_viscache(), vc.Whitted(p_mode=m, cosmin=1e-3), (90, 60))
+            for m in ("last_vertex", "footprint")
+        )
+        np.testing.assert_array_equal(a["position"], b["position"])
+        ratio = a["density"] / b["density"]
+        assert np.percentile(np.abs(ratio - 1), 99) < 0.03
+    depth_one = eye_points(Model((FLOOR, mirror), **VIEW).to_viscache(), vc.Whitted(), (90, 60))
+    seen_twice = len(depth_one["density"]) - len(
+        eye_points(Model((FLOOR, mirror), **VIEW).to_viscache(), vc.Direct(), (90, 60))["density"]
+    )
+    assert seen_twice > 100, "the mirror shows the floor"
+
+
+def test_a_curved_mirror_spreads_footprints_and_leaves_the_other_density_alone() -> None:
+    globe = ball((0, 0.8, 0), 0.8, 64, smooth=True, look=Look(kind="mirror"))
+    scene = Model((FLOOR, globe), **VIEW).to_viscache()
+    a, b = (eye_points(scene, vc.Whitted(p_mode=m), (90, 60)) for m in ("last_vertex", "footprint"))
+    ratio = a["density"] / b["density"]
+    in_mirror = np.abs(ratio - 1) > 0.05
+    assert in_mirror.sum() > 300
+    assert np.median(ratio[in_mirror]) > 3, (
+        "a ball shows the world small: few eye samples on much floor"
+    )
+
+
+@pytest.mark.parametrize("p_mode", ["last_vertex", "footprint"])
+def test_grazing_views_clamp_the_cosine(p_mode: Any) -> None:
+    low = Model(
+        (quad((-300, 0, -300), (0, 0, 600), (600, 0, 0)),), origin=(0, 0.1, 5), target=(0, 0, -100)
+    )
+    densities = {}
+    for cosmin in (0.5, 1e-3):
+        densities[cosmin] = eye_points(
+            low.to_viscache(), vc.Direct(p_mode=p_mode, cosmin=cosmin), (30, 20)
+        )["density"]
+    assert np.isfinite(densities[0.5]).all() and (densities[0.5] > 0).all()
+    # With the cosine held at 1/2 a grazing point counts as denser than it is
+    assert (densities[0.5] >= densities[1e-3] * (1 - 1e-4)).all()
+    assert (densities[0.5] > 2 * densities[1e-3]).mean() > 0.5
+
+
+def test_normals_lie_on_the_side_of_the_eye_and_origins_off_the_surface() -> None:
+    scene = Model((FLOOR, box((-0.5, 0, -0.5), (0.5, 1, 0.5)).reversed()), **VIEW).to_viscache()
+    found = eye_points(scene, vc.Direct(), (60, 40))
+    to_eye = np.array(scene.cameras[0].origin) - found["position"]
+    assert (np.einsum("ij,ij->i", to_eye, found["normal"]) > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(found["normal"], axis=1), 1, rtol=1e-5)
+    lifted = np.einsum(
+        "ij,ij->i", found["origin"].astype(float) - found["position"], found["normal"]
+    )
+    assert (lifted > 0).all() and lifted.max() < 1e-4
+
+
+# Cameras
+
+
+def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
+    look = Look(base_color=(0.1, 0.2, 0.3))
+    wall = quad((-9, -9, -2), (18, 0, 0), (0, 18, 0), look=look)
+    frame = vc.render(
+        Model((wall,), origin=(0, 0, 1), target=(0, 0, 0)).to_viscache(), vc.Direct(), size=(9, 9)
+    )
+    np.testing.assert_allclose(frame.layers["depth"][4, 4], 3, rtol=1e-2)
+    np.testing.assert_allclose(
+        frame.layers["normal"], np.broadcast_to([0, 0, 1], (9, 9, 3)), atol=1e-6
+    )
+    np.testing.assert_allclose(
+        frame.layers["albedo"], np.broadcast_to(look.base_color, (9, 9, 3)), rtol=1e-6
+    )
+    assert (frame.layers["depth"][0, 0] > frame.layers["depth"][4, 4]).all()
+
+
+def test_right_is_right_and_up_is_up() -> None:
+    parts = (
+        quad((0.5, 0.5, 0), (1, 0, 0), (0, 1, 0), emission=(1, 0, 0)),
+        quad((-1.5, -1.5, 0), (1, 0, 0), (0, 1, 0), emission=(0, 1, 0)),
+    )
+    model = Model(parts, origin=(0, 0, 4), target=(0, 0, 0), fov_deg=45)
+    image = vc.render(model.to_viscache(), vc.Direct(), size=(32, 32)).layers["emitted"]
+    assert (
+        image[:16, 16:, 0].sum() > 10
+        and image[16:, :, 0].sum() == 0
+        and image[:, :16, 0].sum() == 0
+    )
+    assert (
+        image[16:, :16, 1].sum() > 10
+        and image[:16, :, 1].sum() == 0
+        and image[:, 16:, 1].sum() == 0
+    )
+
+
+@pytest.mark.parametrize(
+    ("origin", "target", "fov"),
+    [
+        ((0, 0, 0), (0, 0, 0), 45.0),
+        ((np.nan, 0, 0), (0, 0, 1), 45.0),
+        ((0, 0, np.inf), (0, 0, 1), 45.0),
+        ((0, 0, 2e16), (0, 0, 1), 45.0),
+        ((0, 0, 0), (np.nan, 0, 1), 45.0),
+        ((0, 0, 0), (0, 0, 1), 0.0),
+        ((0, 0, 0), (0, 0, 1), 180.0),
+        ((0, 0, 0), (0, 0, 1), np.nan),
+        ((0, 0, 0), (0, 0, 1), -30.0),
+    ],
+)
+def test_cameras_that_cannot_look_are_refused(origin: Any, target: Any, fov: float) -> None:
+    with pytest.raises(ValueError, match=r"camera 'camera': |fov_deg must be in"):
+        vc.look_at(origin, target, (0, 1, 0), fov)
+    scene = Model((FLOOR,), **VIEW).to_viscache()
+    broken = scene.cameras[0]
+    broken.fov_rad = float("nan")
+    with pytest.raises(vc.SceneError, match="field of view"):
+        vc.render(scene, vc.Direct(), size=(4, 4), camera=broken)
+
+
+@pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -1), (0, 0, 0), (0, 0, 1e-30)])
+def test_an_up_along_the_view_is_replaced(up: Any) -> None:
+    camera = vc.look_at((0, 0, 5), (0, 0, 0), up, 30)
+    axes = np.array([camera.right, camera.up, camera.forward])
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-6)
+
+
+# What there is to see
+
+
+@pytest.mark.parametrize(
+    "integrator",
+    [vc.Direct(), vc.Whitted(n_vpls=16), vc.AmbientOcclusion(n_samples=4)],
+    ids=lambda i: type(i).__name__,
+)
+def test_scenes_with_little_in_them_render(integrator: Any) -> None:
+    empty = vc.SceneDescription()
+    sky = vc.SceneDescription()
+    sky.set_environment((1, 2, 3))
+    only_lights = vc.SceneDescription()
+    only_lights.add_point_light((0, 1, 0), (1, 1, 1))
+    only_lights.add_sphere_light((0, 0, 0), 0.5, (1, 1, 1))
+    point = vc.SceneDescription()
+    point.add_mesh([[1, 1, 1]] * 3, [[0, 1, 2]])
+    no_triangles = vc.SceneDescription()
+    no_triangles.add_mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32))
+    for description in (empty, sky, only_lights, point, no_triangles):
+        frame = vc.render(vc.Scene.from_description(description), integrator, size=(6, 4))
+        assert np.isfinite(frame.image).all()
+    seen = vc.render(vc.Scene.from_description(sky), integrator, size=(6, 4)).image
+    expected = [0, 0, 0] if isinstance(integrator, vc.AmbientOcclusion) else [1, 2, 3]
+    np.testing.assert_array_equal(seen, np.broadcast_to(np.float32(expected), seen.shape))
+
+
+def test_a_scene_without_light_is_black_and_says_so() -> None:
+    frame = vc.render(Model((FLOOR,), **VIEW).to_viscache(), vc.Whitted(n_vpls=16), size=(8, 8))
+    assert not frame.image.any() and any("no light" in w for w in frame.warnings)
+    assert frame.counters["rays"] == 0
+
+
+def test_a_camera_inside_a_body_sees_its_inner_side() -> None:
+    inside = Model(
+        (ball((0, 0, 0), 1),),
+        points=(((0, 0.2, 0), (1, 1, 1)),),
+        origin=(0, 0, 0.1),
+        target=(0, 0, -1),
+    )
+    two_sided = vc.render(inside.to_viscache(), vc.Direct(), size=(8, 8))
+    assert (two_sided.image > 0).all()
+    part = replace(inside.parts[0], look=Look(two_sided=False))
+    one_sided = vc.render(replace(inside, parts=(part,)).to_viscache(), vc.Direct(), size=(8, 8))
+    assert not one_sided.image.any()
+
+
+def test_direct_shows_light_after_one_bounce_only_and_whitted_after_all() -> None:
+    """Two mirrors face to face with the sky above: Direct follows one bounce."""
+    mirror = Look(kind="mirror", specular=(0.5, 0.5, 0.5))
+    walls = (
+        quad((0, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror),
+        quad((1, -50, -50), (0, 0, 100), (0, 100, 0), look=mirror),
+    )
+    model = Model(walls, env=(1, 1, 1), origin=(0.5, 0, 0), target=(1, 0.2, 0), fov_deg=5)
+    shallow = vc.render(model.to_viscache(), vc.Direct(), size=(4, 4)).image
+    assert not shallow.any(), "the sky is many bounces away"
+    steep = replace(model, target=(1, 40, 0), fov_deg=0.05)
+    one = vc.render(steep.to_viscache(), vc.Direct(), size=(4, 4)).image
+    np.testing.assert_allclose(one, 0.5, rtol=1e-5)
+
+
+def test_sizes_out_of_range_are_refused() -> None:
+    scene = Model((FLOOR,), **VIEW).to_viscache()
+    for kwargs, says in (
+        ({"size": (0, 4)}, "size must be"),
+        ({"size": (4, -1)}, "size must be"),
+        ({"size": (1 << 17, 4)}, "size must be"),
+        ({"spp": 0}, "spp must be"),
+        ({"seed": -1}, "seed must be"),
+        ({"threads": 0}, "threads must be"),
+        ({"camera": 3}, "camera must be"),
+        ({"camera": "none"}, "camera must be"),
+        ({"use": "correct"}, "use must be"),
+        ({"env": -1.0}, "environment: scale must be"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            vc.render(scene, vc.Direct(), **{"size": (4, 4), **kwargs})

@@ -1,0 +1,175 @@
+"""Ctrl-C and progress while rendering; what is left afterwards is clean.
+
+Each case runs in a process of its own: a timer sends SIGINT in the middle of a render that takes
+far longer, and the process prints how long KeyboardInterrupt took. The promise is half a second on
+an idle machine; tests share their cores with others, so the best of three counts.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import viscache as vc
+from render.mitsuba_scene import Model, ball, box, quad
+
+PROGRAM = """
+import os, signal, sys, threading, time
+sys.path.insert(0, {tests!r})
+from render.test_interrupt import busy_scene
+import viscache as vc
+
+SIZE = (2048, 2048)
+many = vc.Whitted(n_vpls=1 << 13, vpl_candidates=1, vpl_eye_points=1)
+some = vc.Whitted(n_vpls=1024, vpl_candidates=1, vpl_eye_points=1)
+scene = busy_scene()
+scene.caster()
+small = vc.render(scene, vc.Direct(), size=(8, 8)).sha256
+sent = []
+def interrupt():
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+def attempt():
+    sent.clear()
+    timer = threading.Timer({delay}, interrupt)
+    timer.start()
+    try:
+        {call}
+    except KeyboardInterrupt:
+        took = time.perf_counter() - sent[0]
+        assert threading.active_count() <= 2, "threads are left over"
+        return took
+    timer.cancel()
+    sys.exit("the render ended before the interruption: the test proves nothing")
+took = [attempt() for _ in range(3)]
+assert vc.render(scene, vc.Direct(), size=(8, 8)).sha256 == small, "the state is not clean"
+print(min(took))
+"""
+
+
+def busy_scene() -> vc.Scene:
+    parts = (
+        box((-3, 0, -3), (3, 3, 3)).reversed(),
+        *(ball((x, y, z), 0.3, 24) for x in (-1, 0, 1) for y in (0.5, 1.5) for z in (-1, 0)),
+        quad((-1, 2.9, -1), (2, 0, 0), (0, 0, 2), emission=(5, 5, 5)),
+    )
+    return Model(parts, env=(0.5, 0.5, 0.5), origin=(0, 1.5, 2.8)).to_viscache()
+
+
+def seconds_to_stop(call: str, delay: float = 0.6) -> float:
+    program = PROGRAM.format(tests=str(Path(__file__).parents[1]), call=call, delay=delay)
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=240, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    return float(run.stdout)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        pytest.param(
+            "vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16)", id="area samples"
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Direct(n_area=65536), size=(512, 512), spp=1)",
+            id="65536 samples an eye point",
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Whitted(n_vpls=1 << 14), size=(2048, 2048))", id="making VPLs"
+        ),
+        pytest.param(
+            "vc.render(scene, many, size=SIZE)",
+            id="rows of VPLs",
+        ),
+        pytest.param(
+            "vc.render(scene, many, size=SIZE, visibility=vc.Exact(order='by_pixel'))",
+            id="rows of VPLs by pixel",
+        ),
+        pytest.param(
+            "vc.render(scene, many, size=SIZE, visibility=vc.Aqvc())",
+            id="quantized",
+        ),
+        pytest.param(
+            "vc.render(scene, some, size=SIZE, visibility=vc.Aqvc(preset='paper'))",
+            id="quantized, the paper's form",
+        ),
+        pytest.param(
+            "vc.render(scene, vc.AmbientOcclusion(n_samples=4096), size=(1024, 1024))", id="ambient"
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Direct(n_area=0, n_environment=0, n_brdf=0), size=(64, 64),"
+            " spp=1 << 16)",
+            id="camera rays",
+        ),
+        pytest.param(
+            "vc.render(scene, vc.Direct(n_area=256), size=(2048, 2048), spp=16, progress=True)",
+            id="with a bar",
+        ),
+    ],
+)
+def test_ctrl_c_stops_a_render_soon(call: str) -> None:
+    assert seconds_to_stop(call) < 1.0
+
+
+def test_ctrl_c_stops_a_long_query_soon() -> None:
+    call = (
+        "import numpy as np; x = np.random.default_rng(0).uniform(-3, 3, (4_000_000, 3));"
+        " x = x.astype('f4'); [scene.visible(x, x[::-1]) for _ in range(250)]"
+    )
+    assert seconds_to_stop(call, delay=1.5) < 1.0
+
+
+def test_progress_counts_tiles_to_the_end() -> None:
+    seen: list[tuple[int, int]] = []
+    vc.render(
+        busy_scene(), vc.Direct(n_area=8), size=(256, 256), spp=16,
+        progress=lambda done, total: seen.append((done, total)),
+    )  # fmt: skip
+    assert seen[-1][0] == seen[-1][1] > 1
+    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+    assert len({t for _, t in seen if t}) == 1
+
+
+def test_an_error_in_progress_ends_the_render_and_comes_back() -> None:
+    def broken(done: int, total: int) -> None:
+        raise RuntimeError("no more")
+
+    scene = busy_scene()
+    with pytest.raises(RuntimeError, match="no more"):
+        vc.render(scene, vc.Direct(n_area=256), size=(1024, 1024), spp=16, progress=broken)
+    assert vc.render(scene, vc.Direct(), size=(8, 8)).image.any()
+
+
+def test_other_python_threads_run_while_rendering() -> None:
+    import threading
+
+    scene, ticks, stop = busy_scene(), [0], threading.Event()
+
+    def count() -> None:
+        while not stop.wait(0.01):
+            ticks[0] += 1
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    frame = vc.render(scene, vc.Direct(n_area=16), size=(128, 128), spp=16)
+    stop.set()
+    counter.join()
+    # One tick takes 10 ms; a held lock would let none through
+    assert ticks[0] > frame.timings["total_s"] / 0.01 / 20
+
+
+def test_two_renders_at_once_do_not_disturb_each_other() -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    scene = busy_scene()
+    alone = [vc.render(scene, vc.Direct(n_area=8), size=(64, 64), seed=s).sha256 for s in range(4)]
+    with ThreadPoolExecutor(4) as pool:
+        jobs = [
+            pool.submit(vc.render, scene, vc.Direct(n_area=8), size=(64, 64), seed=s)
+            for s in range(4)
+        ]
+        assert [j.result().sha256 for j in jobs] == alone

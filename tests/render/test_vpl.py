@@ -1,0 +1,180 @@
+"""Virtual point lights: their expectation is the indirect light, whatever their number."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render.mitsuba_scene import Look, Model, ball, box, quad
+from render.ztest import compare
+
+Images = npt.NDArray[np.float64]
+#: Small, with many samples a pixel: an edge that crosses a pixel must be seen in every frame.
+SIZE = (16, 12)
+
+#: Walls that do not touch: the unbounded geometry term has no singular corners in sight.
+FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(base_color=(0.8, 0.8, 0.8)))
+RED = quad((-1.6, 0.3, -2), (0, 0, 3.5), (0, 2, 0), look=Look(base_color=(0.9, 0.2, 0.1)))
+BLUE = quad((-1.2, 0.3, -2), (3, 0, 0), (0, 2, 0), look=Look(base_color=(0.2, 0.3, 0.9)))
+GLOBE = ball((0.7, 0.7, -0.2), 0.4, look=Look(base_color=(0.5, 0.8, 0.4)))
+LIGHTS: dict[str, dict[str, Any]] = {
+    "point": {"points": (((0.3, 2.2, 1.0), (8, 8, 8)),)},
+    "directional": {"directions": (((0.3, 0.8, 0.52), (3, 3, 3)),)},
+    "area": {"parts": (quad((0, 2.5, 0), (1, 0, 0), (0, 0, 1), emission=(9, 8, 7)),)},
+    "sphere": {"spheres": (((0.5, 2.5, 0.8), 0.25, (20, 20, 15)),)},
+    "sky": {"env": (0.8, 0.9, 1.0)},
+}
+
+
+def model(light: str) -> Model:
+    extra = dict(LIGHTS[light])
+    parts = (FLOOR, RED, BLUE, GLOBE, *extra.pop("parts", ()))
+    return Model(parts, origin=(0.5, 2.2, 3.2), target=(0, 0.3, -0.5), **extra)
+
+
+def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
+    settings = {"vpl_bound": 0.0, "vpl_max_depth": 3, "n_vpls": 2048} | kwargs
+    settings |= {"n_area": 0, "n_environment": 0, "n_brdf": 0}
+    frames = [
+        vc.render(scene, vc.Whitted(**settings), size=SIZE, spp=9, seed=1000 + i)
+        for i in range(seeds)
+    ]
+    return np.stack([f.layers["vpl"] for f in frames]).astype(np.float64)
+
+
+@pytest.mark.stat
+@pytest.mark.mitsuba
+@pytest.mark.parametrize(
+    "light",
+    [pytest.param(x, marks=[] if x == "area" else pytest.mark.slow) for x in LIGHTS],
+)
+def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_path: Path) -> None:
+    """3 bounces of a light path, one to the eye: edges 3 to 5, less the direct light of edge 2."""
+    mi = pytest.importorskip("mitsuba")
+    mi.set_variant("scalar_rgb")
+    mi.set_log_level(mi.LogLevel.Error)
+    scene = model(light).to_mitsuba(mi, SIZE, tmp_path)
+
+    def path(depth: int, seed: int) -> Any:
+        integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
+        return np.array(mi.render(scene, integrator=integrator, spp=512, seed=seed), np.float64)[
+            ..., :3
+        ]
+
+    # The same seed does not pair the samples; the difference has the variance of both
+    reference = np.stack([path(5, i) - path(2, 500 + i) for i in range(16)])
+    ours = indirect(model(light).to_viscache(), 32)
+    found = compare(ours, reference, tolerance=1e-4)
+    assert found.same, found
+    # Virtual lights are shared by all pixels: 5 % of the indirect light is what these seeds can see
+    assert not compare(0.95 * ours, reference, tolerance=1e-4).same
+    shallow = indirect(model(light).to_viscache(), 8, n_vpls=1024, vpl_max_depth=1)
+    assert not compare(shallow, reference, tolerance=1e-4).same
+
+
+@pytest.mark.slow
+@pytest.mark.stat
+def test_resampling_does_not_change_the_expectation() -> None:
+    """Few of many, many of few, judged by one camera point or by a hundred."""
+    scene = model("point").to_viscache()
+    many = indirect(scene, 32)
+    for kwargs in (
+        {"n_vpls": 2048, "vpl_candidates": 1},
+        {"n_vpls": 64, "vpl_candidates": 64},
+        {"n_vpls": 512, "vpl_candidates": 8, "vpl_eye_points": 1},
+        {"n_vpls": 512, "vpl_candidates": 8, "vpl_eye_points": 100},
+    ):
+        found = compare(indirect(scene, 24, **kwargs), many, tolerance=1e-4)
+        assert found.same, (kwargs, found)
+    assert not compare(0.94 * indirect(scene, 32, n_vpls=2048), many, tolerance=1e-4).same
+
+
+def test_virtual_lights_carry_no_direct_light() -> None:
+    """Nothing reflects twice from a plane: all its light is direct, its VPLs give it none."""
+    for light in LIGHTS:
+        extra = dict(LIGHTS[light])
+        black = tuple(replace(p, look=Look(base_color=(0, 0, 0))) for p in extra.pop("parts", ()))
+        lit = Model((FLOOR, *black), origin=(0, 2, 2), target=(0, 0, 0), **extra).to_viscache()
+        frame = vc.render(lit, vc.Whitted(n_vpls=64), size=SIZE)
+        assert frame.counters["vpls"] > 0, light
+        assert not frame.layers["vpl"].any() and frame.counters["groups"]["vpl"]["queries"] == 0
+
+
+def test_the_number_of_virtual_lights_is_at_most_what_is_asked_for() -> None:
+    scene = model("area").to_viscache()
+    for n in (1, 7, 64, 1000):
+        vpls = vc.render(scene, vc.Whitted(n_vpls=n), size=(8, 6)).counters["vpls"]
+        assert 1 <= vpls <= n
+    assert vc.render(scene, vc.Whitted(n_vpls=0), size=(8, 6)).counters["vpls"] == 0
+
+
+def test_a_bound_takes_light_away_and_the_default_little() -> None:
+    scene = model("point").to_viscache()
+    free, slight, strong = (
+        indirect(scene, 4, n_vpls=1024, vpl_bound=b).mean() for b in (0.0, 0.01, 0.2)
+    )
+    assert strong < 0.8 * free
+    assert 0.9 * free < slight < 1.05 * free
+
+
+def test_a_scene_that_leaves_no_virtual_light_renders() -> None:
+    black = Look(base_color=(0, 0, 0))
+    nothing = Model((replace(FLOOR, look=black),), points=(((0, 1, 0), (1, 1, 1)),))
+    unlit = Model((FLOOR,))
+    away = Model((FLOOR,), directions=(((0, -1, 0), (1, 1, 1)),))
+    for lone in (
+        nothing,
+        unlit,
+        replace(away, parts=(replace(FLOOR, look=Look(two_sided=False)),)),
+    ):
+        frame = vc.render(lone.to_viscache(), vc.Whitted(n_vpls=32), size=(8, 6))
+        assert frame.counters["vpls"] == 0 and np.isfinite(frame.image).all()
+
+
+@pytest.mark.stat
+def test_light_by_way_of_a_mirror_reaches_the_floor() -> None:
+    """VPLs at the end of light → mirror → ceiling: more than without the mirror."""
+    mirror = quad((-1, 0.1, -1), (0, 0, 2), (2, 0, 0), look=Look(kind="mirror"))
+    roof = quad((-2, 2, -2), (4, 0, 0), (0, 0, 4), look=Look(base_color=(0.8, 0.8, 0.8)))
+    wall = quad((-2, 0, -2), (4, 0, 0), (0, 2, 0), look=Look(base_color=(0.8, 0.8, 0.8)))
+    lamp: dict[str, Any] = {
+        "points": (((0, 0.6, 0), (2, 2, 2)),),
+        "origin": (0, 1, 3),
+        "target": (0, 1.2, 0),
+    }
+    seen = [
+        indirect(Model(parts, **lamp).to_viscache(), 4).mean()
+        for parts in (
+            (mirror, roof, wall),
+            (replace(mirror, look=Look(base_color=(0, 0, 0))), roof, wall),
+        )
+    ]
+    assert seen[0] > 1.3 * seen[1] > 0
+
+
+def test_virtual_lights_are_the_same_for_any_number_of_threads() -> None:
+    scene = model("area").to_viscache()
+    frames = [vc.render(scene, vc.Whitted(n_vpls=256), size=(16, 12), threads=n) for n in (1, 2, 5)]
+    assert len({f.sha256 for f in frames}) == 1
+    assert len({f.counters["light_rays"] for f in frames}) == 1
+
+
+def test_box_and_all_kinds_of_light_at_once_stay_finite() -> None:
+    room = box((-2, 0, -2), (2, 2.5, 2)).reversed()
+    everything = Model(
+        (room, GLOBE, *LIGHTS["area"]["parts"]),
+        points=LIGHTS["point"]["points"],
+        spheres=LIGHTS["sphere"]["spheres"],
+        env=(1, 1, 1),
+        origin=(0, 1, 1.8),
+    )
+    frame = vc.render(
+        everything.to_viscache(), vc.Whitted(n_vpls=256, vpl_bound=0), size=SIZE, spp=4
+    )
+    assert np.isfinite(frame.image).all() and frame.image.min() >= 0

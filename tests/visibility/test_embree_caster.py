@@ -1,0 +1,329 @@
+"""scene.intersect, occluded, visible: right answers, and clear errors for what cannot be asked."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from visibility.moeller_trumbore import cross_all
+
+Array = npt.NDArray[Any]
+rng = np.random.default_rng(7)
+
+
+def soup(n: int = 200, size: float = 0.5, seed: int = 0) -> tuple[Array, Array]:
+    """Triangles without order in the unit cube."""
+    r = np.random.default_rng(seed)
+    centres = r.uniform(-1, 1, (n, 1, 3))
+    vertices = (centres + r.normal(0, size, (n, 3, 3))).reshape(-1, 3).astype(np.float32)
+    return vertices, np.arange(3 * n, dtype=np.uint32).reshape(-1, 3)
+
+
+def rays(n: int, seed: int = 1) -> tuple[Array, Array]:
+    r = np.random.default_rng(seed)
+    return r.uniform(-2, 2, (n, 3)).astype(np.float32), r.normal(size=(n, 3)).astype(np.float32)
+
+
+# Right answers
+
+
+@pytest.mark.parametrize("robust", [True, False])
+def test_hits_are_those_of_all_triangles_tried(robust: bool) -> None:
+    vertices, triangles = soup()
+    scene = vc.Scene.from_arrays(vertices, triangles)
+    o, d = rays(5000)
+    truth = cross_all(vertices, triangles, o, d)
+    t, triangle, uv, instance = scene.caster(robust=robust).intersect(o, d)
+    clear = truth.margin > 1e-5
+    assert clear.mean() > 0.97 and 0.3 < (truth.triangle[clear] >= 0).mean() < 0.99
+    np.testing.assert_array_equal(triangle[clear], truth.triangle[clear])
+    hit = clear & (truth.triangle >= 0)
+    np.testing.assert_allclose(t[hit], truth.t[hit], rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(uv[hit], truth.uv[hit], atol=1e-4)
+    missed = clear & (truth.triangle < 0)
+    assert np.isinf(t[missed]).all() and np.isnan(uv[missed]).all() and (instance == -1).all()
+
+
+def test_occluded_and_visible_agree_with_the_nearest_hit() -> None:
+    vertices, triangles = soup(seed=3)
+    scene = vc.Scene.from_arrays(vertices, triangles)
+    o, d = rays(5000, seed=4)
+    truth = cross_all(vertices, triangles, o, d)
+    clear = truth.margin > 1e-5
+    np.testing.assert_array_equal(scene.occluded(o, d)[clear], (truth.triangle >= 0)[clear])
+    t_max = np.random.default_rng(5).uniform(0, 3, len(o)).astype(np.float32)
+    clear &= np.abs(truth.t - t_max) > 1e-4
+    np.testing.assert_array_equal(scene.occluded(o, d, t_max)[clear], (truth.t < t_max)[clear])
+    np.testing.assert_array_equal(
+        scene.occluded(o, d, 1.0), scene.occluded(o, d, np.full(len(o), 1.0))
+    )
+    end = (o + d).astype(np.float32)
+    clear = (truth.margin > 1e-4) & (np.abs(truth.t - 1) > 1e-4)
+    np.testing.assert_array_equal(scene.visible(o, end)[clear], (truth.t > 1)[clear])
+    np.testing.assert_array_equal(scene.visible(o, end)[clear], scene.visible(end, o)[clear])
+
+
+def test_the_length_of_a_direction_only_scales_t() -> None:
+    scene = vc.Scene.from_arrays(*soup())
+    o, d = rays(2000)
+    unit = scene.intersect(o, d)
+    for length in (1e-6, 1e6):
+        scaled = scene.intersect(o, (d * np.float32(length)).astype(np.float32))
+        same = scaled.triangle == unit.triangle
+        assert same.mean() > 0.999
+        hit = same & (unit.triangle >= 0)
+        np.testing.assert_allclose(scaled.t[hit] * length, unit.t[hit], rtol=1e-3)
+
+
+def test_answers_do_not_depend_on_threads_or_packets() -> None:
+    scene = vc.Scene.from_arrays(*soup())
+    o, d = rays(40_000)
+    whole = scene.occluded(o, d, threads=1)
+    for threads in (2, 3, 8):
+        np.testing.assert_array_equal(scene.occluded(o, d, threads=threads), whole)
+    for i in range(7):
+        np.testing.assert_array_equal(scene.occluded(o[i::7], d[i::7]), whole[i::7])
+    for n in (1, 2, 15, 16, 17, 33):
+        np.testing.assert_array_equal(scene.occluded(o[:n], d[:n]), whole[:n])
+        np.testing.assert_array_equal(scene.intersect(o[:n], d[:n]).triangle >= 0, whole[:n])
+
+
+def test_a_watertight_surface_lets_no_ray_through_its_edges() -> None:
+    """Rays from inside a sphere, aimed at the vertices and at edge points."""
+    from render.mitsuba_scene import ball
+
+    part = ball((0.1, 0.2, 0.3), 1.0, 16)
+    scene = vc.Scene.from_arrays(part.vertices, part.triangles)
+    a, b = part.vertices[part.triangles[:, 0]], part.vertices[part.triangles[:, 1]]
+    w = np.linspace(0, 1, 9)[:, None, None]
+    targets = (a * (1 - w) + b * w).reshape(-1, 3).astype(np.float32)
+    origin = np.broadcast_to(np.float32([0.15, 0.1, 0.35]), targets.shape)
+    assert scene.occluded(origin, targets - origin).all()
+
+
+def placed(scale: float, turn: bool) -> Array:
+    q = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
+    q *= np.sign(np.linalg.det(q)) * (-1 if turn else 1)  # -1: mirrored
+    return np.concatenate([scale * q, [[3.0], [-1.0], [0.5]]], axis=1)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_instances_are_hit_where_the_transformed_mesh_would_be(mirrored: bool) -> None:
+    vertices, triangles = soup(60)
+    transforms = [placed(0.5, mirrored), placed(2.0, mirrored)]
+    d = vc.SceneDescription()
+    mesh = d.add_mesh(vertices, triangles, in_world=False)
+    world = d.add_mesh(vertices[:30], triangles[:10])
+    for m in transforms:
+        d.add_instance([mesh], m)
+    scene = vc.Scene.from_description(d)
+    assert scene.triangles == 130 and world == 1
+    copies = [vertices[:30].astype(float)] + [vertices @ m[:, :3].T + m[:, 3] for m in transforms]
+    first = np.cumsum([0] + [len(c) for c in copies])
+    flat = np.concatenate(copies)
+    faces = np.concatenate([triangles[:10] + first[0], triangles + first[1], triangles + first[2]])
+    o, w = rays(3000)
+    o = (o * 3 + [2, -1, 0]).astype(np.float32)
+    truth = cross_all(flat, faces, o, w)
+    found = scene.intersect(o, w)
+    clear = truth.margin > 1e-4
+    owner = np.where(
+        truth.triangle < 0, -1, np.searchsorted([10, 70], truth.triangle, side="right") - 1
+    )
+    hit = truth.triangle >= 0
+    expected = np.where(
+        hit, np.where(truth.triangle < 10, 60 + truth.triangle, (truth.triangle - 10) % 60), -1
+    )
+    assert hit[clear].mean() > 0.05
+    np.testing.assert_array_equal(found.triangle[clear], expected[clear])
+    np.testing.assert_array_equal(found.instance[clear], np.where(hit, owner, -1)[clear])
+    np.testing.assert_allclose(found.t[clear & hit], truth.t[clear & hit], rtol=1e-3)
+    np.testing.assert_array_equal(scene.occluded(o, w)[clear], hit[clear])
+
+
+@pytest.mark.parametrize("instanced", [False, True])
+@pytest.mark.parametrize("channels", [1, 4])
+def test_alpha_cuts_holes_for_every_kind_of_ray(instanced: bool, channels: int) -> None:
+    """The left half of a card is cut away; the image's top row is v = 1."""
+    alpha = np.zeros((2, 2, channels), np.float32)
+    alpha[:, 1, -1] = 1
+    alpha[0, 0, -1] = 0.4
+    d = vc.SceneDescription()
+    material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
+    card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    uvs = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]]
+    mesh = d.add_mesh(*card, uvs=uvs, material=material, in_world=not instanced)
+    if instanced:
+        d.add_instance([mesh], np.eye(4))
+    scene = vc.Scene.from_description(d)
+    at = np.array([[x, y, 1.0] for x in (0.05, 0.3, 0.7, 0.95) for y in (0.1, 0.9)], np.float32)
+    down = np.broadcast_to(np.float32([0, 0, -1]), at.shape)
+    # Bilinear between columns 0 (cut) and 1 (kept); near the top column 0 holds 0.4
+    expected = np.array([False, False, False, True, True, True, True, True])
+    np.testing.assert_array_equal(scene.occluded(at, down), expected)
+    np.testing.assert_array_equal(~scene.visible(at, at * [1, 1, -1]), expected)
+    np.testing.assert_array_equal(np.isfinite(scene.intersect(at, down).t), expected)
+
+
+def test_embreex_agrees_in_a_process_of_its_own() -> None:
+    """Two copies of Embree in one process are asking for trouble."""
+    pytest.importorskip("embreex")
+    program = """
+import sys; import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+v, t, o, d = (np.load(sys.argv[1])[k] for k in "vtod")
+scene = EmbreeScene(); TriangleMesh(scene, v[t].astype("f4"))
+np.save(sys.argv[2], scene.run(o.astype("f4"), d.astype("f4")))
+"""
+    import tempfile
+    from pathlib import Path
+
+    vertices, triangles = soup(2000, 0.05)
+    o, d = rays(20_000)
+    with tempfile.TemporaryDirectory() as folder:
+        given, answer = Path(folder) / "in.npz", Path(folder) / "out.npy"
+        np.savez(given, v=vertices, t=triangles, o=o, d=d)
+        subprocess.run([sys.executable, "-c", program, str(given), str(answer)], check=True)
+        theirs = np.load(answer)
+    ours = vc.Scene.from_arrays(vertices, triangles).intersect(o, d).triangle
+    assert (theirs == ours).mean() > 0.9999
+
+
+# What cannot be asked
+
+SCENE = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+ONE = [[0.2, 0.2, 1.0]]
+DOWN = [[0.0, 0.0, -1.0]]
+BAD_VALUES = [np.nan, np.inf, -np.inf, 2e16, 2e18, 1e30, 1e300]
+
+
+@pytest.mark.parametrize("value", BAD_VALUES)
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis: int) -> None:
+    bad = np.array([[0.2, 0.2, 1.0], [0.1, 0.1, 1.0]])
+    bad[1, axis] = value
+    good = np.repeat(ONE, 2, axis=0)
+    for call, name in (
+        (lambda: SCENE.visible(bad, good), "x"),
+        (lambda: SCENE.visible(good, bad), "y"),
+        (lambda: SCENE.occluded(bad, good), "origins"),
+        (lambda: SCENE.occluded(good, bad), "directions"),
+        (lambda: SCENE.intersect(bad, good), "origins"),
+        (lambda: SCENE.intersect(good, bad), "directions"),
+    ):
+        with pytest.raises(
+            ValueError, match=rf"^{name} must be finite and at most 1e16 in size, row 1 "
+        ):
+            call()
+
+
+@pytest.mark.parametrize(
+    "wrong", [[], [0.0, 0.0, 0.0], [[0.0, 0.0]], np.zeros((2, 3, 1)), np.zeros((1, 4)), 1.0]
+)
+def test_wrong_shapes_are_refused_with_the_shape_given(wrong: Any) -> None:
+    for call in (lambda: SCENE.visible(wrong, ONE), lambda: SCENE.occluded(ONE, wrong),
+                 lambda: SCENE.intersect(wrong, ONE)):  # fmt: skip
+        with pytest.raises(ValueError, match=r"must have shape \(N, 3\), got \("):
+            call()
+
+
+@pytest.mark.parametrize(
+    "wrong", [[["a", "b", "c"]], [[None, 1, 2]], [[1j, 0, 0]], [[True, False, True]]]
+)
+def test_what_is_not_a_number_is_refused(wrong: Any) -> None:
+    with pytest.raises(ValueError, match="x must be numbers, got dtype"):
+        SCENE.visible(wrong, ONE)
+
+
+def test_different_numbers_of_rows_are_refused() -> None:
+    two = ONE * 2
+    with pytest.raises(ValueError, match=r"equal numbers of rows, got \(1, 3\) and \(2, 3\)"):
+        SCENE.visible(ONE, two)
+    with pytest.raises(ValueError, match="equal numbers of rows"):
+        SCENE.intersect(two, DOWN)
+
+
+@pytest.mark.parametrize("t_max", [np.nan, -1.0, -np.inf, [np.nan], [-1e-30]])
+def test_a_t_max_below_zero_or_nan_is_refused(t_max: Any) -> None:
+    with pytest.raises(ValueError, match="t_max must be >= 0, got"):
+        SCENE.occluded(ONE, DOWN, t_max)
+
+
+@pytest.mark.parametrize("t_max", [[1.0, 2.0], [[1.0]], "far", None])
+def test_a_t_max_of_another_shape_is_refused(t_max: Any) -> None:
+    with pytest.raises(ValueError, match="t_max must be"):
+        SCENE.occluded(ONE, DOWN, t_max)
+
+
+def test_no_rays_are_no_answers() -> None:
+    none = np.zeros((0, 3))
+    assert SCENE.visible(none, none).shape == SCENE.occluded(none, none).shape == (0,)
+    assert SCENE.occluded(none, none, np.zeros(0)).dtype == bool
+    found = SCENE.intersect(none, none)
+    assert [f.shape for f in found] == [(0,), (0,), (0, 2), (0,)]
+    assert [f.dtype for f in found] == [np.float32, np.int64, np.float32, np.int64]
+
+
+def test_rays_without_length_hit_nothing() -> None:
+    on_it, beside = [[0.2, 0.2, 0.0]], [[0.2, 0.2, 0.5]]
+    for point in (on_it, beside):
+        assert not SCENE.occluded(point, [[0.0, 0.0, 0.0]])[0]
+        assert SCENE.intersect(point, [[0.0, 0.0, 0.0]]).triangle[0] == -1
+        assert SCENE.visible(point, point)[0]
+    assert not SCENE.occluded(beside, DOWN, 0.0)[0]
+
+
+@pytest.mark.extreme
+def test_extreme_but_legal_rays_are_answered() -> None:
+    big = np.float32(1e16)
+    o = np.array(
+        [[big, big, big], [-big, 0.2, 1], [0.2, 0.2, 1], [0.2, 0.2, 1e-30], [0.2, 0.2, 1]],
+        np.float32,
+    )
+    d = np.array(
+        [[-big, -big, -big], [1, 0, 0], [0, 0, -1e-38], [0, 0, -1], [0, 0, -1e16]], np.float32
+    )
+    answers = SCENE.occluded(o, d)
+    assert answers.dtype == bool and answers[3] and answers[4]
+    SCENE.intersect(o, d)
+    SCENE.visible(o, d)
+
+
+def test_t_max_may_be_an_array_an_integer_or_infinite() -> None:
+    for t_max in (2, 2.0, [2.0], np.inf, np.float64(2), np.array(2.0), np.array([2], np.int64)):
+        assert SCENE.occluded(ONE, DOWN, t_max)[0]
+    assert not SCENE.occluded(ONE, DOWN, 0.5)[0]
+
+
+def test_inputs_of_any_layout_and_type_are_taken() -> None:
+    o = np.repeat(ONE, 6, axis=0)
+    for given in (
+        o.astype(np.float64),
+        o.astype(np.float16),
+        np.asfortranarray(o),
+        o.tolist(),
+        np.repeat(o, 2, 0)[::2],
+    ):
+        assert SCENE.occluded(given, np.repeat(DOWN, 6, 0)).all()
+    whole = np.array([[0, 0, 2]])
+    assert SCENE.visible(whole, [[1, 1, 2]])[0]
+
+
+def test_an_empty_scene_hides_nothing() -> None:
+    scene = vc.Scene.from_description(vc.SceneDescription())
+    assert scene.visible(ONE, DOWN)[0] and not scene.occluded(ONE, DOWN)[0]
+    assert scene.intersect(ONE, DOWN).triangle[0] == -1
+
+
+def test_degenerate_triangles_do_no_harm() -> None:
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.5, 0.5]]
+    scene = vc.Scene.from_arrays(vertices, [[0, 0, 0], [0, 1, 1], [3, 3, 3], [0, 1, 2]])
+    assert scene.intersect(ONE, DOWN).triangle[0] == 3
+    assert np.isfinite(vc.render(scene, vc.Direct(), size=(8, 8), env=1.0).image).all()
