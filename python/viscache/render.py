@@ -129,16 +129,22 @@ def render(
             "tile_edge_px": result["tile_edge_px"],
         },
         provenance={**provenance(), "threads": result["threads"]},
-        warnings=_warnings(scene, integrator),
+        warnings=_warnings(scene, integrator, visibility),
     )
     made.counters["sha256"] = made.sha256
     return made
 
 
-def _warnings(scene: Scene, integrator: Integrator) -> list[str]:
+def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> list[str]:
+    texts = list(scene.warnings)
     if isinstance(integrator, AmbientOcclusion):
-        return [w for w in scene.warnings if "no light" not in w]
-    return list(scene.warnings)
+        texts = [w for w in texts if "no light" not in w]
+    if isinstance(visibility, Aqvc) and (c_n := visibility.core().c_n) % 2:
+        texts.append(
+            f"odd c_n ({c_n}): grids stand oblique on axis-aligned walls and cost several times "
+            "the rays of an even c_n"
+        )
+    return texts
 
 
 def _frame_settings(

@@ -95,7 +95,7 @@ class Aqvc:
     grid_offset : bool
         Shift the grids by irrational amounts, so that no plane lies on a cell face.
     grid_seed : int >= 0
-        Another shift per number.
+        Another shift per number, and another random order.
     tangent_neighbours : bool
         Neighbour cells follow the tangent plane instead of keeping v_z.
     res_rule : {"eq7", "eq6"}
