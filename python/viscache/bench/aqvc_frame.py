@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
@@ -11,7 +13,7 @@ from viscache.frame import Frame
 from viscache.integrators import Whitted
 from viscache.metrics import compare
 from viscache.render import render
-from viscache.scene import Scene
+from viscache.scene import Scene, load_scene
 from viscache.visibility import Aqvc, Exact, Visibility
 
 __all__ = ["aqvc_frame"]
@@ -47,8 +49,19 @@ CASES = (
     Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
 )
 QUICK = (Case(size=(128, 128), spp=1, n_vpls=64, c_e=10, repeats=2, with_slow=True),)
+#: Scenes that do not come with viscache, without a goal.
+FILES = ("living-room", "veach-ajar")
 #: The error up to which a ratio with a goal counts.
 REL_L1_GOAL = 0.01
+
+
+def scene_file(name: str) -> Path | None:
+    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`, where there is one."""
+    folder = os.environ.get("VISCACHE_SCENES")
+    candidates = (
+        [Path(folder) / name / f"scene.{kind}" for kind in ("xml", "pbrt")] if folder else []
+    )
+    return next((path for path in candidates if path.exists()), None)
 
 
 def aqvc_frame(quick: bool = False) -> Outcome:
@@ -57,6 +70,13 @@ def aqvc_frame(quick: bool = False) -> Outcome:
     scene = build_scene(SMALL if quick else ROOM)
     for case in QUICK if quick else CASES:
         measure(outcome, scene, "room", case)
+    for name in () if quick else FILES:
+        path = scene_file(name)
+        if path is None:
+            outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+        else:
+            case = Case(size=(640, 400), spp=1, n_vpls=1024, c_e=10)
+            measure(outcome, load_scene(path), name, case)
     outcome.notes.append(
         "exact: our fastest exact order (16 neighbouring eye points towards one light, traversal"
         " flag by trial); exact-by-pixel: 16 lights from one eye point; hash: the paper's form,"
