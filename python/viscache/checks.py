@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
+import numbers
+import typing
+from dataclasses import fields
+from types import NoneType
+from typing import Any, Literal
 
 
 def require(holds: bool, what: str, given: Any) -> None:
@@ -12,3 +17,62 @@ def require(holds: bool, what: str, given: Any) -> None:
     """
     if not holds:
         raise ValueError(f"{what}, got {given!r}")
+
+
+def check_types(settings: Any) -> None:
+    """Hold every field of a frozen dataclass to its annotation; numbers become plain Python ones.
+
+    Known are int, float (finite), bool, Literal, and unions of these with None; a field of another
+    type is left to its class.
+
+    Raises
+    ------
+    ValueError
+        `n_vpls must be a whole number, got 1.5`.
+    """
+    hints = _hints(type(settings))
+    for field in fields(settings):
+        value = getattr(settings, field.name)
+        kinds = typing.get_args(hints[field.name]) or (hints[field.name],)
+        optional = NoneType in kinds
+        if typing.get_origin(hints[field.name]) is Literal:
+            kinds = (hints[field.name],)
+        if optional and value is None:
+            continue
+        kind = next(k for k in kinds if k is not NoneType)
+        plain = _plain(field.name, kind, value)
+        if plain is not value:
+            object.__setattr__(settings, field.name, plain)
+
+
+_HINTS: dict[type, dict[str, Any]] = {}
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    if cls not in _HINTS:
+        _HINTS[cls] = typing.get_type_hints(cls)
+    return _HINTS[cls]
+
+
+def is_whole(value: Any) -> bool:
+    """Whether a value is an integer of Python or numpy; True and False are not."""
+    return isinstance(value, numbers.Integral) and not isinstance(value, bool)
+
+
+def _plain(name: str, kind: Any, value: Any) -> Any:
+    if typing.get_origin(kind) is Literal:
+        words = typing.get_args(kind)
+        choices = " or ".join(f'"{w}"' for w in words) if len(words) < 3 else f"one of {words}"
+        require(isinstance(value, str) and value in words, f"{name} must be {choices}", value)
+    if kind is bool:
+        flag = isinstance(value, bool) or type(value).__name__ in ("bool_", "bool")
+        require(flag, f"{name} must be true or false", value)
+        return bool(value)
+    if kind is int:
+        require(is_whole(value), f"{name} must be a whole number", value)
+        return int(value)
+    if kind is float:
+        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        require(number and math.isfinite(value), f"{name} must be a finite number", value)
+        return float(value)
+    return value

@@ -54,10 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return OK
-    except (ValueError, OSError, NotThereYetError) as error:
+    except (ValueError, OSError, NotThereYetError, MemoryError) as error:
         if debug:
             raise
-        return _complain(str(error))
+        return _complain(_reason(error))
 
 
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
@@ -86,6 +86,14 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:  # type: ignore[override]
         self.exit(BAD_USAGE, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for this (a smaller --size needs less)"
+    if isinstance(error, OSError) and error.strerror and error.filename:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _complain(message: str) -> int:

@@ -44,6 +44,8 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
 
 def read_image(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     """A linear image, (H, W, C) float32, from .exr, .hdr, .png or .jpg."""
+    if not Path(path).is_file():
+        raise SceneError(f"{path}: no such file")
     if str(path).lower().endswith(".exr"):
         return read_exr(path)
     return _core.read_image(os.fspath(path))
@@ -64,7 +66,10 @@ def apply_environment(description: SceneDescription, env: Any) -> None:
     if isinstance(env, str | os.PathLike):
         pixels = read_image(env)
     else:
-        pixels = np.asarray(env, dtype=np.float32)
+        try:
+            pixels = np.asarray(env, dtype=np.float32)
+        except (TypeError, ValueError):
+            raise ValueError(f"env must be a path, a number or pixels, got {env!r}") from None
     if pixels.ndim == 3:
         description.set_environment((1.0, 1.0, 1.0), image=description.add_image(pixels))
         return

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import require
+from viscache.checks import check_types, require
 
 __all__ = ["AmbientOcclusion", "Direct", "Integrator", "Whitted"]
 
@@ -44,6 +44,7 @@ class Direct:
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:
+        check_types(self)
         _check_samples(self)
 
 
@@ -85,6 +86,7 @@ class Whitted:
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:
+        check_types(self)
         _check_samples(self)
         require(0 <= self.n_vpls <= 1 << 20, "n_vpls must be in [0, 2^20]", self.n_vpls)
         require(0 <= self.max_depth <= 16, "max_depth must be in [0, 16]", self.max_depth)
@@ -127,17 +129,9 @@ class AmbientOcclusion:
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:
+        check_types(self)
         require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
-        require(
-            self.distribution in ("cosine", "uniform"),
-            'distribution must be "cosine" or "uniform"',
-            self.distribution,
-        )
-        require(
-            0 <= self.max_distance < float("inf"),
-            "max_distance must be >= 0 and finite",
-            self.max_distance,
-        )
+        require(self.max_distance >= 0, "max_distance must be >= 0", self.max_distance)
         _check_density(self)
 
 
@@ -145,11 +139,6 @@ Integrator: TypeAlias = Direct | Whitted | AmbientOcclusion
 
 
 def _check_density(s: Integrator) -> None:
-    require(
-        s.p_mode in ("last_vertex", "footprint"),
-        'p_mode must be "last_vertex" or "footprint"',
-        s.p_mode,
-    )
     require(0 < s.cosmin <= 1, "cosmin must be in (0, 1]", s.cosmin)
 
 

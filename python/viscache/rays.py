@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from viscache.checks import check_types
+
 __all__ = ["Embree"]
 
 
@@ -18,3 +20,6 @@ class Embree:
     """
 
     robust: bool = True
+
+    def __post_init__(self) -> None:
+        check_types(self)

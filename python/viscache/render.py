@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+import typing
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import require
+from viscache.checks import is_whole, require
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Integrator, core_settings
 from viscache.progress import progress_bar
@@ -86,8 +87,15 @@ def render(
     >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
     (20, 32, 3)
     """
-    rays = rays or Embree()
-    visibility = visibility or Exact()
+    rays, visibility = rays or Embree(), visibility or Exact()
+    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    for name, value, known in (
+        ("integrator", integrator, typing.get_args(Integrator)),
+        ("rays", rays, (Embree,)),
+        ("visibility", visibility, typing.get_args(Visibility)),
+    ):
+        classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
+        require(isinstance(value, known), f"{name} must be {classes}", value)
     require(use in (None, "replace"), 'use must be "replace"', use)
     if env is not None:
         scene = scene.with_environment(env)
@@ -129,21 +137,32 @@ def render(
             "tile_edge_px": result["tile_edge_px"],
         },
         provenance={**provenance(), "threads": result["threads"]},
-        warnings=_warnings(scene, integrator),
+        warnings=_warnings(scene, integrator, visibility),
     )
     made.counters["sha256"] = made.sha256
     return made
 
 
-def _warnings(scene: Scene, integrator: Integrator) -> list[str]:
+def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> list[str]:
+    texts = list(scene.warnings)
     if isinstance(integrator, AmbientOcclusion):
-        return [w for w in scene.warnings if "no light" not in w]
-    return list(scene.warnings)
+        texts = [w for w in texts if "no light" not in w]
+    if isinstance(visibility, Aqvc) and (c_n := visibility.core().c_n) % 2:
+        texts.append(
+            f"odd c_n ({c_n}): grids stand oblique on axis-aligned walls and cost several times "
+            "the rays of an even c_n"
+        )
+    return texts
 
 
 def _frame_settings(
     size: tuple[int, int], spp: int, seed: int, threads: int | None
 ) -> _core.FrameSettings:
+    pair = isinstance(size, Sequence) and len(size) == 2 and all(is_whole(v) for v in size)
+    require(pair, "size must be (width, height)", size)
+    for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):
+        whole = is_whole(value) or (name == "threads" and value is None)
+        require(whole, f"{name} must be a whole number", value)
     width, height = (int(v) for v in size)
     require(1 <= width <= 1 << 16 and 1 <= height <= 1 << 16, "size must be in [1, 65536]", size)
     require(1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)

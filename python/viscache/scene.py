@@ -13,11 +13,16 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
+from viscache.checks import is_whole, require
 from viscache.environments import apply_environment, decode_images
+from viscache.scenes.coplanar import coplanar_share
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 
 Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
+
+
+MOST_COUNTED_TRIANGLES = 5_000_000
 
 
 class Intersection(NamedTuple):
@@ -164,15 +169,35 @@ class Scene:
         """Arrays of every mesh: vertices, triangles, normals, material, emission."""
         return [_core.scene_mesh(self._core, i) for i in range(_core.scene_mesh_count(self._core))]
 
+    @cached_property
+    def coplanar_share(self) -> float | None:
+        """Share of the placed triangles that lie in one plane with a neighbour.
+
+        Many of them are flat faces cut up: they raise the count without adding shape. None above 5
+        million unique triangles, where counting would take long.
+        """
+        if self._core.unique_triangles > MOST_COUNTED_TRIANGLES:
+            return None
+        meshes = self.meshes()
+        placed = np.array([int(m["in_world"]) for m in meshes], dtype=float)
+        for members, _ in _core.scene_instances(self._core):
+            placed[list(members)] += 1
+        counts = placed * [len(m["triangles"]) for m in meshes]
+        shares = [
+            coplanar_share(m["vertices"], m["triangles"]) if count else 0.0
+            for m, count in zip(meshes, counts, strict=True)
+        ]
+        return float(counts @ shares / counts.sum()) if counts.sum() > 0 else 0.0
+
     def info(self) -> dict[str, Any]:
         """What `viscache info --json` prints."""
-        bounds = self.bounds.astype(float)
+        bounds = [[float(str(v)) for v in corner] for corner in self.bounds]
         return {
             "name": self.name,
             "triangles": self.triangles,
             "unique_triangles": self._core.unique_triangles,
             "instances": self._core.instances,
-            "bounds": [[float(v) for v in corner] for corner in bounds],
+            "bounds": bounds,
             "lights": self.lights,
             "cameras": [
                 {
@@ -184,6 +209,7 @@ class Scene:
                 for c in self.cameras
             ],
             "memory_bytes": self._core.memory_bytes,
+            "coplanar_share": self.coplanar_share,
             "content_hash": self.content_hash,
             "warnings": self.warnings,
         }
@@ -232,7 +258,7 @@ class Scene:
         ValueError
             Wrong shapes, or coordinates that are not finite or above 1e16.
         """
-        return self.caster().visible(_points(x, "x"), _points(y, "y"), threads or 0)
+        return self.caster().visible(_points(x, "x"), _points(y, "y"), _threads(threads))
 
     def occluded(
         self,
@@ -256,14 +282,14 @@ class Scene:
         (N,) bool
         """
         o, d = _points(origins, "origins"), _points(directions, "directions")
-        return self.caster().occluded(o, d, t_max, threads or 0)
+        return self.caster().occluded(o, d, t_max, _threads(threads))
 
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
         """Nearest hits of (N, 3) rays; see `Intersection`."""
         o, d = _points(origins, "origins"), _points(directions, "directions")
-        return Intersection(*self.caster().intersect(o, d, threads or 0))
+        return Intersection(*self.caster().intersect(o, d, _threads(threads)))
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
@@ -289,6 +315,8 @@ def load_scene(
     SceneError
         A missing, malformed or inconsistent file; names file and place.
     """
+    if str(path) and Path(path).is_dir():
+        raise SceneError(f"{path}: is a directory, not a scene file")
     description = _core.load_scene_file(os.fspath(path), strict=strict)
     decode_images(description, strict=strict)
     if env is not None:
@@ -301,6 +329,12 @@ def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:
     if len(rgb) != 3:
         raise ValueError(f"{name} must have 3 values, got {len(rgb)}")
     return rgb
+
+
+def _threads(wish: int | None) -> int:
+    fits = wish is None or (is_whole(wish) and 1 <= wish <= 1024)
+    require(fits, "threads must be a whole number in [1, 1024]", wish)
+    return wish or 0
 
 
 def _points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:

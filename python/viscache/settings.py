@@ -7,6 +7,7 @@ import dataclasses
 import difflib
 import importlib
 import json
+import math
 import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
@@ -112,7 +113,7 @@ def plain(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def literal(text: str) -> Any:
     """The value of `--set name=text`: a Python literal, true/false/none, else the text itself."""
-    words = {"true": True, "false": False, "none": None, "inf": float("inf")}
+    words = {"true": True, "false": False, "none": None, "inf": math.inf, "nan": math.nan}
     if text.lower() in words:
         return words[text.lower()]
     try:

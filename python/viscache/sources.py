@@ -7,14 +7,19 @@ import os
 from pathlib import Path
 from typing import Any
 
+from viscache.checks import require
+
 
 def is_builtin(spec: str) -> bool:
     """Whether a spec names a built-in scene: `room`, `room?triangles=200000&lights=24`.
 
-    A name without a dot or slash before its `?` that is no file either.
+    A name without a dot or slash before its `?` that is no file either. A folder of the same name
+    does not hide a built-in scene.
     """
     name = spec.partition("?")[0]
-    return bool(name) and not set("./\\") & set(name) and not Path(spec).is_file()
+    if not name or set("./\\") & set(name) or Path(spec).is_file():
+        return False
+    return not Path(spec).is_dir() or name in importlib.import_module("viscache.scenes").SCENES
 
 
 def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
@@ -35,7 +40,7 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
         An unknown built-in scene or parameter.
     """
     vc: Any = importlib.import_module("viscache")
-
+    require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):
         return importlib.import_module("viscache.scenes").build(spec)
     return vc.load_scene(spec, strict=strict, env=env)

@@ -44,6 +44,19 @@ def auto_exposure(image: FloatImage, percentile: float = 99.0) -> float:
     return 1.0 / white if white > 0.0 else 1.0
 
 
+def display_exposure(image: FloatImage) -> float:
+    """The factor to look at a picture with: `auto_exposure`, more where most of it would be dark.
+
+    A room around a bright window gets up to 8 times more, until its median luminance is 0.1.
+    """
+    values = luminance(image)
+    lit = values[np.isfinite(values) & (values > 0)]
+    white = auto_exposure(image)
+    if lit.size == 0:
+        return white
+    return float(np.clip(0.1 / np.median(lit), white, 8.0 * white))
+
+
 def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np.uint8]:
     """Exposure, clip, sRGB curve, 8 bits.
 
@@ -52,7 +65,7 @@ def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np
     image : (H, W, C) float
         Scene-linear; C = 1 (grey) or >= 3 (R, G, B first).
     exposure : float, optional
-        Factor before the curve; `auto_exposure(image)` when None.
+        Factor before the curve; `display_exposure(image)` when None.
 
     Returns
     -------
@@ -62,7 +75,7 @@ def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np
     pixels = np.asarray(image)
     if pixels.ndim != 3 or pixels.shape[2] in (0, 2):
         raise ValueError(f"image must have shape (H, W, 1) or (H, W, >= 3), got {pixels.shape}")
-    factor = auto_exposure(pixels) if exposure is None else float(exposure)
+    factor = display_exposure(pixels) if exposure is None else float(exposure)
     rgb = np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels[:, :, :3]
     bad = np.isnan(rgb).any(axis=2)
     finite = np.nan_to_num(rgb.astype(np.float64), nan=0.0, posinf=np.inf, neginf=-np.inf)
@@ -73,15 +86,19 @@ def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np
     return out
 
 
-def difference8(a: FloatImage, b: FloatImage, gain: float = 16.0) -> npt.NDArray[np.uint8]:
-    """The signed difference a - b around mid grey: 128 + 127·gain·(a - b)·exposure(b).
+def difference8(
+    a: FloatImage, b: FloatImage, gain: float = 16.0, exposure: float | None = None
+) -> npt.NDArray[np.uint8]:
+    """The signed difference a - b around mid grey: 128 + 127·gain·(a - b)·exposure.
 
-    Brighter than grey = a is brighter than the reference b. Shape (H, W, 3) uint8.
+    Brighter than grey = a is brighter than the reference b. The exposure is `display_exposure(b)`
+    when None. Shape (H, W, 3) uint8.
     """
     delta = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
     if delta.shape[2] == 1:
         delta = np.repeat(delta, 3, axis=2)
-    scaled = np.nan_to_num(delta[:, :, :3] * gain * auto_exposure(b), nan=1.0)
+    factor = display_exposure(b) if exposure is None else float(exposure)
+    scaled = np.nan_to_num(delta[:, :, :3] * gain * factor, nan=1.0)
     return np.round(128.0 + 127.0 * np.clip(scaled, -1.0, 1.0)).astype(np.uint8)
 
 

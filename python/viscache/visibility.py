@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from numbers import Real
 from typing import Any, Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import require
+from viscache.checks import check_types, require
 
 __all__ = ["Aqvc", "Exact", "Visibility"]
 
@@ -32,11 +33,7 @@ class Exact:
     coherent: bool | None = None
 
     def __post_init__(self) -> None:
-        require(
-            self.order in ("by_light", "by_pixel"),
-            'order must be "by_light" or "by_pixel"',
-            self.order,
-        )
+        check_types(self)
 
     def core(self) -> tuple[_core.PacketOrder, bool | None]:
         """The C++ settings."""
@@ -95,7 +92,7 @@ class Aqvc:
     grid_offset : bool
         Shift the grids by irrational amounts, so that no plane lies on a cell face.
     grid_seed : int >= 0
-        Another shift per number.
+        Another shift per number, and another random order.
     tangent_neighbours : bool
         Neighbour cells follow the tangent plane instead of keeping v_z.
     res_rule : {"eq7", "eq6"}
@@ -164,12 +161,16 @@ class Aqvc:
     batch: int | None = None
 
     def __post_init__(self) -> None:
-        require(self.preset in PRESETS, f"preset must be one of {sorted(PRESETS)}", self.preset)
+        check_types(self)
+        table = isinstance(self.c_e_groups, Mapping)
+        require(table, "c_e_groups must map light groups to numbers", self.c_e_groups)
         for group, value in self.c_e_groups.items():
             require(group in LIGHT_GROUPS, f"c_e_groups must name {', '.join(LIGHT_GROUPS)}", group)
+            number = isinstance(value, Real) and not isinstance(value, bool)
             require(
-                0 < value < float("inf"), f"c_e_groups[{group!r}] must be > 0 and finite", value
-            )
+                number and 0 < value < float("inf"),
+                f"c_e_groups[{group!r}] must be > 0 and finite", value,
+            )  # fmt: skip
         self.core()
 
     def core(self) -> _core.aqvc.AqvcParameters:
@@ -190,8 +191,7 @@ class Aqvc:
             try:
                 setattr(core, name, value)
             except TypeError as error:
-                kind = type(getattr(core, name)).__name__
-                raise ValueError(f"{name} must be a {kind}, got {value!r}") from error
+                raise ValueError(f"{name} must be a number in range, got {value!r}") from error
         core.c_e_group = [float(self.c_e_groups.get(g, 0.0)) for g in LIGHT_GROUPS]
         core.validate()
         return core

@@ -113,3 +113,19 @@ def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
         plots.trade(ds, y="rel_l2")
     with pytest.raises(ValueError, match="two of the swept dims"):
         plots.heatmap(ds, x="c_q")
+
+
+def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit() -> None:
+    from viscache import tonemap
+
+    image = np.full((20, 20, 3), 0.02, np.float32)
+    image[:2] = 1.0
+    assert tonemap.auto_exposure(image) == pytest.approx(1)
+    assert tonemap.display_exposure(image) == pytest.approx(5)  # the median becomes 0.1
+    image[2:] = 1e-4
+    assert tonemap.display_exposure(image) == pytest.approx(8)
+    image[2:] = 0.5
+    assert tonemap.display_exposure(image) == pytest.approx(1)
+    assert tonemap.display_exposure(np.zeros((2, 2, 3), np.float32)) == 1
+    shown = tonemap.difference8(image + np.float32(1 / 64), image)
+    np.testing.assert_array_equal(shown, np.uint8(128 + round(127 * 16 / 64)))

@@ -18,6 +18,21 @@ Key = tuple[int, ...]
 NEIGHBOURS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
+def expected_paths(n_p: Array, p_e: Array, a_e: Array, p_l: Array, a_l: Array) -> Array:
+    """Eq. 2: paths in a cluster of patches A_e, A_l."""
+    return n_p * (p_e * a_e) * (p_l * a_l)
+
+
+def patch_area_product(p_e: Array, p_l: Array, n_p: Array, c_e: Array) -> Array:
+    """Eq. 3: A_e·A_l that holds C_E² paths."""
+    return c_e**2 / (p_e * p_l * n_p)
+
+
+def patch_area(r: Array, b_r: Array) -> Array:
+    """Eq. 5."""
+    return (2 * b_r / r) ** 2
+
+
 def resolution_pair(d_e: Array, d_l: Array, c_e: float, b_r: float) -> Array:
     """Eq. 6 with the fourth root; D_e·D_l = P_e·P_l·N_P."""
     return 2 * b_r * (d_e * d_l / c_e**2) ** 0.25
@@ -36,6 +51,16 @@ def resolution_light(d_l: Array, b_r: float) -> Array:
 def resolution_environment(d: Array) -> Array:
     """Eq. 9 with 4π on the side where the areas agree."""
     return np.sqrt(4 * np.pi * d)
+
+
+def resolution_environment_printed(d: Array) -> Array:
+    """Eq. 9 as printed."""
+    return np.sqrt(d / (4 * np.pi))
+
+
+def normal_bins(n: Array, c_n: Array, rounding: bool) -> Array:
+    """Eq. 4: ω_q of a component of the normal."""
+    return np.clip(np.floor((n + 1) / 2 * c_n + (0.5 if rounding else 0.0)), 0, c_n)
 
 
 def ladder(r: Array, c_r: float = 1.2) -> Array:

@@ -39,7 +39,8 @@ def test_a_frozen_scene_tells_what_it_holds() -> None:
     assert scene.triangles == 4, (
         "two placed cards; the emitting sphere's own triangles do not count"
     )
-    np.testing.assert_array_equal(scene.bounds, [[0, 0, 0], [1, 1, 0]])
+    # The cards, and the emitting sphere whole
+    np.testing.assert_array_equal(scene.bounds, [[0, 0, 0], [9.5, 9.5, 9.5]])
     assert [light["kind"] for light in scene.lights] == [
         "point",
         "directional",

@@ -31,7 +31,7 @@ struct AqvcParameters {
     double c_r = 1.2;                              ///< ratio of the ladder of resolutions
     NormalMode normal_mode = NormalMode::kRound;
     bool grid_offset = true;         ///< shift the grids, so that no plane of a scene lies on a cell face
-    uint32_t grid_seed = 0;          ///< another shift per number
+    uint32_t grid_seed = 0;          ///< another shift, and another random order, per number
     bool tangent_neighbours = true;  ///< neighbour cells follow the tangent plane
     ResolutionRule res_rule = ResolutionRule::kEq7;
     EnvironmentRule env_rule = EnvironmentRule::kDerived;

@@ -70,6 +70,8 @@ void Scene::measure() {
             placed_triangles_ += mesh.triangles.size();
             for (Vec3 v : mesh.vertices) bounds_.add(instance.to_world.point(v));
         }
+    for (const SphereLight& light : d_.sphere_lights)
+        for (float side : {-light.radius, light.radius}) bounds_.add(light.center + Vec3{side, side, side});
     if (!bounds_.empty() && bounds_.magnitude() > 1e16f)
         throw SceneError("instances must stay below 1e16 in size, got " +
                          std::to_string(bounds_.magnitude()));

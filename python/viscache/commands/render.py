@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -32,8 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
-    parser.add_argument("--env", metavar="FILE", help="environment light")
-    parser.add_argument("--camera", metavar="NAME")
+    parser.add_argument("--env", metavar="FILE", help="environment light; a number: constant")
+    parser.add_argument("--camera", metavar="NAME", help="name or index")
     parser.add_argument("--json", action="store_true", help="counters, timings, parameters, sha256")
 
 
@@ -41,16 +42,23 @@ def run(arguments: argparse.Namespace) -> int:
     target = Path(arguments.output)
     if target.suffix.lower() != ".exr":
         raise ValueError(f"output must be an .exr file, got {arguments.output}")
-    if not target.resolve().parent.is_dir():
+    folder = target.resolve().parent
+    if not folder.is_dir():
         raise ValueError(f"output must lie in an existing folder, got {arguments.output}")
+    if target.is_dir() or not os.access(folder, os.W_OK):
+        raise ValueError(f"output must be a file that can be written, got {arguments.output}")
     chosen = chosen_settings(arguments)
     scene = sources.open_scene(arguments.scene)
+    known = [camera.name for camera in scene.cameras]
+    wish: str | None = arguments.camera
+    index = wish is not None and wish not in known and wish.isdecimal()
     vc: Any = importlib.import_module("viscache")
     options = {} if arguments.size is None else {"size": arguments.size}
     frame = vc.render(
         scene, chosen["integrator"], rays=chosen["rays"], visibility=chosen["visibility"],
+        camera=int(wish) if wish and index else wish, env=_environment(arguments.env),
         use=arguments.use, spp=arguments.spp, seed=arguments.seed, threads=arguments.threads,
-        camera=arguments.camera, env=arguments.env, progress=sys.stderr.isatty(), **options,
+        progress=sys.stderr.isatty(), **options,
     )  # fmt: skip
     frame.save(target)
     if arguments.json:
@@ -65,3 +73,13 @@ def run(arguments: argparse.Namespace) -> int:
     for warning in frame.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return 0
+
+
+def _environment(text: str | None) -> str | float | None:
+    """A file, or constant radiance."""
+    if text is None or Path(text).exists():
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -127,7 +127,7 @@ def _add_pictures(model: dict[str, Any], store: Store) -> None:
         if point is None or store.get(point["key"]) is None or store.get(point["paired"]) is None:
             continue
         frame, reference = store.frame(point["key"]), store.frame(point["paired"])
-        exposure = tonemap.auto_exposure(reference.image)
+        exposure = tonemap.display_exposure(reference.image)
         if point["paired"] not in model["pictures"]:
             seen = tonemap.to_srgb8(reference.image, exposure)
             model["pictures"][point["paired"]] = _uri(seen, kind)

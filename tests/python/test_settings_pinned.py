@@ -1,0 +1,134 @@
+"""Names and defaults of the Python dataclasses are those of the C++ structs."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from typing import Any
+
+import pytest
+
+import viscache as vc
+from viscache import _core
+from viscache.integrators import core_settings
+
+#: Python name → C++ name, where a part of the struct has a class of its own.
+AMBIENT = {
+    "n_samples": "n_ambient",
+    "distribution": "ambient_cosine",
+    "max_distance": "ambient_max_distance",
+}
+#: What is chosen by taking one class or the other.
+CHOSEN_BY_CLASS = {"direct", "ambient", "n_vpls", "max_depth", "shade_after_specular"}
+
+
+def values(struct: Any) -> dict[str, Any]:
+    """Every public attribute of a bound C++ struct that is no function."""
+    names = (n for n in dir(struct) if not n.startswith("_"))
+    return {n: getattr(struct, n) for n in names if not callable(getattr(struct, n))}
+
+
+def approximately(value: Any) -> Any:
+    return pytest.approx(value, rel=1e-7) if isinstance(value, float) else value
+
+
+def test_every_field_of_the_integrator_struct_is_a_parameter_in_python() -> None:
+    named = {
+        AMBIENT.get(f.name, f.name)
+        for cls in (vc.Direct, vc.Whitted, vc.AmbientOcclusion)
+        for f in dataclasses.fields(cls)
+    }
+    assert named == set(values(_core.IntegratorSettings())) - {
+        "direct",
+        "ambient",
+        "shade_after_specular",
+    }
+
+
+@pytest.mark.parametrize("cls", [vc.Direct, vc.Whitted, vc.AmbientOcclusion])
+def test_an_integrator_of_defaults_is_the_struct_of_defaults(cls: type[Any]) -> None:
+    struct, made = values(_core.IntegratorSettings()), values(core_settings(cls()))
+    differ = {n for n in struct if made[n] != struct[n]}
+    assert differ <= CHOSEN_BY_CLASS
+    assert (made["direct"], made["ambient"]) == (
+        (False, True) if cls is vc.AmbientOcclusion else (True, False)
+    )
+
+
+def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
+    changed = {
+        "n_vpls": 3, "max_depth": 5, "vpl_max_depth": 7, "vpl_candidates": 9, "vpl_eye_points": 11,
+        "vpl_bound": 0.5, "n_area": 2, "n_environment": 4, "n_brdf": 6, "cosmin": 0.25,
+    }  # fmt: skip
+    plain = values(core_settings(vc.Whitted()))
+    for name, value in changed.items():
+        made = values(core_settings(dataclasses.replace(vc.Whitted(), **{name: value})))
+        assert {n: v for n, v in made.items() if v != plain[n]} == {name: value}
+    footprint = core_settings(vc.Whitted(p_mode="footprint"))
+    assert footprint.p_mode == _core.PMode.FOOTPRINT
+    ambient = core_settings(
+        vc.AmbientOcclusion(n_samples=5, distribution="uniform", max_distance=2.5)
+    )
+    assert (ambient.n_ambient, ambient.ambient_cosine, ambient.ambient_max_distance) == (
+        5,
+        False,
+        2.5,
+    )
+
+
+def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
+    # cosmin is the integrator's in Python, c_e_group is a mapping by name
+    struct = values(_core.aqvc.AqvcParameters())
+    struct.pop("cosmin")
+    assert not any(struct.pop("c_e_group"))
+    names = {f.name for f in dataclasses.fields(vc.Aqvc)} - {"preset", "c_e_groups"}
+    assert names == set(struct)
+    resolved = vc.Aqvc().resolved()
+    assert {n: resolved[n] for n in names} == {n: approximately(v) for n, v in struct.items()}
+
+
+def test_render_has_the_defaults_of_the_frame_struct() -> None:
+    struct = values(_core.FrameSettings())
+    defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
+    assert set(struct) == {"width", "height", "spp", "seed", "threads"}
+    assert (struct["spp"], struct["seed"]) == (defaults["spp"], defaults["seed"])
+    assert struct["threads"] == 0 and defaults["threads"] is None  # both mean all
+    sweep = inspect.signature(vc.sweep).parameters["size"].default
+    assert sweep == (struct["width"], struct["height"])
+
+
+BAD = [
+    (vc.Whitted, {"n_vpls": 1.5}, "n_vpls must be a whole number, got 1.5"),
+    (vc.Whitted, {"n_vpls": True}, "n_vpls must be a whole number, got True"),
+    (vc.Whitted, {"n_vpls": None}, "n_vpls must be a whole number, got None"),
+    (vc.Whitted, {"vpl_bound": float("nan")}, "vpl_bound must be a finite number, got nan"),
+    (vc.Whitted, {"vpl_bound": "0"}, "vpl_bound must be a finite number, got '0'"),
+    (vc.Direct, {"p_mode": "last"}, "p_mode must be"),
+    (vc.Direct, {"n_area": "4"}, "n_area must be a whole number"),
+    (vc.AmbientOcclusion, {"distribution": 1}, "distribution must be"),
+    (vc.AmbientOcclusion, {"max_distance": float("inf")}, "max_distance must be a finite number"),
+    (vc.Embree, {"robust": "maybe"}, "robust must be true or false"),
+    (vc.Exact, {"order": "by_row"}, "order must be"),
+    (vc.Exact, {"coherent": 1}, "coherent must be true or false"),
+    (vc.Aqvc, {"c_e": "12"}, "c_e must be a finite number"),
+    (vc.Aqvc, {"c_n": True}, "c_n must be a whole number"),
+    (vc.Aqvc, {"grid_offset": 1}, "grid_offset must be true or false"),
+    (vc.Aqvc, {"grid_seed": -1}, "grid_seed must be"),
+    (vc.Aqvc, {"form": "wave"}, "form must be one of"),
+    (vc.Aqvc, {"c_e_groups": 3}, "c_e_groups must map"),
+    (vc.Aqvc, {"c_e_groups": {"vpl": "x"}}, "c_e_groups"),
+]
+
+
+@pytest.mark.parametrize(("cls", "given", "message"), BAD)
+def test_a_value_of_the_wrong_kind_is_refused_with_what_must_hold(
+    cls: type[Any], given: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        cls(**given)
+
+
+def test_numpy_numbers_become_plain_ones() -> None:
+    np = pytest.importorskip("numpy")
+    settings = vc.Whitted(n_vpls=np.int64(7), vpl_bound=np.float32(0.5))
+    assert type(settings.n_vpls) is int and type(settings.vpl_bound) is float

@@ -1,0 +1,307 @@
+"""Whole frames with the quantized cache: what AQVC promises, seen through `viscache.render`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial.transform import Rotation
+
+import viscache as vc
+from render import quantized as q
+
+DIRECT = vc.Direct()
+LARGE = (160, 100)
+
+
+def errors(scene, c_e_list, grids, integrator=DIRECT, size=q.SIZE, **options):
+    """rel_l1 of every C_E (rows) and grid seed (columns)."""
+    exact = q.exact(scene, integrator, size).image
+    return np.array(
+        [
+            [
+                q.rel_l1(
+                    q.render(scene, integrator, size=size, c_e=c, grid_seed=s, **options).image,
+                    exact,
+                )
+                for s in range(grids)
+            ]
+            for c in c_e_list
+        ]
+    )
+
+
+def energies(scene, grids=32, size=LARGE, **options):
+    """Relative energy error of every grid seed."""
+    exact = q.exact(scene, DIRECT, size).image
+    frames = (q.render(scene, DIRECT, size=size, grid_seed=s, **options) for s in range(grids))
+    return np.array([q.energy(frame.image, exact) for frame in frames])
+
+
+def z_of_mean(values):
+    """Mean over its standard error; 0 where all values are 0."""
+    error = np.std(values, ddof=1) / np.sqrt(len(values))
+    return float(np.mean(values) / max(error, 1e-12))
+
+
+# The exact limit, and what a query costs (T1-T3)
+
+
+@pytest.mark.parametrize("form", q.FORMS)
+def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
+    """T1: point, directional and VPL light, bit for bit."""
+    exact = q.exact(q.lit_box())
+    frame = q.render(q.lit_box(), c_e=1e-3, **q.FORMS[form])
+    for group in ("point", "directional", "vpl"):
+        assert exact.layers[group].max() > 0 and exact.counters["groups"][group]["occluded"] > 0
+        np.testing.assert_array_equal(frame.layers[group], exact.layers[group])
+        counts = frame.counters["groups"][group]
+        assert counts["rays"] == counts["queries"] == exact.counters["groups"][group]["queries"]
+    assert frame.sha256 == exact.sha256 and frame.counters["ray_reduction"] == 1
+    assert q.render(q.lit_box(), c_e=4, **q.FORMS[form]).sha256 != exact.sha256
+
+
+@pytest.mark.parametrize("preset", ["paper", "as_printed"])
+def test_the_papers_presets_have_the_exact_limit_for_point_and_directional_light(preset):
+    """T1: surface-keyed VPLs have none, as their light cells do not shrink with C_E."""
+    exact = q.exact(q.lit_box())
+    frame = q.render(q.lit_box(), preset=preset, c_e=1e-3)
+    for group in ("point", "directional"):
+        np.testing.assert_array_equal(frame.layers[group], exact.layers[group])
+
+
+def test_without_refinement_rays_do_not_depend_on_the_order():
+    """T2: one ray per distinct key, all at level 0."""
+    options = {"c_e": 8, "form": "pairs", "storage": "exact", "refinement": "off"}
+    counters = [
+        q.render(q.lit_box(), order=order, batch=batch, **options).counters
+        for order in ("hm", "scanline", "random")
+        for batch in (1, 0)
+    ]
+    assert len({c["rays"] for c in counters}) == 1
+    assert counters[0]["rays_per_level"] == [counters[0]["rays"]]
+
+
+@pytest.mark.parametrize("form", q.FORMS)
+def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
+    """T3: level 0 traces what it traces without refinement."""
+    options = {"c_e": 16, **q.FORMS[form]} | ({"batch": 1} if form != "waves" else {})
+    plain = q.render(q.lit_box(), refinement="off", **options).counters
+    refined = q.render(q.lit_box(), level_rule="log2", level_step=2, **options).counters
+    assert len(plain["rays_per_level"]) == 1 and len(refined["rays_per_level"]) == 4
+    # A lossy table may have dropped a key by the time it is asked for again
+    slack = 0.01 if form == "pairs-table" else 0
+    assert refined["rays_per_level"][0] == pytest.approx(plain["rays_per_level"][0], rel=slack)
+    for group in refined["groups"].values():
+        assert group["rays"] <= group["queries"]
+
+
+# Errors and energy (T6, T7)
+
+
+def rises(table):
+    """Does the mean error rise from row to row, by more than its noise?"""
+    return all(z_of_mean(steps) > 3 for steps in np.diff(table, axis=0))
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("form", ["waves", "pairs"])
+def test_the_error_rises_with_c_e(form):
+    """T6: without refinement, mean of eight grids."""
+    options = {"form": form, "refinement": "off"}
+    table = errors(q.scene("slats"), (0.5, 1, 2, 4, 8), 8, **options)
+    assert rises(table) and table[-1].mean() > 10 * table[0].mean()
+    # A C_E that never reaches the cells is noticed
+    fixed = errors(q.scene("slats"), (0.5, 1, 2), 8, c_e_groups={"point": 4}, **options)
+    assert not rises(fixed)
+
+
+@pytest.mark.stat
+def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
+    """T6: C_E = 2^m with m levels."""
+    table = errors(q.scene("slats"), (1, 2, 4, 8), 8, level_rule="log2", level_step=2)
+    assert rises(table)
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("name", ["slats", "slits"])
+@pytest.mark.parametrize(
+    "options", [{"form": "waves"}, {"form": "pairs", "order": "random"}], ids=["waves", "pairs"]
+)
+def test_shifted_grids_keep_the_energy_without_refinement(name, options):
+    """T7: mean over 32 grids, |bias| < 3σ; orders are drawn anew with the grid."""
+    size = LARGE if name == "slats" else q.SIZE
+    values = energies(q.scene(name), size=size, c_e=8, refinement="off", **options)
+    assert abs(z_of_mean(values)) < 3
+    # Power: an image 2 % too bright or too dark on the slats would be noticed
+    if name == "slats":
+        assert abs(z_of_mean(values + 0.02)) > 3 and abs(z_of_mean(values - 0.02)) > 3
+
+
+@pytest.mark.stat
+def test_one_fixed_order_does_not_average_out_over_grids():
+    """T7's control: the first pixels of a scanline represent every cluster, whatever the grid."""
+    values = energies(
+        q.scene("slits"), size=q.SIZE, c_e=8, refinement="off", form="pairs", order="scanline"
+    )
+    assert abs(z_of_mean(values)) > 5
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("options", [{"form": "waves"}, {"preset": "paper"}], ids=str)
+def test_refinement_brightens_thin_shadows(options):
+    """T7, a property of Alg. 2: a lone dark cell is noticed, a small shadow missed is not."""
+    values = energies(q.scene("slats"), 8, size=q.SIZE, c_e=8, refinement="on", **options)
+    assert z_of_mean(values) > 5
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("form", ["rows", "pairs"])
+def test_waves_err_like_the_other_forms(form):
+    """Mean rel_l1 of four grids within 25 %; an eighth of the C_E is told apart."""
+    for scene, integrator in ((q.lit_box(), q.SHARED), (q.scene("stairs"), DIRECT)):
+        size = (128, 80)
+        waves = errors(scene, (12,), 4, integrator, size, form="waves").mean()
+        other, fine = errors(scene, (12, 1.5), 4, integrator, size, form=form).mean(axis=1)
+        assert other == pytest.approx(waves, rel=0.25)
+        assert fine != pytest.approx(waves, rel=0.25)
+
+
+# Units and determinism (T8, T15)
+
+ROTATION = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
+
+
+@pytest.mark.parametrize("form", ["waves", "pairs"])
+@pytest.mark.parametrize(
+    ("transform", "slack"),
+    [
+        ({"scale": 1e-3}, 0.01),
+        ({"scale": 1e3}, 0.01),
+        ({"shift": (64.0, -32.0, 128.0)}, 0.01),
+        ({"scale": 0.1, "shift": (3.0, 5.0, -2.0)}, 0.01),
+        ({"rotation": ROTATION}, 0.15),
+        ({"rotation": ROTATION.T, "scale": 7.0}, 0.15),
+    ],
+    ids=str,
+)
+def test_scale_place_and_direction_do_not_matter(form, transform, slack):
+    """T8: ray reduction and error of the same picture; C_E 10 % off is told apart."""
+    options = {"c_e": 8, "form": form}
+    scene, other = q.scene("slats"), q.moved(q.scene("slats"), **transform)
+    frames = [q.render(s, DIRECT, **options) for s in (scene, other)]
+    exact = [q.exact(s, DIRECT) for s in (scene, other)]
+    assert q.rel_l1(exact[1].image, exact[0].image) < 1e-3
+    reduction = [f.counters["ray_reduction"] for f in frames]
+    assert reduction[1] == pytest.approx(reduction[0], rel=slack)
+    error = [q.rel_l1(f.image, e.image) for f, e in zip(frames, exact, strict=True)]
+    assert error[1] == pytest.approx(error[0], rel=max(0.05, slack))
+    off = q.render(scene, DIRECT, form=form, c_e=8.8, refinement="off").counters["ray_reduction"]
+    on = q.render(scene, DIRECT, form=form, c_e=8, refinement="off").counters["ray_reduction"]
+    assert off != pytest.approx(on, rel=0.01)
+
+
+@pytest.mark.parametrize("form", q.FORMS)
+def test_any_number_of_threads_gives_the_same_bytes(form):
+    """T15: several tiles, shared and local light, image and counters."""
+    scene = q.lit_box().with_environment(0.5)
+    integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=1, n_brdf=1)
+    options = {"size": (140, 24), "spp": 16, "c_e": 12, **q.FORMS[form]}
+    frames = [q.render(scene, integrator, threads=n, **options) for n in (1, 2, 3, 8)]
+    assert 2 * frames[0].parameters["tile_edge_px"] < 140
+    assert len({frame.sha256 for frame in frames}) == 1
+    assert all(frame.counters == frames[0].counters for frame in frames)
+
+
+# Order, environment, walls (T17, T21, T22)
+
+
+def shadow_shift(image, exact):
+    """How far (right, down) in pixels the image is off: least squares on the gradients."""
+    a, b = image.mean(axis=2, dtype=float), exact.mean(axis=2, dtype=float)
+    down, right = np.gradient(b)
+    slopes = np.stack([right.ravel(), down.ravel()], axis=1)
+    return -np.linalg.lstsq(slopes, (a - b).ravel(), rcond=None)[0]
+
+
+@pytest.mark.stat
+@pytest.mark.figure
+def test_scan_order_shifts_shadows_to_the_lower_right_and_halton_morton_less():
+    """T17, Fig. 4: mean over eight image sizes, each with its own early pixels, and two grids."""
+    scene = q.scene("cube_on_plane")
+    exact = q.exact(scene, DIRECT, LARGE).image
+    assert shadow_shift(np.roll(exact, 1, axis=1), exact) == pytest.approx([1, 0], abs=0.05)
+
+    def shifts(order):
+        options = {"form": "pairs", "batch": 1, "c_e": 8, "refinement": "off", "order": order}
+        found = []
+        for width in range(136, 200, 8):
+            size = (width, 5 * width // 8)
+            exact = q.exact(scene, DIRECT, size).image
+            frames = (
+                q.render(scene, DIRECT, size=size, grid_seed=s, **options).image for s in range(2)
+            )
+            found.append(np.mean([shadow_shift(image, exact) for image in frames], axis=0))
+        return np.array(found)
+
+    scanline, halton = shifts("scanline"), shifts("hm")
+    assert (scanline.mean(axis=0) > 0.04).all()
+    assert z_of_mean(scanline[:, 0]) > 3 and z_of_mean(scanline[:, 1]) > 3
+    assert z_of_mean(scanline.sum(axis=1) - halton.sum(axis=1)) > 3
+    assert np.linalg.norm(halton.mean(axis=0)) < 0.5 * np.linalg.norm(scanline.mean(axis=0))
+
+
+def environment_errors(rule):
+    """rel_l1 of sky light at 4, 32 and 256 samples per eye point."""
+    scene = q.scene("cube_on_plane").with_environment(1.0)
+    found = []
+    for n in (4, 32, 256):
+        sky = vc.Direct(n_environment=n, n_brdf=0, n_area=0)
+        exact = q.exact(scene, sky, (48, 30)).layers["environment"]
+        frame = q.render(scene, sky, size=(48, 30), c_e=2, env_rule=rule)
+        found.append(q.rel_l1(frame.layers["environment"], exact))
+    return found
+
+
+def test_the_derived_environment_rule_converges_with_samples_and_the_printed_does_not():
+    """T21: Eq. 9."""
+    derived, printed = environment_errors("derived"), environment_errors("printed")
+    assert derived[1] < 0.75 * derived[0] and derived[2] < 0.75 * derived[1]
+    assert printed[2] > 0.75 * printed[0] and printed[2] > 4 * derived[2]
+
+
+def lit_far_inside_shadow(scene, exact, reach_px, **options):
+    """Pixels lit by the cache although no lit pixel of the exact image is within reach."""
+    frame = q.render(scene, DIRECT, size=LARGE, **options)
+    lit = exact.layers["point"].sum(axis=2) > 0
+    far = distance_transform_edt(~lit) > reach_px
+    assert far.sum() > 100
+    return int((far & (frame.layers["point"].sum(axis=2) > 0)).sum())
+
+
+@pytest.mark.parametrize("form", q.FORMS)
+def test_a_thin_wall_does_not_leak(form):
+    """T22: its front stays black with the light behind; on the floor, light creeps one cell."""
+    scene = q.scene("thin_wall")
+    exact = q.exact(scene, DIRECT, LARGE)
+    front = exact.layers["normal"][..., 2] > 0.9
+    assert front.sum() > 1000
+    for c_e in (4, 16):
+        frame = q.render(scene, DIRECT, size=LARGE, c_e=c_e, **q.FORMS[form])
+        assert not frame.layers["point"][front].any()
+        assert frame.layers["point"].any()
+    assert lit_far_inside_shadow(scene, exact, 10, c_e=3, **q.FORMS[form]) == 0
+    if form == "pairs-table":
+        # Control: digests of one bit in a full table confuse far clusters
+        broken = {**q.FORMS[form], "digest_bits": 1, "table_bytes": 400}
+        assert lit_far_inside_shadow(scene, exact, 10, c_e=3, **broken) > 10
+
+
+@pytest.mark.figure
+@pytest.mark.parametrize("options", [{"level_rule": "log2", "level_step": 2}, {}], ids=str)
+def test_refinement_halves_the_error_of_hard_shadows(options):
+    """Fig. 3 in small: stairs in the sun, C_E = 16; the default stops at 4 eye samples."""
+    scene, size = q.scene("stairs"), (400, 250)
+    plain = errors(scene, (16,), 2, size=size, refinement="off").mean()
+    refined = errors(scene, (16,), 2, size=size, **options).mean()
+    assert refined < (0.5 if options else 0.65) * plain

@@ -1,0 +1,223 @@
+"""Settings of the quantized cache in whole frames: presets, counters, light groups, densities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import viscache as vc
+from render import quantized as q
+from viscache import _core
+
+LARGE = (160, 100)
+
+
+# Section 14 of the specification
+
+PAPER = {
+    "c_n": 8,
+    "c_z": 8.0,
+    "c_r": 1.2,
+    "normal_mode": "round",
+    "grid_offset": True,
+    "tangent_neighbours": True,
+    "res_rule": "eq7",
+    "env_rule": "derived",
+    "vpl_key": "surface",
+    "refinement": "on",
+    "level_rule": "log2",
+    "level_step": 2.0,
+    "max_levels": 0,
+    "hash": "scheme2",
+    "digest_bits": 31,
+    "table_bytes": 4 << 20,
+    "order": "hm",
+    "c_pg": 3.7,
+    "form": "pairs",
+    "storage": "table",
+    "batch": 1,
+}
+PRESETS = {
+    "default": PAPER
+    | {"c_z": 4.0, "vpl_key": "point", "refinement": "auto", "level_rule": "finest"}
+    | {"level_step": 4.0, "c_finest": 4.0, "form": "waves", "batch": 0},
+    "paper": PAPER,
+    "as_printed": PAPER
+    | {"normal_mode": "floor", "grid_offset": False, "tangent_neighbours": False}
+    | {"hash": "scheme1", "env_rule": "printed"},
+}
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_presets_resolve_to_their_lists_and_run(preset):
+    """Section 14 of the specification: names, values, and a frame of all light groups."""
+    settings = vc.Aqvc(preset=preset, c_e=8)
+    assert settings.resolved() | PRESETS[preset] == settings.resolved()
+    scene = q.lit_box().with_environment(0.5)
+    integrator = vc.Whitted(n_vpls=12, n_area=4, n_environment=2, n_brdf=2)
+    frame = q.render(scene, integrator, preset=preset, c_e=8)
+    exact = q.exact(scene, integrator)
+    assert q.rel_l1(frame.image, exact.image) < 0.15
+    assert frame.counters["ray_reduction"] > 2
+    assert len(frame.counters["rays_per_level"]) == (2 if preset == "default" else 3)
+    used = frame.parameters["visibility"]
+    assert used | PRESETS[preset] | {"preset": preset, "c_e": 8} == used
+
+
+def test_a_parameter_given_explicitly_wins_over_the_preset():
+    """Section 14."""
+    settings = vc.Aqvc(preset="as_printed", c_z=3, grid_offset=True, batch=0)
+    assert settings.resolved()["c_z"] == 3 and settings.resolved()["grid_offset"] is True
+    assert settings.resolved()["batch"] == 0 and settings.resolved()["normal_mode"] == "floor"
+    same = {"form": "pairs", "batch": 1, "refinement": "on", "level_rule": "log2", "level_step": 2}
+    given = q.render(q.lit_box(), c_e=8, c_z=8, vpl_key="surface", **same)
+    assert given.sha256 == q.render(q.lit_box(), preset="paper", c_e=8).sha256
+    assert given.sha256 != q.render(q.lit_box(), preset="paper", c_e=8, c_z=4).sha256
+
+
+COUNTERS = (
+    *("queries", "occluded", "rays", "ray_reduction", "groups", "camera_rays", "light_rays"),
+    *("rays_per_level", "leftover_rays", "lookups", "hits", "neighbour_probes", "nil_neighbours"),
+    *("evictions", "bypassed", "clamped_low", "clamped_high", "clamped_nan", "boundary_queries"),
+    *("cells", "table_writes", "table_slots", "expected_false_hits", "non_finite", "vpls"),
+)
+
+
+@pytest.mark.parametrize("refinement", ["off", "on"])
+@pytest.mark.parametrize("form", q.FORMS)
+def test_counters_are_present_finite_and_add_up(form, refinement):
+    """Stats of section 14, for every form and light group."""
+    scene = q.lit_box().with_environment(0.5)
+    integrator = vc.Whitted(n_vpls=12, n_area=4, n_environment=2, n_brdf=2)
+    c = q.render(scene, integrator, c_e=8, refinement=refinement, **q.FORMS[form]).counters
+    exact = q.exact(scene, integrator).counters
+    assert set(COUNTERS) <= set(c)
+    assert set(c["groups"]) == {"point", "directional", "area", "environment", "vpl"}
+    flat = [c[n] for n in COUNTERS if n not in ("groups", "rays_per_level")] + c["rays_per_level"]
+    assert all(np.isfinite(value) and value >= 0 for value in flat)
+    for name in ("queries", "occluded", "rays"):
+        assert c[name] == sum(group[name] for group in c["groups"].values())
+    for name, group in c["groups"].items():
+        assert group["queries"] == exact["groups"][name]["queries"]
+        assert 0 < group["rays"] <= group["queries"] >= group["occluded"]
+    assert c["ray_reduction"] == pytest.approx(c["queries"] / c["rays"])
+    assert sum(c["rays_per_level"]) + c["leftover_rays"] + c["bypassed"] == c["rays"]
+    assert c["hits"] <= c["lookups"] and c["nil_neighbours"] <= c["neighbour_probes"]
+    assert c["clamped_high"] == c["clamped_nan"] == c["bypassed"] == c["non_finite"] == 0
+    # Area and environment samples go through the table whatever the form
+    assert 0 < c["table_writes"] <= c["rays"]
+    assert (c["table_slots"] > 0) == (form != "pairs-exact")
+    assert (c["leftover_rays"] > 0) <= (form == "waves")
+    if refinement == "off":
+        assert c["lookups"] == c["queries"] and len(c["rays_per_level"]) == 1
+        assert c["boundary_queries"] == c["neighbour_probes"] == 0
+    else:
+        assert c["lookups"] > c["queries"] and c["boundary_queries"] > 0
+
+
+@pytest.mark.parametrize("group", ["point", "directional", "area", "environment", "vpl"])
+def test_c_e_of_a_light_group_changes_that_group_alone(group):
+    """c_e_groups: rays and error are told per group by `counters` and `layers`."""
+    scene = q.lit_box().with_environment(0.5)
+    integrator = vc.Whitted(n_vpls=12, n_area=8, n_environment=4, n_brdf=4)
+    exact = q.exact(scene, integrator).layers
+    whole = q.render(scene, integrator, c_e=12)
+    frame = q.render(scene, integrator, c_e=12, c_e_groups={group: 2.0})
+    for name, counts in frame.counters["groups"].items():
+        before = whole.counters["groups"][name]
+        if name != group:
+            assert counts == before
+            np.testing.assert_array_equal(frame.layers[name], whole.layers[name])
+            continue
+        assert counts["rays"] > 1.5 * before["rays"]
+        finer = q.rel_l1(frame.layers[name], exact[name])
+        assert finer < q.rel_l1(whole.layers[name], exact[name])
+
+
+# Section 5: densities, and light that every eye point samples for itself
+
+
+def mirror_filling_the_view(bend):
+    """A floor seen in a mirror only; bend > 0: convex, < 0: concave."""
+    description = vc.SceneDescription()
+    grey = description.add_material(base_color=(0.6, 0.6, 0.6))
+    mirror = description.add_material(_core.MaterialKind.MIRROR, specular=(1, 1, 1))
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    triangles = np.uint32([[0, 1, 2], [0, 2, 3]])
+    floor = np.stack([40 * square[:, 0], np.zeros(4), -40 * square[:, 1]], axis=1)
+    description.add_mesh(floor, triangles, material=grey)
+    lean = Rotation.from_euler("x", 25, degrees=True)
+    corners = lean.apply(np.column_stack([square, np.zeros(4)]))
+    corners[:, 1] += 1.6
+    normals = lean.apply(np.column_stack([bend * square, np.ones(4)]))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    description.add_mesh(corners, triangles, material=mirror, normals=normals)
+    description.add_point_light((0, 5, 2), (3, 3, 3))
+    description.add_camera((0, 1.6, 3), (0, 1.6, 0), fov_deg=15)
+    return vc.Scene.from_description(description)
+
+
+def cells_per_ideal(scene, p_mode):
+    """Eye cells over eye samples / C_E²."""
+    integrator = vc.Whitted(n_vpls=0, p_mode=p_mode)
+    c = q.render(scene, integrator, c_e=4, refinement="off", size=LARGE).counters
+    assert c["queries"] > 0
+    return c["cells"] / (c["queries"] / 16)
+
+
+def test_both_densities_agree_on_plain_walls_and_in_plane_mirrors():
+    """p_mode: ray differentials against the unfolded camera density."""
+    for scene in (q.scene("stairs"), q.scene("slats"), mirror_filling_the_view(0.0)):
+        cells = [cells_per_ideal(scene, mode) for mode in ("last_vertex", "footprint")]
+        assert cells[1] == pytest.approx(cells[0], rel=0.01)
+
+
+@pytest.mark.parametrize("bend", [-0.3, -0.15, 0.15, 0.3])
+def test_only_ray_differentials_follow_curved_mirrors(bend):
+    """p_mode: clusters hold C_E² samples after any mirror; the camera density misses the bend."""
+    flat = cells_per_ideal(mirror_filling_the_view(0.0), "footprint")
+    curved = mirror_filling_the_view(bend)
+    assert cells_per_ideal(curved, "footprint") == pytest.approx(flat, rel=0.15)
+    ratio = cells_per_ideal(curved, "last_vertex") / flat
+    assert ratio > 1.5 if bend > 0 else ratio < 0.67
+
+
+def test_samples_of_single_eye_points_share_rays_and_err_less_with_small_c_e():
+    """Per-pixel area and environment light through `pairs`."""
+    scene = q.lit_box().with_environment(0.5)
+    exact = q.exact(scene, q.LOCAL)
+    frames = {c: q.render(scene, q.LOCAL, c_e=c) for c in (12, 4, 1)}
+    for group in ("area", "environment"):
+        error = [q.rel_l1(f.layers[group], exact.layers[group]) for f in frames.values()]
+        rays = [f.counters["groups"][group]["rays"] for f in frames.values()]
+        assert error[0] > 1.1 * error[1] > 1.1**2 * error[2]
+        assert 4 * rays[0] < 2 * rays[1] < rays[2]
+        assert rays[2] < exact.counters["groups"][group]["queries"]
+
+
+def test_light_cells_leave_an_error_that_falls_with_the_samples():
+    """T1's limit: C_E shrinks eye cells only, so local light is exact for many samples alone."""
+    scene = q.lit_box().with_environment(0.5)
+    error = {"area": [], "environment": []}
+    for m in (1, 8):
+        integrator = vc.Direct(n_area=8 * m, n_environment=4 * m, n_brdf=4 * m)
+        frame = q.render(scene, integrator, c_e=1e-3)
+        for group, found in error.items():
+            exact = q.exact(scene, integrator).layers[group]
+            found.append(q.rel_l1(frame.layers[group], exact))
+    for few, many in error.values():
+        assert 0 < many < 0.5 * few
+
+
+def test_ambient_occlusion_shares_rays():
+    """The ambient group: fewer rays than queries, values in [0, 1], error falls with C_E."""
+    ambient = vc.AmbientOcclusion(n_samples=32)
+    exact = q.exact(q.scene("cube_on_plane"), ambient)
+    error = []
+    for c_e in (16, 4, 1):
+        frame = q.render(q.scene("cube_on_plane"), ambient, c_e=c_e)
+        assert frame.counters["ray_reduction"] > 1.2
+        assert frame.image.min() >= 0 and frame.image.max() <= 1 + 1e-5
+        error.append(q.rel_l1(frame.image, exact.image))
+    assert error[0] > 1.1 * error[1] > 1.1**2 * error[2]
