@@ -66,6 +66,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     from viscache.provenance import version
 
     parser.add_argument("--version", action="version", version=f"viscache {version()}")
+    parser.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
     subs = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     wanted = next((word for word in given if not word.startswith("-")), None)
     if wanted is not None and wanted not in COMMANDS:
@@ -73,7 +74,8 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         raise ValueError(f"unknown command {wanted!r}{nearest(wanted, known)}")
     for name, text in COMMANDS.items():
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        sub.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
+        sub.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
+                         help="tracebacks instead of one line")  # fmt: skip
         if name == wanted:
             importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
     for name, text in LATER.items():

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import settings, sources
+from viscache.checks import require
 from viscache.store import Store
 from viscache.sweep_plan import Over, checked_size, definition_of, make_plan, positive
 from viscache.sweep_run import Progress, Run
@@ -114,6 +115,8 @@ def sweep(
         "env": env, "threads": threads,
         "size": checked_size(size), "spp": positive("spp", spp),
     }  # fmt: skip
+    require(use in (None, "replace"), 'use must be "replace"', use)
+    require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     plan = make_plan(
         opened, resolved, common, over=over, repeats=positive("repeats", repeats), seed=int(seed),
         converged=converged, metrics=_metrics.check_names(metrics),

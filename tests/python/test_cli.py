@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +68,16 @@ def test_diff_against_black_prints_null(
          "unknown parameter 'c_x'"),
         (["render", "room", "-o", "x.exr", "--visibility", "vlf", "--rays", "bsp"], "is short for"),
         (["render", "room", "-o", "x.exr", "--visibility", "vismap"], "not there yet"),
+        (["render", "room", "-o", "x.exr", "--set", "n_vpls=1.5"], "must be a whole number"),
+        (["render", "room", "-o", "x.exr", "--set", "vpl_bound=nan"], "must be a finite number"),
+        (["render", "room", "-o", "x.exr", "--set", "robust=maybe"], "must be true or false"),
+        (["render", "cube_on_plane", "-o", "x.exr", "--env", "/"], "/: no such file"),
+        (["render", "cube_on_plane", "-o", "x.exr", "--env", "nan"], "must be finite"),
+        (["render", "cube_on_plane", "-o", "x.exr", "--camera", "7"], "camera must be in [0, 1)"),
+        (["info", "/"], "/: is a directory, not a scene file"),
+        (["info", ""], "a file or a built-in name, got ''"),
         (["sweep", "none.toml", "-o", "out"], "no such sweep file"),
+        (["sweep", "/", "-o", "out"], "/: Is a directory"),
         (["report", "none"], "no such directory"),
         (["reproduce", "aqvc-fig9"], "unknown figure"),
         (["reproduce", "aqvc-fig2"], "not there yet"),
@@ -83,6 +95,18 @@ def test_bad_usage_is_one_line_and_status_2(
     assert status == 2 and out == "" and says in err
     assert len(err.strip().splitlines()) == 1 and "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_too_little_memory_is_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any, **__: Any) -> None:
+        raise MemoryError("std::bad_alloc")
+
+    monkeypatch.setattr(viscache, "render", full)
+    status, out, err = run(capsys, "render", "cube_on_plane", "-o", str(tmp_path / "x.exr"))
+    assert status == 2 and out == ""
+    assert "not enough memory" in err and len(err.strip().splitlines()) == 1
 
 
 def test_debug_gives_the_traceback(tmp_path: Path) -> None:
@@ -180,6 +204,67 @@ def test_render_writes_the_picture_its_json_describes(
     assert got["parameters"]["visibility"]["c_e"] == 4
     frame = Frame.load(out)
     assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
+
+
+def test_a_camera_is_named_by_index_too_and_env_takes_a_number(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = ["-o", str(tmp_path / "o.exr"), "--integrator", "direct", "--size", "8x5", "--json"]
+    status, text, _ = run(capsys, "render", "room?triangles=2000&lights=0", "--camera", "1",
+                          "--env", "0.5", *words)  # fmt: skip
+    got = json.loads(text)
+    assert status == 0 and got["parameters"]["camera"] == "corner"
+    assert "environment" in got["counters"]["groups"] and got["warnings"] == []
+
+
+def test_ctrl_c_while_rendering_ends_with_130_and_without_a_file(tmp_path: Path) -> None:
+    # A shell's background jobs ignore Ctrl-C; the command must not inherit that
+    code = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from viscache import cli
+print(flush=True)
+sys.exit(cli.main())
+"""
+    words = ["render", "room?triangles=2000", "--size", "1280x800", "--spp", "64",
+             "-o", str(tmp_path / "o.exr")]  # fmt: skip
+    with subprocess.Popen([sys.executable, "-c", code, *words], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.readline()
+        time.sleep(0.7)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=20) == 130
+        assert process.stderr.read().strip() == "viscache: interrupted; what was finished is kept"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_info_prints_the_share_of_coplanar_triangles_and_that_there_is_no_light(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 1\n"
+    (tmp_path / "m.obj").write_text(quad + "f 1 2 3\nf 1 3 4\nf 5 6 7\n")
+    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"))
+    assert status == 0
+    assert re.search(r"^coplanar_share +66\.7%$", text, re.M)
+    assert re.search(r"^memory +.* MiB", text, re.M)
+    assert "warning: the scene has no light; give it one with env=" in text
+    status, text, _ = run(capsys, "info", str(tmp_path / "m.obj"), "--json")
+    assert json.loads(text)["coplanar_share"] == pytest.approx(2 / 3)
+
+
+def test_the_coplanar_share_weighs_a_mesh_by_how_often_it_is_placed() -> None:
+    import viscache as vc
+
+    d = vc.SceneDescription()
+    quad = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
+    d.add_mesh(quad, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), in_world=False)
+    d.add_mesh(quad[:3], np.array([[0, 1, 2]], np.uint32))
+    for x in range(3):
+        to_world = np.eye(4)
+        to_world[0, 3] = 2 * x
+        d.add_instance([0], to_world)
+    assert vc.Scene.from_description(d).coplanar_share == pytest.approx(6 / 7)
 
 
 def test_info_describes_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

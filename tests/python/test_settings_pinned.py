@@ -128,6 +128,37 @@ def test_a_value_of_the_wrong_kind_is_refused_with_what_must_hold(
         cls(**given)
 
 
+CALLS: list[tuple[dict[str, Any], str]] = [
+    ({"scene": "room"}, "scene must be a Scene"),
+    ({"integrator": "direct"}, "integrator must be vc.Direct"),
+    ({"visibility": "aqvc"}, "visibility must be vc.Exact"),
+    ({"rays": vc.Exact()}, "rays must be vc.Embree"),
+    ({"use": "correct"}, "use must be"),
+    ({"size": 5}, "size must be"),
+    ({"size": (2.5, 4)}, "size must be"),
+    ({"size": (0, 4)}, "size must be"),
+    ({"spp": 1.5}, "spp must be a whole number"),
+    ({"threads": 0}, "threads must be"),
+    ({"seed": -1}, "seed must be"),
+    ({"camera": 2.5}, "camera must be one of"),
+    ({"env": {}}, "env must be"),
+]
+
+
+@pytest.mark.parametrize(("given", "message"), CALLS)
+def test_render_refuses_an_argument_of_the_wrong_kind(given: dict[str, Any], message: str) -> None:
+    options: dict[str, Any] = {"size": (4, 4), **given}
+    scene = options.pop("scene", None) or vc.scenes.cube_on_plane()
+    with pytest.raises(ValueError, match=message):
+        vc.render(scene, options.pop("integrator", vc.Direct()), **options)
+
+
+def test_a_number_of_threads_below_one_is_refused() -> None:
+    scene = vc.scenes.cube_on_plane()
+    with pytest.raises(ValueError, match="threads must be"):
+        scene.visible([[0, 0, 0]], [[1, 1, 1]], threads=-2)
+
+
 def test_numpy_numbers_become_plain_ones() -> None:
     np = pytest.importorskip("numpy")
     settings = vc.Whitted(n_vpls=np.int64(7), vpl_bound=np.float32(0.5))
