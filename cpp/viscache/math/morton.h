@@ -37,7 +37,8 @@ inline std::vector<uint32_t> morton_order(std::span<const Vec3> points) {
     };
     std::vector<uint32_t> code(points.size()), order(points.size());
     for (size_t i = 0; i < points.size(); ++i)
-        code[i] = morton3(cell(points[i].x, lo.x, hi.x), cell(points[i].y, lo.y, hi.y), cell(points[i].z, lo.z, hi.z));
+        code[i] = morton3(cell(points[i].x, lo.x, hi.x), cell(points[i].y, lo.y, hi.y),
+                          cell(points[i].z, lo.z, hi.z));
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return code[a] < code[b]; });
     return order;
