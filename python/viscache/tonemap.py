@@ -114,7 +114,7 @@ def encode(
         picture = picture.resize((max_width, height), Image.Resampling.BOX)
     buffer = io.BytesIO()
     if kind == "png":
-        picture.save(buffer, "PNG", optimize=True)
+        picture.save(buffer, "PNG", compress_level=6)
     elif kind == "jpeg":
         picture.save(buffer, "JPEG", quality=92, subsampling=0)
     else:
