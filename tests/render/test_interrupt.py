@@ -18,6 +18,7 @@ from render.mitsuba_scene import Model, ball, box, quad
 
 PROGRAM = """
 import os, signal, sys, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 sys.path.insert(0, {tests!r})
 from render.test_interrupt import busy_scene
 import viscache as vc
