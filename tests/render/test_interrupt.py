@@ -60,6 +60,19 @@ def busy_scene() -> vc.Scene:
     return Model(parts, env=(0.5, 0.5, 0.5), origin=(0, 1.5, 2.8)).to_viscache()
 
 
+LIMIT = 0.5  # seconds from Ctrl-C to KeyboardInterrupt
+
+
+def quickest_stop(call: str, delay: float = 0.6) -> float:
+    """The best of at most three tries: other work on the machine only ever makes a try slower."""
+    best = float("inf")
+    for _ in range(3):
+        best = min(best, seconds_to_stop(call, delay))
+        if best < LIMIT:
+            break
+    return best
+
+
 def seconds_to_stop(call: str, delay: float = 0.6) -> float:
     program = PROGRAM.format(tests=str(Path(__file__).parents[1]), call=call, delay=delay)
     run = subprocess.run(
@@ -113,8 +126,7 @@ def seconds_to_stop(call: str, delay: float = 0.6) -> float:
     ],
 )
 def test_ctrl_c_stops_a_render_soon(call: str) -> None:
-    # Half a second is the aim (0.06 s on a quiet machine); the limit leaves room for a busy one
-    assert seconds_to_stop(call) < 5.0
+    assert quickest_stop(call) < LIMIT
 
 
 def test_ctrl_c_stops_a_long_query_soon() -> None:
@@ -122,7 +134,7 @@ def test_ctrl_c_stops_a_long_query_soon() -> None:
         "import numpy as np; x = np.random.default_rng(0).uniform(-3, 3, (4_000_000, 3));"
         " x = x.astype('f4'); [scene.visible(x, x[::-1]) for _ in range(250)]"
     )
-    assert seconds_to_stop(call, delay=1.5) < 5.0
+    assert quickest_stop(call, delay=1.5) < LIMIT
 
 
 def test_progress_counts_tiles_to_the_end() -> None:
