@@ -1,0 +1,99 @@
+"""What reproducing a figure gives: rows held against bands, and the files written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+__all__ = ["Band", "Outcome", "Row"]
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """Where a measured value must lie, ends included, and who says so."""
+
+    low: float
+    high: float
+    source: str
+    """The sentence of the paper, or the expectation, that the band is taken from."""
+
+    def __contains__(self, value: object) -> bool:
+        return isinstance(value, (int, float)) and self.low <= value <= self.high
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """One line of a figure's table."""
+
+    what: str
+    measured: float | None
+    """None where it could not be measured; such a row does not hold its band."""
+    printed: float | str | None = None
+    """What the paper prints, None where it prints nothing."""
+    band: Band | None = None
+    note: str = ""
+
+    @property
+    def ratio(self) -> float | None:
+        """Measured over printed, where both are numbers."""
+        if isinstance(self.printed, str) or not self.printed or self.measured is None:
+            return None
+        return self.measured / self.printed
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the band is met; None without a band."""
+        return None if self.band is None else self.measured in self.band
+
+    def as_dict(self) -> dict[str, Any]:
+        """The row of the JSON; an open end of the band is null."""
+        band = None if self.band is None else [self.band.low, self.band.high]
+        source = [] if self.band is None else [self.band.source]
+        return {
+            "what": self.what,
+            "printed": self.printed,
+            "measured": self.measured,
+            "ratio": self.ratio,
+            "band": band,
+            "holds": self.holds,
+            "note": "; ".join(text for text in (self.note, *source) if text),
+        }
+
+
+@dataclass(kw_only=True, slots=True)
+class Outcome:
+    """What one figure's function found."""
+
+    rows: list[Row] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+    skipped: list[dict[str, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def skip(self, what: str, reason: str) -> None:
+        """Record what was left out, and why."""
+        self.skipped.append({"what": what, "reason": reason})
+
+
+def text(figure: str, rows: Sequence[Row]) -> str:
+    """Rows as a Markdown table."""
+    lines = [
+        f"# {figure}",
+        "",
+        "| what | printed | measured | ratio | band | holds | note |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for row in rows:
+        band = "" if row.band is None else f"{_number(row.band.low)} … {_number(row.band.high)}"
+        holds = {None: "", True: "yes", False: "**no**"}[row.holds]
+        cells = [row.what, _number(row.printed), _number(row.measured), _number(row.ratio)]
+        lines.append(f"| {' | '.join([*cells, band, holds, row.as_dict()['note']])} |")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float | str | None) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    return "∞" if value == math.inf else f"{value:.4g}"
