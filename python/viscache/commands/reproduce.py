@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from pathlib import Path
 
 from viscache.commands.shared import print_json
-from viscache.settings import NotThereYetError, nearest
-
-#: Names of the figures; none of them is there yet.
-FIGURES = (
-    *(f"aqvc-fig{n}" for n in range(2, 9)),
-    "aqvc-claims",
-    "vlf-fig1",
-    "vismap-fig1",
-    "vismap-temporal",
-)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME|all|list")
-    parser.add_argument("-o", "--output", metavar="DIR")
+    parser.add_argument("-o", "--output", metavar="DIR", default="out/reproduce",
+                        help="where pictures and tables go (default: out/reproduce)")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="small sizes")
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Exit status 0: every band holds; 1: one does not."""
+    from viscache import figures
+
     if arguments.name == "list":
-        if arguments.json:
-            print_json({"figures": [{"figure": name, "available": False} for name in FIGURES]})
-        else:
-            for name in FIGURES:
-                print(f"{name}: not there yet")
+        return _list(arguments.json)
+    there = [name for name, info in figures.FIGURES.items() if info.is_there]
+    results = []
+    for name in there if arguments.name == "all" else [arguments.name]:
+        results.append(figures.reproduce(name, arguments.output, quick=arguments.quick,
+                                         progress=sys.stderr.isatty()))  # fmt: skip
+        if not arguments.json:
+            print((Path(arguments.output) / f"{name}.md").read_text("utf-8"))
+            for left in results[-1]["skipped"]:
+                print(f"skipped: {left['what']}: {left['reason']}")
+    if arguments.json:
+        print_json(results[0] if arguments.name != "all" else {"figures": results})
+    return 0 if all(result["holds"] for result in results) else 1
+
+
+def _list(as_json: bool) -> int:
+    from viscache.figures import FIGURES
+
+    if as_json:
+        rows = [{"figure": name, "available": info.is_there} for name, info in FIGURES.items()]
+        print_json({"figures": rows})
         return 0
-    if arguments.name != "all" and arguments.name not in FIGURES:
-        raise ValueError(f"unknown figure {arguments.name!r}{nearest(arguments.name, FIGURES)}")
-    raise NotThereYetError(
-        f"reproduce {arguments.name} is not there yet in this version of viscache"
-    )
+    for name, info in FIGURES.items():
+        print(name if info.is_there else f"{name}: not there yet", f"({info.description})")
+    return 0

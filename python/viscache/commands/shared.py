@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 from typing import Any
 
 from viscache import settings
+from viscache.json_values import finite
 
 
 def print_json(value: Any) -> None:
     """One JSON object on standard output; non-finite numbers become null."""
-    print(json.dumps(_finite(value), indent=2, allow_nan=False))
+    print(json.dumps(finite(value), indent=2, allow_nan=False))
 
 
 def print_table(rows: dict[str, Any]) -> None:
@@ -25,18 +25,6 @@ def print_table(rows: dict[str, Any]) -> None:
             if isinstance(text, float)
             else f"{name:<{width}}  {text}"
         )
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(k): _finite(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(v) for v in value]
-    if hasattr(value, "tolist"):
-        return _finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value if value is None or isinstance(value, (bool, int, float, str)) else str(value)
 
 
 def size(text: str) -> tuple[int, int]:

@@ -1,0 +1,126 @@
+"""Which figures and tables there are, and reproducing one of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from viscache.figures.outcome import Outcome, text
+from viscache.json_values import finite
+from viscache.provenance import provenance
+from viscache.settings import NotThereYetError, nearest
+
+__all__ = ["FIGURES", "FigureInfo", "reproduce"]
+
+#: Takes the folder to write to, `quick`, and whether to show progress.
+Figure: TypeAlias = Callable[[Path, bool, bool], Outcome]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FigureInfo:
+    """One figure or table of the papers, or one of ours beside them."""
+
+    description: str
+    function: Figure | None = None
+    """None where the part it shows is not there yet."""
+
+    @property
+    def is_there(self) -> bool:
+        """False for a figure whose part viscache does not have yet."""
+        return self.function is not None
+
+
+def _later(**descriptions: str) -> dict[str, FigureInfo]:
+    return {n.replace("_", "-"): FigureInfo(description=d) for n, d in descriptions.items()}
+
+
+FIGURES: dict[str, FigureInfo] = {
+    **_later(
+        aqvc_fig2="grids of two normals",
+        aqvc_fig3="shadow edges with and without refinement",
+        aqvc_fig4="scan order shifts shadows",
+        aqvc_fig5="exact and cached images, amplified difference",
+        aqvc_fig6="fine geometry",
+        aqvc_fig7="ray reduction, speed-up and quality over C_E",
+        aqvc_fig8="comparison with shadow maps",
+        aqvc_claims="numbers in the text of the quantized cache's paper",
+        vlf_fig1="tiles of an edge: supercover against DDA",
+        vlf_fig2="rays over one and several tiles",
+        vlf_fig3="linear traversal of a tile's leaves",
+        vlf_fig4="the scenes of random triangles",
+        vlf_fig5="frame time over the number of triangles",
+        vlf_fig6="frame times of a walk through a classroom",
+        vlf_fig7="the classroom",
+        vlf_fig8="images with ambient occlusion",
+        vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
+        **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
+        vismap_fig1="importance sampling of one, two and three factors",
+        vismap_fig3="correlation over distance and angle in one scene, with slices",
+        vismap_fig4="correlation in four scenes, with maps of the scenes",
+        vismap_fig5="the weighting function",
+        vismap_fig8="positions of the records",
+        vismap_fig10="ambient occlusion, reference and cached",
+        vismap_fig11="the control variate's integral as a preview",
+        vismap_fig12="records in the garden scene",
+        vismap_fig13="equal-time comparison",
+        vismap_tab2="records, resolutions and rays per pixel of three scenes",
+        vismap_tab3="variance ratios and overhead over the number of samples",
+        vismap_sweep="variance, rays and bytes over the cache's parameters",
+        vismap_temporal="records and misses over the frames of a moving scene",
+    ),
+}
+
+
+def reproduce(
+    name: str, directory: str | os.PathLike[str], *, quick: bool = False, progress: bool = False
+) -> dict[str, Any]:
+    """Reproduce one figure or table of the papers.
+
+    Parameters
+    ----------
+    name : str
+        One of `FIGURES`.
+    directory : path
+        Made where missing. Gets the picture, `NAME.md` with the table and `NAME.json`.
+    quick : bool
+        Small sizes: seconds instead of minutes.
+
+    Returns
+    -------
+    dict
+        What `viscache reproduce NAME --json` prints: figure, rows (what, printed, measured, ratio,
+        band, holds, note), files; beside them holds, skipped, notes, quick, provenance.
+
+    Raises
+    ------
+    ValueError
+        An unknown name; the message has the nearest known one.
+    NotThereYetError
+        A figure whose part viscache does not have yet.
+    """
+    if name not in FIGURES:
+        raise ValueError(f"unknown figure {name!r}{nearest(name, FIGURES)}")
+    function = FIGURES[name].function
+    if function is None:
+        raise NotThereYetError(f"reproduce {name} is not there yet in this version of viscache")
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    outcome = function(folder, quick, progress)
+    table, record = folder / f"{name}.md", folder / f"{name}.json"
+    table.write_text(text(name, outcome.rows), encoding="utf-8")
+    result = {
+        "figure": name,
+        "rows": [row.as_dict() for row in outcome.rows],
+        "files": [str(path) for path in [*outcome.files, table, record]],
+        "holds": all(row.holds is not False for row in outcome.rows),
+        "skipped": outcome.skipped,
+        "notes": outcome.notes,
+        "quick": quick,
+        "provenance": provenance(),
+    }
+    record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
+    return result

@@ -1,0 +1,93 @@
+"""`viscache reproduce`: the list, the JSON, and bands that fail with status 1."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from viscache import cli, figures
+from viscache.figures.outcome import Band, Outcome, Row, text
+from viscache.figures.registry import FigureInfo
+
+BAND = Band(0.8, math.inf, "the paper says so")
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
+    """A figure `made-up` whose rows the test fills in."""
+    rows: list[Row] = []
+
+    def function(folder: Path, quick: bool, progress: bool) -> Outcome:
+        (folder / "made-up.png").write_bytes(b"picture")
+        outcome = Outcome(rows=rows, files=[folder / "made-up.png"])
+        outcome.skip("far away", "absent")
+        return outcome
+
+    info = FigureInfo(description="made up", function=function)
+    monkeypatch.setitem(figures.FIGURES, "made-up", info)
+    return rows
+
+
+def test_every_figure_of_the_interface_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    expected = {f"aqvc-fig{n}" for n in range(2, 9)} | {f"vlf-fig{n}" for n in range(1, 9)}
+    expected |= {f"vlf-x{n}" for n in range(1, 6)} | {"vlf-tab1", "aqvc-claims"}
+    expected |= {f"vismap-fig{n}" for n in (1, 3, 4, 5, 8, 10, 11, 12, 13)}
+    expected |= {"vismap-tab2", "vismap-tab3", "vismap-sweep", "vismap-temporal"}
+    assert set(figures.FIGURES) == expected
+    assert cli.main(["reproduce", "list", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)["figures"]
+    there = {row["figure"]: row["available"] for row in listed}
+    assert there == {name: info.is_there for name, info in figures.FIGURES.items()}
+
+
+def test_the_json_has_the_rows_and_the_files_that_were_written(
+    made_up: list[Row], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made_up.append(Row(what="speed", measured=3.0, printed=2.0, band=BAND, note="here"))
+    made_up.append(Row(what="count", measured=7, printed="1 to 2"))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path / "new"), "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    first, second = got["rows"]
+    assert got["figure"] == "made-up" and got["skipped"][0]["what"] == "far away"
+    assert first == {
+        "what": "speed", "printed": 2.0, "measured": 3.0, "ratio": 1.5, "band": [0.8, None],
+        "holds": True, "note": "here; the paper says so",
+    }  # fmt: skip
+    assert (second["ratio"], second["band"], second["holds"]) == (None, None, None)
+    assert all(Path(file).is_file() for file in got["files"])
+    assert {Path(file).suffix for file in got["files"]} == {".png", ".md", ".json"}
+    assert json.loads((tmp_path / "new" / "made-up.json").read_text())["rows"] == got["rows"]
+
+
+@pytest.mark.parametrize("measured", [0.79, math.nan, None])
+def test_a_band_that_fails_is_status_1(
+    made_up: list[Row], measured: float | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made_up.append(Row(what="speed", measured=measured, band=BAND))
+    assert cli.main(["reproduce", "made-up", "-o", str(tmp_path)]) == 1
+    assert "| **no** |" in capsys.readouterr().out
+
+
+def test_ends_of_a_band_belong_to_it() -> None:
+    band = Band(1.0, 2.0, "")
+    values = [Row(what="x", measured=v, band=band).holds for v in (1.0, 2.0, 0.999, 2.001)]
+    assert values == [True, True, False, False]
+
+
+def test_the_table_says_what_was_printed_and_what_was_measured() -> None:
+    table = text("made-up", [Row(what="speed", measured=3.0, printed=2.0, band=BAND)])
+    assert "| speed | 2 | 3 | 1.5 | 0.8 … ∞ | yes | the paper says so |" in table
+
+
+def test_unknown_and_later_figures_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = ["-o", str(tmp_path / "none")]
+    assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
+    assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
+    assert cli.main(["reproduce", "vlf-tab1", *out]) == 2
+    assert "not there yet" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
