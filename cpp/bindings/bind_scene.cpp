@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "interrupt.h"
+#include "viscache/visibility/block_tracer.h"
 #include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/embree_caster.h"
 
@@ -12,8 +13,8 @@ namespace viscache::bindings {
 namespace {
 
 constexpr size_t kChunk = 1 << 13;
-constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
-constexpr size_t kTrial = 1 << 14;  // rays per thread from which a trial of packet plans pays
+constexpr size_t kQuick = 1 << 18;      // calls of fewer rays end before anyone could press Ctrl-C
+constexpr size_t kSortChunk = 1 << 16;  // sorting gains with the size of a chunk
 
 void require_usable(const FloatArray& a, const char* name) {
     const Vec3* rows = rows3(a, name);
@@ -48,9 +49,9 @@ Ray endless(Vec3 origin, Vec3 direction) {
 
 /// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
 template <class Work>
-void in_chunks(size_t n, int threads, Work work) {
-    const auto chunk = [&](size_t c, int worker) { work(c * kChunk, std::min(n, (c + 1) * kChunk), worker); };
-    const size_t chunks = (n + kChunk - 1) / kChunk;
+void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
+    const auto chunk = [&](size_t c, int worker) { work(c * size, std::min(n, (c + 1) * size), worker); };
+    const size_t chunks = (n + size - 1) / size;
     if (n < kQuick) {
         py::gil_scoped_release release;
         parallel_for(chunks, threads, chunk);
@@ -74,16 +75,21 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
     threads = resolve_threads(threads);
-    std::vector<PacketTrial> trials(size_t(threads),
-                                    PacketTrial(caster.native16(), n >= kTrial * size_t(threads)));
+    std::vector<BlockTracer> tracers(size_t(threads), BlockTracer(caster, rays, out));
     std::atomic<bool> usable{true};
-    in_chunks(n, threads, [&](size_t first, size_t last, int worker) {
-        // Checked chunk by chunk, while the rays are in the cache
-        if (!all_usable({origins + first, last - first}) || !all_usable({directions + first, last - first}))
-            usable = false;
-        else
-            caster.occluded(rays, first, {out + first, last - first}, trials[size_t(worker)]);
-    });
+    // Several chunks a thread, so that the first ones can teach the rest
+    const size_t chunk = std::clamp(n / (6 * size_t(threads)), kChunk, kSortChunk);
+    in_chunks(
+        n, threads,
+        [&](size_t first, size_t last, int worker) {
+            // Checked chunk by chunk, while the rays are in the cache
+            if (!all_usable({origins + first, last - first}) ||
+                !all_usable({directions + first, last - first}))
+                usable = false;
+            else
+                tracers[size_t(worker)].block(first, last - first);
+        },
+        chunk);
     if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
     return result;
 }
@@ -154,7 +160,7 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
     py::gil_scoped_release release;
     parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
         const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
-        caster.occluded(rays, first, {out + first, last - first}, plan);
+        caster.occluded(rays, first, last - first, out, plan);
     });
     return result;
 }

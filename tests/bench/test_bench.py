@@ -43,9 +43,10 @@ def test_every_packet_width_and_flag_gives_the_same_bytes(scene, name):
             assert found.tobytes() == usual.tobytes(), (width, coherent)
 
 
-def test_trials_of_packet_plans_do_not_change_answers(scene):
-    # Enough rays that every thread tries all plans
-    rays = ray_sets.make_ray_set(scene, "hemi", 80_000)
+@pytest.mark.parametrize("name", ["camera", "hemi"])
+def test_trials_and_sorting_do_not_change_answers(scene, name):
+    # Enough rays that every thread tries both flags, and sorts those in no order
+    rays = ray_sets.make_ray_set(scene, name, 80_000)
     usual = scene.caster().bare_occluded(rays.origins, rays.directions, rays.t_max, 8)
     for threads in (1, 2, 3):
         found = scene.occluded(rays.origins, rays.directions, rays.t_max, threads=threads)

@@ -327,3 +327,18 @@ def test_degenerate_triangles_do_no_harm() -> None:
     scene = vc.Scene.from_arrays(vertices, [[0, 0, 0], [0, 1, 1], [3, 3, 3], [0, 1, 2]])
     assert scene.intersect(ONE, DOWN).triangle[0] == 3
     assert np.isfinite(vc.render(scene, vc.Direct(), size=(8, 8), env=1.0).image).all()
+
+
+def test_coherent_packets_of_16_that_enter_instances_come_to_an_end():
+    # Embree built by g++ looped for ever here on AVX-512, where incoherent packets went before
+    code = """
+import viscache as vc
+from viscache.bench.ray_sets import make_ray_set
+scene = vc.scenes.courtyard(triangles=30_000)
+rays = make_ray_set(scene, "camera", 3001)
+for coherent in (False, True):
+    scene.caster().bare_occluded(
+        rays.origins, rays.directions, rays.t_max, 16, coherent=coherent, threads=1
+    )
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)

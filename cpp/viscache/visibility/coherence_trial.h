@@ -21,13 +21,14 @@ inline double thread_cpu_seconds() {
 /// the flags take turns for a few pieces, and the faster one serves until the next turn.
 class CoherenceTrial {
 public:
-    /// `fixed`: always this flag, no trial.
-    explicit CoherenceTrial(std::optional<Coherence> fixed) : fixed_(fixed) {}
+    /// `fixed`: always this flag, no trial. `period`: pieces from one trial to the next.
+    explicit CoherenceTrial(std::optional<Coherence> fixed, size_t period = 512)
+        : fixed_(fixed), period_(period) {}
 
     /// Runs work(flag) → number of rays it traced, as the next piece.
     template <class Work>
     void piece(Work work) {
-        const size_t turn = pieces_++ % kPeriod;
+        const size_t turn = pieces_++ % period_;
         if (fixed_ || turn >= kTurns) {
             work(fixed_.value_or(best_));
             return;
@@ -42,8 +43,9 @@ public:
     }
 
 private:
-    static constexpr size_t kPeriod = 512, kTurns = 8;
+    static constexpr size_t kTurns = 8;
     std::optional<Coherence> fixed_;
+    size_t period_;
     Coherence best_ = Coherence::kCoherent;
     size_t pieces_ = 0;
     std::array<double, 2> seconds_{};

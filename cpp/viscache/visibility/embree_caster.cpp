@@ -63,6 +63,14 @@ struct EmbreeCaster::Impl {
     }
     unsigned attach_mesh(RTCScene target, const Scene& scene, uint32_t index);
     void attach_instance(const Instance& instance, RTCScene group, uint32_t index);
+    /// Whether packets of 16 may be traced as such. On AVX-512, Embree as compiled by g++ can loop for ever
+    /// over a coherent packet of 16 that enters an instance: its mask keeps stray high bits of a register
+    /// (embree pull request 574; seen with 3.13.5 after incoherent packets of 16). Packets of 8 are sound.
+    bool sound16(Coherence coherence) const { return groups.empty() || coherence == Coherence::kIncoherent; }
+    PacketPlan sound(PacketPlan plan) const {
+        if (plan.width == 16 && !sound16(plan.coherence)) plan.width = 8;
+        return plan;
+    }
     Hit hit_of(unsigned geom, unsigned inst, unsigned prim, float u, float v, float t) const;
 };
 
@@ -240,7 +248,8 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
     const RTCScene top = impl_->top;
-    if (impl_->native16) return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
+    if (impl_->native16 && impl_->sound16(coherence))
+        return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     // Without AVX-512, Embree would sort a packet of 16 again; two packets of 8 are traced as they are.
     uint32_t occluded = 0;
     if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
@@ -266,17 +275,27 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
 
 namespace {
 
-/// Packets of kWidth neighbours, filled straight from the arrays.
-template <class Packet, int kWidth>
-void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, size_t first,
-                      std::span<uint8_t> occluded) {
+/// Which ray is asked as number i of a call.
+struct AsGiven {
+    size_t first;
+    size_t operator()(size_t i) const { return first + i; }
+};
+struct Sorted {
+    const uint32_t* order;
+    size_t operator()(size_t i) const { return order[i]; }
+};
+
+/// Packets of kWidth neighbours, filled straight from the arrays. The answer of ray k goes to occluded[k].
+template <class Packet, int kWidth, class Number>
+void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
+                      uint8_t* occluded) {
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     set_common(packet);
-    for (size_t at = 0; at < occluded.size(); at += kWidth) {
-        const size_t n = std::min<size_t>(kWidth, occluded.size() - at);
+    for (size_t at = 0; at < count; at += kWidth) {
+        const size_t n = std::min<size_t>(kWidth, count - at);
         for (size_t i = 0; i < kWidth; ++i) {
-            const size_t k = first + at + std::min(i, n - 1);
+            const size_t k = number(at + std::min(i, n - 1));
             const Vec3 o = rays.origin[k], d = rays.direction[k];
             const float t = rays.t_max[k * rays.t_stride];
             const bool active =
@@ -288,74 +307,49 @@ void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, 
         }
         trace(query, scene, valid, packet);
         // Where Embree splits wide packets it traces lanes that are off as well
-        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
+        for (size_t i = 0; i < n; ++i) occluded[number(at + i)] = valid[i] && packet.tfar[i] < 0;
     }
 }
 
-void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, size_t first,
-                     std::span<uint8_t> occluded) {
-    for (size_t i = 0; i < occluded.size(); ++i) {
-        const Vec3 o = rays.origin[first + i], d = rays.direction[first + i];
-        const float t = rays.t_max[(first + i) * rays.t_stride];
-        occluded[i] = 0;
+template <class Number>
+void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
+                     uint8_t* occluded) {
+    for (size_t i = 0; i < count; ++i) {
+        const size_t k = number(i);
+        const Vec3 o = rays.origin[k], d = rays.direction[k];
+        const float t = rays.t_max[k * rays.t_stride];
+        occluded[k] = 0;
         if (!(t > 0) || d == Vec3{}) continue;
         RTCRay ray{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, t, ~0u, 0, 0};
         query.occluded1(scene, ray);
-        occluded[i] = ray.tfar < 0;
+        occluded[k] = ray.tfar < 0;
     }
 }
 
-}  // namespace
-
-void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
-                            const PacketPlan& plan) const {
+template <class Number>
+void occluded_by_plan(RTCScene scene, const RayArrays& rays, Number number, size_t count, uint8_t* occluded,
+                      const PacketPlan& plan) {
     rtc::Query query(plan.coherence);
-    const RTCScene top = impl_->top;
     switch (plan.width) {
-        case 1: return occluded_singly(query, top, rays, first, occluded);
-        case 4: return occluded_packets<RTCRay4, 4>(query, top, rays, first, occluded);
-        case 8: return occluded_packets<RTCRay8, 8>(query, top, rays, first, occluded);
-        case 16: return occluded_packets<RTCRay16, 16>(query, top, rays, first, occluded);
+        case 1: return occluded_singly(query, scene, rays, number, count, occluded);
+        case 4: return occluded_packets<RTCRay4, 4>(query, scene, rays, number, count, occluded);
+        case 8: return occluded_packets<RTCRay8, 8>(query, scene, rays, number, count, occluded);
+        case 16: return occluded_packets<RTCRay16, 16>(query, scene, rays, number, count, occluded);
         default:
             throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
     }
 }
 
-void EmbreeCaster::occluded(const RayArrays& rays, size_t first, std::span<uint8_t> occluded,
-                            PacketTrial& trial) const {
-    // Shares in a row by one plan, so that all plans see like rays; few enough to cost little when a plan is
-    // slow
-    constexpr size_t kShare = 128, kRounds = 4;
-    const size_t plans = trial.plans().size();
-    if (!trial.due() || occluded.size() < kRounds * plans * kShare) {
-        this->occluded(rays, first, occluded, trial.best());
-        return;
-    }
-    std::vector<double> seconds(plans, 0.0);
-    double before = thread_cpu_seconds();
-    size_t at = 0;
-    for (size_t round = 0; round < kRounds; ++round)
-        for (size_t p = 0; p < plans; ++p, at += kShare) {
-            this->occluded(rays, first + at, occluded.subspan(at, kShare), trial.plans()[p]);
-            const double now = thread_cpu_seconds();
-            // The first round only warms the caches
-            if (round > 0) seconds[p] += now - before;
-            before = now;
-        }
-    trial.learn(seconds);
-    this->occluded(rays, first + at, occluded.subspan(at), trial.best());
+}  // namespace
+
+void EmbreeCaster::occluded(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
+                            const PacketPlan& plan) const {
+    occluded_by_plan(impl_->top, rays, AsGiven{first}, count, occluded, impl_->sound(plan));
 }
 
-PacketTrial::PacketTrial(bool native16, bool worth_it) : worth_it_(worth_it) {
-    const int widest = native16 ? 16 : 8;
-    plans_ = {PacketPlan{widest, Coherence::kIncoherent}, PacketPlan{widest, Coherence::kCoherent},
-              PacketPlan{1}};
-}
-
-void PacketTrial::learn(std::span<const double> seconds) {
-    // Another plan must win clearly: a wrong switch costs more than a missed one
-    for (size_t p = 0; p < plans_.size(); ++p)
-        if (seconds[p] < 0.97 * seconds[best_]) best_ = p;
+void EmbreeCaster::occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
+                            const PacketPlan& plan) const {
+    occluded_by_plan(impl_->top, rays, Sorted{order.data()}, order.size(), occluded, impl_->sound(plan));
 }
 
 bool EmbreeCaster::native16() const { return impl_->native16; }

@@ -1,0 +1,74 @@
+#include "viscache/visibility/ray_order.h"
+
+#include "viscache/math/bounds.h"
+
+namespace viscache {
+
+namespace {
+
+// Classes: cell of the origin × bin of the direction. Measured on hemisphere, short and point-to-point rays:
+// 512 cells × 64 directions trace fastest, by little.
+constexpr uint32_t kEdge = 8;                    // along each axis of either grid
+constexpr uint32_t kDirections = kEdge * kEdge;  // bins of the octahedral square
+constexpr uint32_t kClasses = kEdge * kEdge * kEdge * kDirections;
+constexpr size_t kBoxStride = 16;  // a sample of the origins is enough to find their box
+constexpr uint32_t kSpread3[kEdge] = {0, 1, 8, 9, 64, 65, 72, 73};  // bits of a Morton code in space
+constexpr uint32_t kSpread2[kEdge] = {0, 1, 4, 5, 16, 17, 20, 21};  // and in the plane
+
+uint32_t step(float v) { return uint32_t(std::max(0.f, std::min(v, kEdge - 1.f))); }
+
+/// Bin of a direction of any length but zero, along a Morton curve on the octahedral square. Without
+/// branches: random directions would mispredict them.
+uint32_t direction_bin(Vec3 d) {
+    const float ax = std::fabs(d.x), ay = std::fabs(d.y);
+    const float scale = 1 / std::max(ax + ay + std::fabs(d.z), 1e-38f);
+    const bool below = d.z < 0;
+    const float u = std::copysign(below ? 1 - ay * scale : ax * scale, d.x);
+    const float v = std::copysign(below ? 1 - ax * scale : ay * scale, d.y);
+    return kSpread2[step((u + 1) * (kEdge / 2))] | kSpread2[step((v + 1) * (kEdge / 2))] << 1;
+}
+
+/// Cells of a box, numbered along a Morton curve; points outside belong to the nearest.
+struct OriginCells {
+    Vec3 lo, scale;
+
+    explicit OriginCells(const Bounds& box) : lo(box.lo) {
+        const auto per_unit = [](float extent) { return extent > 1e-30f ? kEdge / extent : 0.f; };
+        const Vec3 extent = box.hi - box.lo;
+        scale = {per_unit(extent.x), per_unit(extent.y), per_unit(extent.z)};
+    }
+    uint32_t operator()(Vec3 p) const {
+        return kSpread3[step((p.x - lo.x) * scale.x)] | kSpread3[step((p.y - lo.y) * scale.y)] << 1 |
+               kSpread3[step((p.z - lo.z) * scale.z)] << 2;
+    }
+};
+
+}  // namespace
+
+void RayOrder::classify(const RayArrays& rays, size_t first, size_t count) {
+    first_ = first;
+    class_.resize(count);
+    Bounds box;
+    for (size_t i = first; i < first + count; i += kBoxStride) box.add(rays.origin[i]);
+    const OriginCells cells(box);
+    for (size_t i = 0; i < count; ++i)
+        class_[i] =
+            uint16_t(cells(rays.origin[first + i]) * kDirections + direction_bin(rays.direction[first + i]));
+}
+
+double RayOrder::share_in_order() const {
+    size_t same = 0;
+    for (size_t i = 1; i < class_.size(); ++i) same += class_[i] == class_[i - 1];
+    return class_.size() > 1 ? double(same) / double(class_.size() - 1) : 1;
+}
+
+std::span<const uint32_t> RayOrder::sort() {
+    begin_.assign(kClasses + 1, 0);
+    for (const uint16_t c : class_) ++begin_[c + 1u];
+    for (size_t c = 1; c <= kClasses; ++c) begin_[c] += begin_[c - 1];
+    order_.resize(class_.size());
+    for (size_t i = 0; i < class_.size(); ++i) order_[begin_[class_[i]]++] = uint32_t(first_ + i);
+    return order_;
+}
+
+}  // namespace viscache
