@@ -5,6 +5,7 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
+void bind_correlation_pairs(py::module_& m);
 void bind_description(py::module_& m);
 void bind_eye_paths(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
@@ -21,6 +22,7 @@ PYBIND11_MODULE(_core, m) {
     using namespace viscache::bindings;
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
     bind_aqvc(m);
+    bind_correlation_pairs(m);
     bind_description(m);
     bind_light_and_reflection(m);
     bind_loaders(m);

@@ -1,0 +1,209 @@
+// Statistics of pairs of rows of bits.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "interrupt.h"
+#include "viscache/correlation/neighbourhood.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
+using IntArray = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
+
+Isa isa_of(const std::optional<std::string>& name) {
+    if (!name) return active_isa();
+    for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
+        if (isa_name(isa) == *name && isa <= best_isa()) return isa;
+    throw py::value_error("isa must be portable, avx2 or avx512, and this CPU must have it, got " + *name);
+}
+
+PairDomain domain_of(const std::string& name) {
+    if (name == "sphere") return PairDomain::kSphere;
+    if (name == "joint") return PairDomain::kJoint;
+    if (name == "union") return PairDomain::kUnion;
+    throw py::value_error("domain must be sphere, joint or union, got " + name);
+}
+
+void require_bits(const WordArray& bits, const char* name) {
+    if (bits.ndim() != 2)
+        throw py::value_error(std::string(name) + " must have shape (N, words), got " + shape_text(bits));
+}
+
+/// Arguments of a call in the shapes of the core; holds the arrays they look into.
+struct RowsArgument {
+    RowsArgument(WordArray bits_, int n_directions, FloatArray position_, FloatArray normal_, IntArray group_,
+                 size_t n_groups, const std::string& domain, FloatArray direction_, int min_bits,
+                 bool one_if_both)
+        : bits(std::move(bits_)),
+          position(std::move(position_)),
+          normal(std::move(normal_)),
+          direction(std::move(direction_)),
+          group(std::move(group_)) {
+        require_bits(bits, "bits");
+        const auto n = bits.shape(0);
+        for (const auto& [name, size] : {std::pair{"positions", position.shape(0)},
+                                         {"normals", normal.shape(0)},
+                                         {"group", group.shape(0)}})
+            if (size != n)
+                throw py::value_error(std::string(name) + " must have one row per row of bits, " +
+                                      std::to_string(n) + ", got " + std::to_string(size));
+        rows.bits = bits.data(), rows.words = size_t(bits.shape(1)), rows.n_directions = n_directions;
+        rows.position = {rows3(position, "positions"), size_t(n)};
+        rows.normal = {rows3(normal, "normals"), size_t(n)};
+        rows.direction = {rows3(direction, "directions"), size_t(direction.shape(0))};
+        rows.group = {group.data(), size_t(n)}, rows.n_groups = n_groups;
+        rows.domain = domain_of(domain), rows.min_bits = min_bits, rows.one_if_both = one_if_both;
+    }
+    WordArray bits;
+    FloatArray position, normal, direction;
+    IntArray group;
+    PairRows rows;
+};
+
+template <class T>
+py::array_t<T> shaped(const std::vector<T>& v, const PairTable& t) {
+    py::array_t<T> a({t.n_pairs, t.n_distances, t.n_angles});
+    std::copy(v.begin(), v.end(), a.mutable_data());
+    return a;
+}
+
+py::dict dict_of(const PairTable& t) {
+    py::dict d;
+    d["n"] = shaped(t.n, t), d["n_undefined"] = shaped(t.n_undefined, t), d["sum_q"] = shaped(t.sum_q, t);
+    d["sum_q2_high"] = shaped(t.sum_q2_high, t), d["sum_q2_low"] = shaped(t.sum_q2_low, t);
+    return d;
+}
+
+PairWork work_of(int threads, const std::optional<std::string>& isa, bool skip_dead = true) {
+    return {.threads = threads, .isa = isa_of(isa), .skip_dead = skip_dead};
+}
+
+py::dict pair_statistics_dict(const RowsArgument& a, const std::vector<double>& d_edges,
+                              const std::vector<double>& theta_edges_deg,
+                              const std::optional<std::vector<uint64_t>>& chosen, size_t tile, int threads,
+                              const std::optional<std::string>& isa, bool skip_dead,
+                              const py::object& progress) {
+    const PairWork work = work_of(threads, isa, skip_dead);
+    const PairTiles tiles(a.rows.group, a.rows.n_groups, tile);
+    std::vector<uint64_t> all;
+    if (!chosen)
+        for (size_t t = 0; t < tiles.tiles.size(); ++t) all.push_back(t);
+    PairTable table;
+    run_interruptible(
+        [&](Control& control) {
+            table = pair_statistics(a.rows, tiles, chosen ? *chosen : all, BinEdges::distances(d_edges),
+                                    BinEdges::angles(theta_edges_deg), work, control);
+        },
+        progress);
+    return dict_of(table);
+}
+
+py::dict near_pairs_dict(const RowsArgument& a, const std::vector<double>& d_edges,
+                         const std::vector<double>& theta_edges_deg, int threads,
+                         const std::optional<std::string>& isa, const py::object& progress) {
+    const PairWork work = work_of(threads, isa);
+    PairTable table;
+    run_interruptible(
+        [&](Control& control) {
+            const BinEdges distances = BinEdges::distances(d_edges);
+            table = near_pairs(a.rows, distances, BinEdges::angles(theta_edges_deg), d_edges.back(), work,
+                               control);
+        },
+        progress);
+    return dict_of(table);
+}
+
+py::array_t<float> spatial_map_array(const RowsArgument& a, double d_max, double theta_max_deg, int threads,
+                                     const std::optional<std::string>& isa, const py::object& progress) {
+    const PairWork work = work_of(threads, isa);
+    std::vector<float> mean;
+    run_interruptible(
+        [&](Control& control) { mean = spatial_map(a.rows, d_max, theta_max_deg, work, control); }, progress);
+    return py::array_t<float>(py::ssize_t(mean.size()), mean.data());
+}
+
+/// Both arrays have rows of the same number of words, at most as many as the kernel takes.
+void require_alike(const WordArray& a, const WordArray& b) {
+    require_bits(a, "bits_a"), require_bits(b, "bits_b");
+    if (a.shape(1) != b.shape(1))
+        throw py::value_error("bits_a and bits_b must have rows of the same length, got " + shape_text(a) +
+                              " and " + shape_text(b));
+    if (size_t(a.shape(1)) > words_for(kMaxDirections))
+        throw py::value_error("bits must have at most " + std::to_string(words_for(kMaxDirections)) +
+                              " words a row, got " + std::to_string(a.shape(1)));
+}
+
+py::array_t<int32_t> intersections_array(const WordArray& a, const WordArray& b, int threads,
+                                         const std::optional<std::string>& isa) {
+    require_alike(a, b);
+    const PairWork work = work_of(threads, isa);
+    py::array_t<int32_t> out({a.shape(0), b.shape(0)});
+    const Word *rows_a = a.data(), *rows_b = b.data();
+    int32_t* counts = out.mutable_data();
+    const size_t n_a = size_t(a.shape(0)), n_b = size_t(b.shape(0)), words = size_t(a.shape(1));
+    run_interruptible(
+        [&](Control& control) { intersections(rows_a, n_a, rows_b, n_b, words, work, counts, control); });
+    return out;
+}
+
+uint64_t total_intersections_of(const WordArray& a, const WordArray& b, int threads,
+                                const std::optional<std::string>& isa, bool skip_dead) {
+    require_alike(a, b);
+    const PairWork work = work_of(threads, isa, skip_dead);
+    const Word *rows_a = a.data(), *rows_b = b.data();
+    const size_t n_a = size_t(a.shape(0)), n_b = size_t(b.shape(0)), words = size_t(a.shape(1));
+    uint64_t total = 0;
+    run_interruptible([&](Control& control) {
+        total = total_intersections(rows_a, n_a, rows_b, n_b, words, work, control);
+    });
+    return total;
+}
+
+py::array_t<int64_t> tiles_array(const IntArray& group, size_t n_groups, size_t tile) {
+    const PairTiles all({group.data(), size_t(group.size())}, n_groups, tile);
+    py::array_t<int64_t> out({py::ssize_t(all.tiles.size()), py::ssize_t(7)});
+    int64_t* row = out.mutable_data();
+    for (const PairTile& t : all.tiles) {
+        const PointBlock &a = all.blocks[t.a], &b = all.blocks[t.b];
+        for (size_t v : {a.group, b.group, a.first, a.last, b.first, b.last}) *row++ = int64_t(v);
+        *row++ = t.pairs;
+    }
+    return out;
+}
+
+}  // namespace
+
+void bind_correlation_pairs(py::module_& m) {
+    py::module_ c = m.def_submodule("correlation", "Correlation statistics of visibility.");
+    const auto no_isa = py::arg("isa") = py::none();
+
+    py::class_<RowsArgument>(c, "PairRows", "Points, their rows of bits, and the rules of their statistics.")
+        .def(py::init<WordArray, int, FloatArray, FloatArray, IntArray, size_t, const std::string&,
+                      FloatArray, int, bool>(),
+             py::arg("bits"), py::arg("n_directions"), py::arg("positions"), py::arg("normals"),
+             py::arg("group"), py::arg("n_groups"), py::arg("domain"), py::arg("directions"),
+             py::arg("min_bits"), py::arg("one_if_both"));
+    c.def("pair_statistics", &pair_statistics_dict, py::arg("rows"), py::arg("d_edges"),
+          py::arg("theta_edges_deg"), py::arg("tiles"), py::arg("tile"), py::arg("threads") = 0, no_isa,
+          py::arg("skip_dead") = true, py::arg("progress") = py::none(),
+          "Sums over the pairs of tiles; see viscache.correlation.pair_statistics.");
+    c.def("near_pairs", &near_pairs_dict, py::arg("rows"), py::arg("d_edges"), py::arg("theta_edges_deg"),
+          py::arg("threads") = 0, no_isa, py::arg("progress") = py::none(),
+          "Sums over all pairs nearer than the last edge.");
+    c.def("spatial_map", &spatial_map_array, py::arg("rows"), py::arg("d_max"), py::arg("theta_max_deg"),
+          py::arg("threads") = 0, no_isa, py::arg("progress") = py::none(),
+          "Mean rho of every point with its neighbours.");
+    c.def("tiles", &tiles_array, py::arg("group"), py::arg("n_groups"), py::arg("tile"),
+          "(K, 7) of every tile: groups a and b, first and last point of a and of b, pairs.");
+    c.def("intersections", &intersections_array, py::arg("bits_a"), py::arg("bits_b"), py::arg("threads") = 0,
+          no_isa, "Directions both rows see, (NA, NB).");
+    c.def("total_intersections", &total_intersections_of, py::arg("bits_a"), py::arg("bits_b"),
+          py::arg("threads") = 0, no_isa, py::arg("skip_dead") = true,
+          "Sum of the intersections of all pairs of rows.");
+    c.def("and_popcount_add", &and_popcount_add, py::arg("steps"), py::call_guard<py::gil_scoped_release>(),
+          "The bench's yardstick: and, popcount, add of 512 bits, `steps` times.");
+}
+
+}  // namespace viscache::bindings

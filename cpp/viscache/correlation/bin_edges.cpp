@@ -1,0 +1,83 @@
+#include "viscache/correlation/bin_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace viscache {
+namespace {
+
+/// No key comes so far.
+constexpr uint32_t kNever = ~0u;
+constexpr size_t kMaxEdges = 8192, kMaxCells = size_t{1} << 20;
+
+void check_edges(std::span<const double> edges, const char* name, double last) {
+    const std::string n = name;
+    if (edges.size() < 2 || edges.size() > kMaxEdges)
+        throw std::invalid_argument(n + " must hold 2 to " + std::to_string(kMaxEdges) + " edges, got " +
+                                    std::to_string(edges.size()));
+    for (size_t i = 0; i < edges.size(); ++i) {
+        if (!(edges[i] >= 0 && edges[i] <= last))
+            throw std::invalid_argument(n + " must lie in [0, " + std::to_string(last) + "], got " +
+                                        std::to_string(edges[i]));
+        if (i && !(edges[i] > edges[i - 1]))
+            throw std::invalid_argument(n + " must increase, got " + std::to_string(edges[i - 1]) +
+                                        " before " + std::to_string(edges[i]));
+    }
+}
+
+/// The smallest float >= x.
+float float_above(double x) {
+    const float f = float(x);
+    return double(f) < x ? std::nextafter(f, INFINITY) : f;
+}
+
+}  // namespace
+
+BinEdges BinEdges::distances(std::span<const double> edges) {
+    check_edges(edges, "d_edges", INFINITY);
+    std::vector<uint32_t> keys;
+    for (double d : edges) keys.push_back(std::isinf(d) ? kNever : distance_key(float_above(d * d)));
+    return BinEdges(std::move(keys), "d_edges");
+}
+
+BinEdges BinEdges::angles(std::span<const double> edges_deg) {
+    check_edges(edges_deg, "theta_edges_deg", 180);
+    std::vector<uint32_t> keys;
+    for (double angle : edges_deg) {
+        const double s = std::sin(angle * (M_PI / 180) / 2);
+        keys.push_back(angle == 180 ? kNever : chord_key(float_above(4 * s * s)));
+    }
+    return BinEdges(std::move(keys), "theta_edges_deg");
+}
+
+BinEdges::BinEdges(std::vector<uint32_t> keys, const char* name) : keys_(std::move(keys)) { build(name); }
+
+void BinEdges::build(const char* name) {
+    std::vector<uint32_t> inner;
+    for (uint32_t k : keys_)
+        if (k != 0 && k != kNever) inner.push_back(k);
+    const size_t zeros = size_t(std::count(keys_.begin(), keys_.end(), 0u));
+    // The coarsest cells that hold at most one edge each
+    shift_ = 16;
+    auto shares_cell = [&](uint32_t a, uint32_t b) { return a >> shift_ == b >> shift_; };
+    while (shift_ > 1 && std::adjacent_find(inner.begin(), inner.end(), shares_cell) != inner.end()) --shift_;
+    const size_t cells = inner.empty() ? 0 : size_t((inner.back() >> shift_) - (inner.front() >> shift_)) + 1;
+    if (zeros > 1 || shift_ == 1 || cells > kMaxCells)
+        throw std::invalid_argument(std::string(name) +
+                                    " must lie further apart than single precision tells");
+    // One cell before the first edge, one past the last
+    base_ = inner.empty() ? 0 : int(inner.front() >> shift_) - 1;
+    entries_.assign(cells + 2, 0);
+    size_t code = zeros, next = 0;
+    for (size_t c = 0; c < entries_.size(); ++c) {
+        uint32_t edge = KeyTable::kNoEdge;
+        const bool holds_edge = next < inner.size() && int(inner[next] >> shift_) == base_ + int(c);
+        if (holds_edge) edge = inner[next] & ((1u << shift_) - 1);
+        entries_[c] = uint32_t(code) << KeyTable::kCodeShift | edge;
+        if (holds_edge) ++code, ++next;
+    }
+}
+
+}  // namespace viscache

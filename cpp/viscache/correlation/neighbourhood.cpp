@@ -1,0 +1,164 @@
+#include "viscache/correlation/neighbourhood.h"
+
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "viscache/correlation/point_grid.h"
+
+namespace viscache {
+namespace {
+
+/// Rows as they count, and what the statistics of a pair need beside them.
+class NearRows {
+public:
+    NearRows(const PairRows& rows, const PairBinning& binning, const PairWork& work, Control& control);
+
+    /// Cell of a pair by its place; settle() counts its bits.
+    int32_t cell(size_t i, size_t j) const {
+        const Vec3 d = rows_.position[j] - rows_.position[i], n = rows_.normal[j] - rows_.normal[i];
+        return binning_.cell(squared_length(d.x, d.y, d.z), squared_length(n.x, n.y, n.z));
+    }
+    void settle(size_t i, size_t j, int32_t& cell, int32_t& q) const;
+
+private:
+    int32_t both(const Word* a, const Word* b) const { return int32_t(kernel_.dot(a, b, rows_.words)); }
+    const Word* visible(size_t i) const { return visible_ ? visible_->row(i) : rows_.row(i); }
+
+    const PairRows& rows_;
+    PairBinning binning_;
+    const PairKernel& kernel_;
+    std::optional<BitMatrix> visible_, above_;  ///< where the domain is not the sphere
+    std::vector<int32_t> n1_, n_above_;
+    std::vector<float> inverse_spread_;
+    std::vector<RowKind> kind_;
+};
+
+NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairWork& work, Control& control)
+    : rows_(rows),
+      binning_(binning),
+      kernel_(pair_kernel(work.isa)),
+      n1_(rows.size()),
+      n_above_(rows.size()),
+      inverse_spread_(rows.size()),
+      kind_(rows.size()) {
+    if (rows.domain != PairDomain::kSphere) {
+        visible_.emplace(rows.size(), rows.words * kWordBits);
+        above_.emplace(rows.size(), rows.words * kWordBits);
+    }
+    parallel_for(rows.size(), work.threads, [&](size_t i, int) {
+        control.check();
+        if (above_) {
+            rows.visible(i, visible_->row(i)), rows.above(i, above_->row(i));
+            n_above_[i] = both(above_->row(i), above_->row(i));
+        }
+        n1_[i] = both(visible(i), visible(i));
+        kind_[i] = rows.kind(n1_[i], rows.n_directions);
+        if (kind_[i] == RowKind::kDefined) inverse_spread_[i] = inverse_spread(n1_[i], rows.n_directions);
+    });
+}
+
+void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& q) const {
+    if (above_) {
+        const Word *ui = above_->row(i), *uj = above_->row(j);
+        settle_counts(
+            rows_, binning_,
+            domain_counts(rows_.domain, both(visible(i), visible(j)), both(visible(i), uj),
+                          both(ui, visible(j)), both(ui, uj), n1_[i], n1_[j], n_above_[i] + n_above_[j]),
+            cell, q);
+    } else if (kind_[i] == RowKind::kDefined && kind_[j] == RowKind::kDefined) {
+        const int32_t n11 = both(rows_.row(i), rows_.row(j));
+        const int32_t numerator = phi_numerator(n11, n1_[i], n1_[j], rows_.n_directions);
+        q = quantized(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
+    } else {
+        settle_pair(binning_, kind_[i], kind_[j], cell, q);
+    }
+}
+
+/// Runs work(cell of the grid, worker) over all cells.
+template <class Work>
+void over_cells(const PointGrid& grid, int threads, Control& control, Work work) {
+    constexpr size_t kChunk = 32;
+    const size_t chunks = (grid.cells() + kChunk - 1) / kChunk;
+    for (size_t c = 0; c < grid.cells(); ++c) control.total += grid.members(c).size();
+    parallel_for(chunks, threads, [&](size_t chunk, int worker) {
+        for (size_t c = chunk * kChunk; c < std::min(grid.cells(), (chunk + 1) * kChunk); ++c) {
+            work(c, worker);
+            control.done += grid.members(c).size();
+        }
+    });
+}
+
+}  // namespace
+
+PairTable near_pairs(const PairRows& rows, const BinEdges& distances, const BinEdges& angles, double d_near,
+                     const PairWork& work, Control& control) {
+    rows.check();
+    if (!std::isfinite(d_near)) throw std::invalid_argument("d_near must be finite");
+    const PairBinning binning = binning_of(rows, distances, angles);
+    const NearRows near(rows, binning, work, control);
+    const PointGrid grid(rows.position, d_near);
+    const size_t stride = size_t(binning.stride()), cells = size_t(binning.cells());
+    auto count = [&](size_t i, size_t j, PairTable& table) {
+        int32_t cell = near.cell(i, j), q = 0;
+        const size_t d = size_t(cell) / stride, t = size_t(cell) % stride;
+        if (d == 0 || d > table.n_distances || t == 0 || t > table.n_angles) return;
+        near.settle(i, j, cell, q);
+        const auto [g, h] = std::minmax(rows.group[i], rows.group[j]);
+        const size_t to = table.cell(group_pair(size_t(g), size_t(h), rows.n_groups), d - 1, t - 1);
+        if (size_t(cell) >= cells)
+            ++table.n_undefined[to];
+        else
+            table.add(to, 1, q, uint64_t(int64_t(q) * q));
+    };
+
+    std::vector<std::optional<PairTable>> tables(size_t(resolve_threads(work.threads)));
+    over_cells(grid, work.threads, control, [&](size_t c, int worker) {
+        std::optional<PairTable>& own = tables[size_t(worker)];
+        if (!own) own.emplace(rows.n_groups, distances.bins(), angles.bins());
+        for (uint32_t i : grid.members(c)) {
+            control.check();
+            grid.around(c, [&](std::span<const uint32_t> others) {
+                for (uint32_t j : others)
+                    if (i < j) count(i, j, *own);
+            });
+        }
+    });
+    PairTable sum(rows.n_groups, distances.bins(), angles.bins());
+    for (const std::optional<PairTable>& t : tables)
+        if (t) sum.add(*t);
+    return sum;
+}
+
+std::vector<float> spatial_map(const PairRows& rows, double d_max, double theta_max_deg, const PairWork& work,
+                               Control& control) {
+    rows.check();
+    const double d_edges[] = {0, d_max}, angle_edges[] = {0, theta_max_deg};
+    if (!std::isfinite(d_max)) throw std::invalid_argument("d_max must be finite");
+    const BinEdges distances = BinEdges::distances(d_edges), angles = BinEdges::angles(angle_edges);
+    const PairBinning binning = binning_of(rows, distances, angles);
+    const NearRows near(rows, binning, work, control);
+    const PointGrid grid(rows.position, d_max);
+    const int32_t inside = binning.stride() + 1;
+
+    std::vector<float> mean(rows.size(), std::nanf(""));
+    over_cells(grid, work.threads, control, [&](size_t c, int) {
+        for (uint32_t i : grid.members(c)) {
+            control.check();
+            int64_t n = 0, sum = 0;
+            grid.around(c, [&](std::span<const uint32_t> others) {
+                for (uint32_t j : others) {
+                    int32_t cell = near.cell(i, j), q = 0;
+                    if (i == j || cell != inside) continue;
+                    near.settle(i, j, cell, q);
+                    if (cell == inside) ++n, sum += q;
+                }
+            });
+            if (n) mean[i] = float(double(sum) / double(n) / double(kRhoOne));
+        }
+    });
+    return mean;
+}
+
+}  // namespace viscache

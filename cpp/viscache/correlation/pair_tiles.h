@@ -1,0 +1,34 @@
+#pragma once
+// All pairs of points as tiles: blocks of points within one group, and every pair of blocks once.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace viscache {
+
+/// Points first … last − 1, all of one group.
+struct PointBlock {
+    size_t first = 0, last = 0, group = 0;
+
+    size_t size() const { return last - first; }
+};
+
+/// All pairs of two blocks, or the pairs i < j of one.
+struct PairTile {
+    size_t a = 0, b = 0;
+    size_t group_pair = 0;
+    int64_t pairs = 0;
+};
+
+/// A fixed numbering of tiles, one pair of groups after the other: it depends on the groups and the block
+/// size alone.
+struct PairTiles {
+    /// `group` must not decrease; blocks of a group differ in size by one point at most.
+    PairTiles(std::span<const int32_t> group, size_t n_groups, size_t max_points);
+
+    std::vector<PointBlock> blocks;
+    std::vector<PairTile> tiles;
+};
+
+}  // namespace viscache

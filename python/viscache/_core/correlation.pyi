@@ -1,0 +1,44 @@
+# mypy: disable-error-code="misc, no-untyped-def, type-arg"
+"""
+Correlation statistics of visibility.
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+__all__: list[str] = ['PairRows', 'and_popcount_add', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_map', 'tiles', 'total_intersections']
+class PairRows:
+    """
+    Points, their rows of bits, and the rules of their statistics.
+    """
+    def __init__(self, bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], n_directions: typing.SupportsInt | typing.SupportsIndex, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups: typing.SupportsInt | typing.SupportsIndex, domain: str, directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], min_bits: typing.SupportsInt | typing.SupportsIndex, one_if_both: bool) -> None:
+        ...
+def and_popcount_add(steps: typing.SupportsInt | typing.SupportsIndex) -> int:
+    """
+    The bench's yardstick: and, popcount, add of 512 bits, `steps` times.
+    """
+def intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None) -> numpy.typing.NDArray[numpy.int32]:
+    """
+    Directions both rows see, (NA, NB).
+    """
+def near_pairs(rows: PairRows, d_edges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], theta_edges_deg: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> dict:
+    """
+    Sums over all pairs nearer than the last edge.
+    """
+def pair_statistics(rows: PairRows, d_edges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], theta_edges_deg: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], tiles: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None, tile: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True, progress: typing.Any = None) -> dict:
+    """
+    Sums over the pairs of tiles; see viscache.correlation.pair_statistics.
+    """
+def spatial_map(rows: PairRows, d_max: typing.SupportsFloat | typing.SupportsIndex, theta_max_deg: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Mean rho of every point with its neighbours.
+    """
+def tiles(group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups: typing.SupportsInt | typing.SupportsIndex, tile: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int64]:
+    """
+    (K, 7) of every tile: groups a and b, first and last point of a and of b, pairs.
+    """
+def total_intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True) -> int:
+    """
+    Sum of the intersections of all pairs of rows.
+    """
