@@ -248,9 +248,10 @@ uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const 
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
     const RTCScene top = impl_->top;
-    if (impl_->native16 && impl_->sound16(coherence))
+    // Incoherent packets of 8 are as fast as those of 16 or faster (misses of the quantized cache: 5 %).
+    // Without AVX-512, Embree would sort a packet of 16 again.
+    if (impl_->native16 && coherence == Coherence::kCoherent && impl_->sound16(coherence))
         return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
-    // Without AVX-512, Embree would sort a packet of 16 again; two packets of 8 are traced as they are.
     uint32_t occluded = 0;
     if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
     if (mask >> 8) occluded |= occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "viscache/visibility/direction_bins.h"
 #include "viscache/visibility/shadow_ray.h"
 
 namespace viscache {
@@ -92,34 +93,14 @@ void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, co
     }
 }
 
-namespace {
-
-constexpr uint32_t kBinEdge = 16;  // direction bins along one edge of the octahedral square
-
-/// Number of the bin of a direction, neighbours along a row of the octahedral square. The length does not
-/// matter.
-uint32_t direction_bin(Vec3 d) {
-    const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
-    if (!(l > 0)) return 0;
-    float u = d.x / l, v = d.y / l;
-    if (d.z < 0) {
-        const float fu = std::copysign(1 - std::fabs(v), u), fv = std::copysign(1 - std::fabs(u), v);
-        u = fu, v = fv;
-    }
-    const auto cell = [](float s) { return std::min(kBinEdge - 1, uint32_t((s + 1) * (0.5f * kBinEdge))); };
-    const uint32_t x = cell(u), y = cell(v);
-    return y * kBinEdge + (y & 1 ? kBinEdge - 1 - x : x);
-}
-
-}  // namespace
-
 /// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same
 /// side.
 void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                                     Counters& counters) {
+    constexpr uint32_t kBinEdge = 16, kBins = kBinEdge * kBinEdge;
     constexpr uint16_t kLeftOut = 0xffff;
     bin_.resize(queries.size());
-    begin_.assign(kBinEdge * kBinEdge + 1, 0);
+    begin_.assign(kBins + 1, 0);
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
         const Vec3 far = is_direction(q.semantic) ? q.far : q.ray_end;
@@ -127,10 +108,11 @@ void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const Shadow
             bin_[i] = kLeftOut, ++counters.bypassed;
             continue;
         }
-        bin_[i] = uint16_t(direction_bin(is_direction(q.semantic) ? far : far - eyes.origin[q.eye]));
+        bin_[i] =
+            uint16_t(direction_bin<kBinEdge>(is_direction(q.semantic) ? far : far - eyes.origin[q.eye]));
         ++begin_[bin_[i] + 1u];
     }
-    for (size_t b = 0; b < kBinEdge * kBinEdge; ++b) begin_[b + 1] += begin_[b];
+    for (size_t b = 0; b < kBins; ++b) begin_[b + 1] += begin_[b];
     order_by_direction_.resize(begin_.back());
     for (size_t i = 0; i < queries.size(); ++i)
         if (bin_[i] != kLeftOut) order_by_direction_[begin_[bin_[i]]++] = uint32_t(i);

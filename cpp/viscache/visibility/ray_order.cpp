@@ -1,6 +1,7 @@
 #include "viscache/visibility/ray_order.h"
 
 #include "viscache/math/bounds.h"
+#include "viscache/visibility/direction_bins.h"
 
 namespace viscache {
 
@@ -13,20 +14,8 @@ constexpr uint32_t kDirections = kEdge * kEdge;  // bins of the octahedral squar
 constexpr uint32_t kClasses = kEdge * kEdge * kEdge * kDirections;
 constexpr size_t kBoxStride = 16;  // a sample of the origins is enough to find their box
 constexpr uint32_t kSpread3[kEdge] = {0, 1, 8, 9, 64, 65, 72, 73};  // bits of a Morton code in space
-constexpr uint32_t kSpread2[kEdge] = {0, 1, 4, 5, 16, 17, 20, 21};  // and in the plane
 
 uint32_t step(float v) { return uint32_t(std::max(0.f, std::min(v, kEdge - 1.f))); }
-
-/// Bin of a direction of any length but zero, along a Morton curve on the octahedral square. Without
-/// branches: random directions would mispredict them.
-uint32_t direction_bin(Vec3 d) {
-    const float ax = std::fabs(d.x), ay = std::fabs(d.y);
-    const float scale = 1 / std::max(ax + ay + std::fabs(d.z), 1e-38f);
-    const bool below = d.z < 0;
-    const float u = std::copysign(below ? 1 - ay * scale : ax * scale, d.x);
-    const float v = std::copysign(below ? 1 - ax * scale : ay * scale, d.y);
-    return kSpread2[step((u + 1) * (kEdge / 2))] | kSpread2[step((v + 1) * (kEdge / 2))] << 1;
-}
 
 /// Cells of a box, numbered along a Morton curve; points outside belong to the nearest.
 struct OriginCells {
@@ -52,8 +41,8 @@ void RayOrder::classify(const RayArrays& rays, size_t first, size_t count) {
     for (size_t i = first; i < first + count; i += kBoxStride) box.add(rays.origin[i]);
     const OriginCells cells(box);
     for (size_t i = 0; i < count; ++i)
-        class_[i] =
-            uint16_t(cells(rays.origin[first + i]) * kDirections + direction_bin(rays.direction[first + i]));
+        class_[i] = uint16_t(cells(rays.origin[first + i]) * kDirections +
+                             direction_bin<kEdge>(rays.direction[first + i]));
 }
 
 double RayOrder::share_in_order() const {
