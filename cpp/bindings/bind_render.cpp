@@ -55,7 +55,7 @@ py::dict dict_of(const FrameResult& f) {
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
     layers["depth"] = image_of(f, f.depth), layers["normal"] = image_of(f, f.normal);
-    layers["albedo"] = image_of(f, f.albedo);
+    layers["albedo"] = image_of(f, f.albedo), layers["coverage"] = image_of(f, f.coverage);
     timings["lights_s"] = f.lights_s, timings["tiles_s"] = f.tiles_s;
     timings["eye_paths_cpu_s"] = f.stages.eye_paths, timings["contributions_cpu_s"] = f.stages.contributions;
     timings["visibility_cpu_s"] = f.stages.visibility, timings["shading_cpu_s"] = f.stages.shading;

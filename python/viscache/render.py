@@ -70,8 +70,12 @@ def render(
     Returns
     -------
     Frame
-        Layers "color", "emitted", one per light group, "depth", "normal", "albedo"; counters
-        ("sha256" is that of the color layer), timings, parameters, provenance.
+        Layers "color", "emitted", one per light group, and of what the camera sees first, mirrors
+        and glass included: "depth" (H, W, 1) distance from the camera, scene units, "normal"
+        (H, W, 3) shading normal turned to the camera, "albedo" (H, W, 3) base colour. These three
+        are means over the samples of the pixel that hit a surface, 0 where none did (normals of an
+        edge are shorter than 1); "coverage" (H, W, 1) is the share of samples that hit. Besides
+        counters ("sha256" is that of the color layer), timings, parameters, provenance.
 
     Raises
     ------

@@ -128,6 +128,32 @@ def test_depth_normal_and_albedo_are_those_of_the_first_hit() -> None:
     assert (frame.layers["depth"][0, 0] > frame.layers["depth"][4, 4]).all()
 
 
+def test_first_hits_are_means_over_the_samples_that_hit_and_zero_where_none_did() -> None:
+    """A wall that ends within a column of pixels: its edge is as far and as red as its middle."""
+    look = Look(base_color=(0.8, 0.2, 0.1))
+    wall = quad((-9, -9, -2), (9.02, 0, 0), (0, 18, 0), look=look)
+    model = Model((wall,), origin=(0, 0, 1), target=(0, 0, 0))
+    frame = vc.render(model.to_viscache(), vc.Direct(), size=(33, 21), spp=16)
+    layers = frame.layers
+    coverage = layers["coverage"][..., 0]
+    hit, edge = coverage > 0, (coverage > 0) & (coverage < 1)
+    np.testing.assert_array_equal(coverage * 16, np.round(coverage * 16))
+    assert edge.any(axis=1).all() and (coverage[:, 0] == 1).all() and (coverage[:, -1] == 0).all()
+    # Distances to the wall through a pixel's corners bound those of its samples
+    y, x = np.abs(np.mgrid[:21, :33] - np.array([10, 16])[:, None, None])
+    step = np.tan(np.radians(20)) / 10.5
+    low, high = (
+        3 * np.sqrt(1 + (step * np.maximum(x + s, 0)) ** 2 + (step * np.maximum(y + s, 0)) ** 2)
+        for s in (-0.5, 0.5)
+    )
+    depth = layers["depth"][..., 0]
+    assert (depth >= low * (1 - 1e-6))[hit].all() and (depth <= high * (1 + 1e-6))[hit].all()
+    np.testing.assert_allclose(layers["normal"][hit] - [0, 0, 1], 0, atol=1e-6)
+    np.testing.assert_allclose(layers["albedo"][hit] - look.base_color, 0, atol=1e-6)
+    for name in ("depth", "normal", "albedo"):
+        assert not layers[name][~hit].any(), name
+
+
 def test_right_is_right_and_up_is_up() -> None:
     parts = (
         quad((0.5, 0.5, 0), (1, 0, 0), (0, 1, 0), emission=(1, 0, 0)),

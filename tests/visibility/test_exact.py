@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from render.test_ambient_occlusion import FIRST_HITS
 from render.test_determinism import ROOM
 
 
@@ -63,7 +64,7 @@ def test_a_group_that_the_scene_lacks_is_neither_counted_nor_stored() -> None:
     bare = replace(ROOM, directions=(), spheres=(), env=None, parts=ROOM.parts[:4]).to_viscache()
     frame = vc.render(bare, vc.Direct(), size=(16, 16))
     assert frame.counters["groups"].keys() == {"point"}
-    assert set(frame.layers) == {"color", "emitted", "point", "depth", "normal", "albedo"}
+    assert set(frame.layers) == {"color", "emitted", "point", *FIRST_HITS}
 
 
 def test_frames_see_what_visible_sees() -> None:

@@ -86,7 +86,7 @@ void EyeTile::reset(int w, int h) {
     block.tile_width = block.tile_height = 0;
     shading.clear(), throughput.clear(), pixel.clear(), stream.clear();
     const size_t n = size_t(w) * h;
-    emitted.assign(n, {}), depth.assign(n, 0), normal.assign(n, {}), albedo.assign(n, {});
+    emitted.assign(n, {}), first.assign(n, {});
 }
 
 namespace {
@@ -158,9 +158,9 @@ private:
         if (!t_.integrator.ambient && max_component(s.emission) > 0 && (front || s.emits_two_sided))
             out_.emitted[b.pixel] += b.throughput * s.emission * inverse_spp_;
         if (b.depth == 0) {
-            out_.depth[b.pixel] += hit.t * inverse_spp_;
-            out_.normal[b.pixel] += (front ? s.ns : -s.ns) * inverse_spp_;
-            out_.albedo[b.pixel] += s.base_color * inverse_spp_;
+            FirstHits& first = out_.first[b.pixel];
+            ++first.count, first.depth += hit.t;
+            first.normal += front ? s.ns : -s.ns, first.albedo += s.base_color;
         }
         if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
         transfer(b.d, b.ray, hit.t, s.ng);

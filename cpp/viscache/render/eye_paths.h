@@ -14,6 +14,14 @@
 
 namespace viscache {
 
+/// What the camera's own samples of a pixel hit first, mirrors and glass included: sums over `count` hits.
+struct FirstHits {
+    uint32_t count = 0;
+    float depth = 0;  ///< distances from the camera
+    Vec3 normal;      ///< unit shading normals on the side of the camera
+    Rgb albedo;       ///< base colours
+};
+
 /// Eye points with what shading needs, beside the oracle's EyeBlock; index i is the same eye point in all
 /// arrays.
 struct EyeTile {
@@ -28,9 +36,7 @@ struct EyeTile {
     int width = 0, height = 0;
     std::vector<Rgb>
         emitted;  ///< light that reaches the eye without a connection: emitters and environment seen
-    std::vector<float> depth;  ///< mean distance of first hits
-    std::vector<Vec3> normal;  ///< mean shading normal of first hits
-    std::vector<Rgb> albedo;   ///< mean base colour of first hits
+    std::vector<FirstHits> first;
 
     void reset(int width, int height);
     size_t size() const { return block.size(); }

@@ -209,9 +209,15 @@ private:
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
                 out.color[to] = color, out.emitted[to] = eyes_.emitted[from];
-                out.depth[to] = eyes_.depth[from], out.normal[to] = eyes_.normal[from];
-                out.albedo[to] = eyes_.albedo[from];
+                write_first_hits(eyes_.first[from], to, out);
             }
+    }
+
+    /// Means over the samples that hit, and their share of all.
+    void write_first_hits(const FirstHits& first, size_t to, FrameResult& out) const {
+        const float hits = float(first.count), share = first.count ? 1 / hits : 0.f;
+        out.coverage[to] = hits / float(c_.frame.spp), out.depth[to] = first.depth * share;
+        out.normal[to] = first.normal * share, out.albedo[to] = first.albedo * share;
     }
 
     const FrameContext& c_;
@@ -228,7 +234,7 @@ FrameResult empty_result(const FrameContext& c) {
     out.width = c.frame.width, out.height = c.frame.height;
     const size_t n = size_t(out.width) * size_t(out.height);
     out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
-        out.albedo.resize(n);
+        out.albedo.resize(n), out.coverage.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
     if (c.integrator.direct && !c.scene.area_lights().empty()) has(LightGroup::kArea);

@@ -26,9 +26,11 @@ struct FrameResult {
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
     std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty where the group does not exist
+    // First hits: means over a pixel's samples that hit anything, zero where none did
     std::vector<float> depth;
     std::vector<Vec3> normal;
     std::vector<Rgb> albedo;
+    std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
     StageSeconds stages;
     double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
