@@ -85,16 +85,28 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
                 throughput * eval_bsdf(sp, wi) * radiance * (cos / density), counters);
     };
     const EyeSamples light(seed, Purpose::kEnvironmentLight, eyes.stream[eye]);
-    for (int i = 0; i < settings.n_environment; ++i) {
-        const auto s = env.sample(light.position(i));
-        if (!(s.pdf > 0)) continue;
-        add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f);
+    constexpr int kBatch = 32;
+    Vec2 points[kBatch];
+    EnvironmentMap::Sample drawn[kBatch];
+    for (int first = 0; first < settings.n_environment; first += kBatch) {
+        const size_t count = size_t(std::min(kBatch, settings.n_environment - first));
+        for (size_t i = 0; i < count; ++i) points[i] = light.position(first + int(i));
+        env.sample({points, count}, {drawn, count});
+        for (const auto& s : std::span(drawn, count))
+            if (s.pdf > 0) add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f);
     }
     const EyeSamples brdf(seed, Purpose::kBrdf, eyes.stream[eye]);
-    for (int i = 0; i < settings.n_brdf; ++i) {
-        const auto s = sample_bsdf(sp, brdf.choice(i), brdf.position(i));
-        if (!s || !(s->pdf > 0)) continue;
-        add(s->wi, env.eval(s->wi), n_light > 0 ? env.pdf(s->wi) : 0.f, s->pdf);
+    Vec3 wi[kBatch];
+    float pdf[kBatch];
+    for (int first = 0; first < settings.n_brdf; first += kBatch) {
+        size_t count = 0;
+        for (int i = first; i < std::min(settings.n_brdf, first + kBatch); ++i) {
+            const auto s = sample_bsdf(sp, brdf.choice(i), brdf.position(i));
+            if (s && s->pdf > 0) wi[count] = s->wi, pdf[count++] = s->pdf;
+        }
+        env.look_up({wi, count}, {drawn, count});
+        for (size_t i = 0; i < count; ++i)
+            add(wi[i], drawn[i].radiance, n_light > 0 ? drawn[i].pdf : 0.f, pdf[i]);
     }
 }
 

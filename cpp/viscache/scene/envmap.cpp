@@ -165,15 +165,8 @@ void EnvironmentMap::build_tables() {
     total_power_ = power();
     if (is_constant() || !(total_power_ > 0)) return;
     const size_t n = size_t(resolution_);
-    std::vector<double> row(n), totals(n);
-    columns_.resize(n);
-    for (size_t y = 0; y < n; ++y) {
-        double sum = 0;
-        for (size_t x = 0; x < n; ++x) sum += row[x] = luminance_in_double(pixels_[y * n + x]);
-        if (sum > 0) columns_[y] = Distribution1D(row);
-        totals[y] = sum;
-    }
-    rows_ = Distribution1D(totals);
+    texels_ =
+        Distribution2D(n, n, [&](size_t y, size_t x) { return luminance_in_double(pixels_[y * n + x]); });
 }
 
 size_t EnvironmentMap::texel(Vec3 wi) const {
@@ -183,26 +176,52 @@ size_t EnvironmentMap::texel(Vec3 wi) const {
     return size_t(y) * n + x;
 }
 
-EnvironmentMap::Sample EnvironmentMap::sample(Vec2 u) const {
-    if (rows_.size() == 0) {
-        const Vec3 wi = equal_area_to_direction(u);
-        return {wi, eval(wi), 1 / (4 * kPi)};
+/// Samples are drawn in proportion to luminance: their density follows from the texel alone.
+float EnvironmentMap::density(const Rgb& radiance) const {
+    return texels_.empty() ? 1 / (4 * kPi) : float(luminance_in_double(radiance) / total_power_);
+}
+
+void EnvironmentMap::look_up(std::span<const Vec3> wi, std::span<Sample> found) const {
+    constexpr size_t kBatch = Distribution2D::kBatch;
+    const Rgb* place[kBatch];
+    for (size_t first = 0; first < wi.size(); first += kBatch) {
+        const size_t count = std::min(kBatch, wi.size() - first);
+        for (size_t i = 0; i < count; ++i) {
+            place[i] = &pixels_[is_constant() ? 0 : texel(wi[first + i])];
+            __builtin_prefetch(place[i]);
+        }
+        for (size_t i = 0; i < count; ++i) found[first + i] = {wi[first + i], *place[i], density(*place[i])};
     }
-    const auto row = rows_.sample(u.x), column = columns_[row.index].sample(u.y);
+}
+
+void EnvironmentMap::sample(std::span<const Vec2> u, std::span<Sample> samples) const {
+    if (texels_.empty()) {
+        for (size_t i = 0; i < u.size(); ++i) {
+            const Vec3 wi = equal_area_to_direction(u[i]);
+            samples[i] = {wi, eval(wi), density({})};
+        }
+        return;
+    }
     // Stay clear of the texel's edges by more than a direction's rounding, so that `eval(wi)` finds this
     // texel
     const float n = float(resolution_), margin = n * 0x1p-21f;
-    auto inside = [&](float jitter) { return std::clamp(jitter, margin, 1 - margin); };
-    const Vec2 p{(float(column.index) + inside(column.u)) / n, (float(row.index) + inside(row.u)) / n};
-    return {equal_area_to_direction(p), pixels_[row.index * size_t(resolution_) + column.index],
-            float(row.pmf * column.pmf * double(pixels_.size()) / (4 * M_PI))};
-}
-
-float EnvironmentMap::pdf(Vec3 wi) const {
-    if (rows_.size() == 0) return 1 / (4 * kPi);
-    const size_t at = texel(wi), row = at / size_t(resolution_), column = at % size_t(resolution_);
-    if (columns_[row].size() == 0) return 0;
-    return float(rows_.pmf(row) * columns_[row].pmf(column) * double(pixels_.size()) / (4 * M_PI));
+    const auto place = [&](size_t index, float jitter) {
+        return (float(index) + std::clamp(jitter, margin, 1 - margin)) / n;
+    };
+    Distribution2D::Cell cells[Distribution2D::kBatch];
+    for (size_t first = 0; first < u.size(); first += Distribution2D::kBatch) {
+        const size_t count = std::min(Distribution2D::kBatch, u.size() - first);
+        texels_.sample(count, [&](size_t i) { return std::pair(u[first + i].x, u[first + i].y); }, cells);
+        const auto pixel = [&](const Distribution2D::Cell& c) {
+            return &pixels_[c.row * size_t(resolution_) + c.column];
+        };
+        for (size_t i = 0; i < count; ++i) __builtin_prefetch(pixel(cells[i]));
+        for (size_t i = 0; i < count; ++i) {
+            const auto& c = cells[i];
+            const Vec2 p{place(c.column, c.u_column), place(c.row, c.u_row)};
+            samples[first + i] = {equal_area_to_direction(p), *pixel(c), density(*pixel(c))};
+        }
+    }
 }
 
 }  // namespace viscache

@@ -1,9 +1,10 @@
 #pragma once
 // Environment light on the equal-area octahedral map: N × N texels of equal solid angle, constant inside.
+#include <span>
 #include <vector>
 
 #include "viscache/math/affine.h"
-#include "viscache/sampling/distribution.h"
+#include "viscache/sampling/distribution2d.h"
 #include "viscache/scene/description.h"
 
 namespace viscache {
@@ -26,10 +27,18 @@ public:
 
     /// Radiance from the unit direction wi: its texel's value, with which `sample` and `pdf` agree.
     Rgb eval(Vec3 wi) const { return is_constant() ? pixels_[0] : pixels_[texel(wi)]; }
-    /// A direction by luminance; uniform over the sphere for constant and black maps.
-    Sample sample(Vec2 u) const;
+    /// Directions by luminance, one for each point of [0, 1)²; uniform over the sphere for constant and black
+    /// maps. Many at once, because the tables of a large map lie outside the caches.
+    void sample(std::span<const Vec2> u, std::span<Sample> samples) const;
+    Sample sample(Vec2 u) const {
+        Sample s;
+        sample({&u, 1}, {&s, 1});
+        return s;
+    }
     /// Density of `sample` per solid angle.
-    float pdf(Vec3 wi) const;
+    float pdf(Vec3 wi) const { return density(eval(wi)); }
+    /// Radiance from unit directions and the density of `sample` there. Many at once, as for `sample`.
+    void look_up(std::span<const Vec3> wi, std::span<Sample> found) const;
     /// Integral of luminance over the sphere.
     double total_power() const { return total_power_; }
     /// Resampled over source power before the correction: how well the resampling kept the light.
@@ -47,8 +56,8 @@ private:
 
     int resolution_ = 1;
     std::vector<Rgb> pixels_;
-    Distribution1D rows_;                  ///< empty: sampled uniformly
-    std::vector<Distribution1D> columns_;  ///< per row; empty where the row is black
+    float density(const Rgb& radiance) const;
+    Distribution2D texels_;  ///< empty: sampled uniformly
     double total_power_ = 0, power_ratio_ = 1;
 };
 
