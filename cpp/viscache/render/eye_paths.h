@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "viscache/math/parallel.h"
-#include "viscache/render/film_camera.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/tiles.h"
 #include "viscache/scene/bsdf.h"
+#include "viscache/scene/film_camera.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/counters.h"
 #include "viscache/visibility/oracle.h"

@@ -2,9 +2,9 @@
 // Virtual point lights (instant radiosity, Keller 1997), resampled to a user's number by what they bring to
 // the camera (after Segovia et al. 2006 [SP06]). They carry indirect light only.
 #include "viscache/math/parallel.h"
-#include "viscache/render/film_camera.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/shared_lights.h"
+#include "viscache/scene/film_camera.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/ray_caster.h"
 
