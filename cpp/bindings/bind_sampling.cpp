@@ -1,8 +1,10 @@
 // Random numbers, low-discrepancy points, discrete distributions and octahedral maps.
+#include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
 #include "rows.h"
 #include "viscache/math/octahedral.h"
+#include "viscache/sampling/direction_pattern.h"
 #include "viscache/sampling/distribution.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
@@ -121,6 +123,23 @@ void bind_octahedral(py::module_& s) {
         "Its inverse: (N, 2) to unit vectors (N, 3).");
 }
 
+void bind_directions(py::module_& s) {
+    py::native_enum<PatternKind>(s, "PatternKind", "enum.Enum", "Where in its cell a direction lies.")
+        .value("CENTRES", PatternKind::kCentres)
+        .value("JITTERED", PatternKind::kJittered)
+        .value("LLOYD", PatternKind::kLloyd)
+        .finalize();
+    s.def(
+        "direction_pattern",
+        [](int map_size, PatternKind kind, uint64_t seed) {
+            if (map_size < 1 || map_size > 256)
+                throw py::value_error("map_size must be in [1, 256], got " + std::to_string(map_size));
+            return from_vec3s(direction_pattern(map_size, kind, seed));
+        },
+        py::arg("map_size"), py::arg("kind"), py::arg("seed"),
+        "Unit vectors (map_size², 3), one in each cell of the equal-area map, row by row.");
+}
+
 }  // namespace
 
 void bind_sampling(py::module_& m) {
@@ -129,6 +148,7 @@ void bind_sampling(py::module_& m) {
     bind_sequences(s);
     bind_distribution(s);
     bind_octahedral(s);
+    bind_directions(s);
 }
 
 }  // namespace viscache::bindings

@@ -6,6 +6,7 @@ namespace py = pybind11;
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
 void bind_correlation_pairs(py::module_& m);
+void bind_correlation_rows(py::module_& m);
 void bind_description(py::module_& m);
 void bind_eye_paths(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
@@ -32,5 +33,6 @@ PYBIND11_MODULE(_core, m) {
     bind_scene_info(m);
     bind_render(m);
     bind_eye_paths(m);
+    bind_correlation_rows(m);
     bind_warp(m);
 }

@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import metrics, plots, report, scenes
+from viscache import correlation, metrics, plots, report, scenes
 from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
@@ -26,6 +26,7 @@ __all__ = [
     "SceneError",
     "Whitted",
     "__version__",
+    "correlation",
     "load_scene",
     "look_at",
     "metrics",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from viscache import _core
 from viscache.checks import require
+from viscache.scene import Scene
 
 __all__ = ["look_at"]
 
@@ -39,3 +40,18 @@ def look_at(
     tx, ty, tz = (float(v) for v in target)
     ux, uy, uz = (float(v) for v in up)
     return _core.look_at((x, y, z), (tx, ty, tz), (ux, uy, uz), fov_deg)
+
+
+def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
+    """A camera of the scene by name or index, its first one, or one that sees it whole."""
+    if isinstance(wish, _core.Camera):
+        return wish
+    cameras = scene.cameras
+    if wish is None:
+        return cameras[0] if cameras else scene.overview_camera()
+    if isinstance(wish, int):
+        require(0 <= wish < len(cameras), f"camera must be in [0, {len(cameras)})", wish)
+        return cameras[wish]
+    names = [c.name for c in cameras]
+    require(wish in names, f"camera must be one of {names}", wish)
+    return cameras[names.index(wish)]

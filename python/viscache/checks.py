@@ -9,6 +9,9 @@ from dataclasses import fields
 from types import NoneType
 from typing import Any, Literal
 
+import numpy as np
+import numpy.typing as npt
+
 
 def require(holds: bool, what: str, given: Any) -> None:
     """Raise ValueError("<what>, got <given>") unless the condition holds.
@@ -76,3 +79,19 @@ def _plain(name: str, kind: Any, value: Any) -> Any:
         require(number and math.isfinite(value), f"{name} must be a finite number", value)
         return float(value)
     return value
+
+
+def checked_threads(wish: int | None) -> int:
+    """The number of threads as the core takes it: 0 for all cores."""
+    fits = wish is None or (is_whole(wish) and 1 <= wish <= 1024)
+    require(fits, "threads must be a whole number in [1, 1024]", wish)
+    return wish or 0
+
+
+def checked_points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
+    """Numbers as the core takes them; it checks their shape."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
+    with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
+        return np.ascontiguousarray(array, dtype=np.float32)

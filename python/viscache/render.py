@@ -10,6 +10,7 @@ from dataclasses import asdict
 from typing import Literal, TypeAlias
 
 from viscache import _core
+from viscache.cameras import find_camera
 from viscache.checks import is_whole, require
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Integrator, core_settings
@@ -103,7 +104,7 @@ def render(
     require(use in (None, "replace"), 'use must be "replace"', use)
     if env is not None:
         scene = scene.with_environment(env)
-    view = _camera(scene, camera)
+    view = find_camera(scene, camera)
     frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
     core = core_settings(integrator)
 
@@ -176,17 +177,3 @@ def _frame_settings(
     frame.width, frame.height, frame.spp, frame.seed = width, height, spp, seed
     frame.threads = threads or len(os.sched_getaffinity(0))
     return frame
-
-
-def _camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
-    if isinstance(wish, _core.Camera):
-        return wish
-    cameras = scene.cameras
-    if wish is None:
-        return cameras[0] if cameras else scene.overview_camera()
-    if isinstance(wish, int):
-        require(0 <= wish < len(cameras), f"camera must be in [0, {len(cameras)})", wish)
-        return cameras[wish]
-    names = [c.name for c in cameras]
-    require(wish in names, f"camera must be one of {names}", wish)
-    return cameras[names.index(wish)]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.checks import is_whole, require
+from viscache.checks import checked_points, checked_threads
 from viscache.environments import apply_environment, decode_images
 from viscache.scenes.coplanar import coplanar_share
 
@@ -258,7 +258,8 @@ class Scene:
         ValueError
             Wrong shapes, or coordinates that are not finite or above 1e16.
         """
-        return self.caster().visible(_points(x, "x"), _points(y, "y"), _threads(threads))
+        ends = checked_points(x, "x"), checked_points(y, "y")
+        return self.caster().visible(*ends, checked_threads(threads))
 
     def occluded(
         self,
@@ -281,15 +282,15 @@ class Scene:
         -------
         (N,) bool
         """
-        o, d = _points(origins, "origins"), _points(directions, "directions")
-        return self.caster().occluded(o, d, t_max, _threads(threads))
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return self.caster().occluded(o, d, t_max, checked_threads(threads))
 
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
         """Nearest hits of (N, 3) rays; see `Intersection`."""
-        o, d = _points(origins, "origins"), _points(directions, "directions")
-        return Intersection(*self.caster().intersect(o, d, _threads(threads)))
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return Intersection(*self.caster().intersect(o, d, checked_threads(threads)))
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
@@ -329,17 +330,3 @@ def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:
     if len(rgb) != 3:
         raise ValueError(f"{name} must have 3 values, got {len(rgb)}")
     return rgb
-
-
-def _threads(wish: int | None) -> int:
-    fits = wish is None or (is_whole(wish) and 1 <= wish <= 1024)
-    require(fits, "threads must be a whole number in [1, 1024]", wish)
-    return wish or 0
-
-
-def _points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiu":
-        raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
-    with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
-        return np.ascontiguousarray(array, dtype=np.float32)

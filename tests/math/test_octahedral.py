@@ -84,6 +84,55 @@ def test_the_border_of_the_square_is_folded_onto_itself(pair) -> None:  # type: 
     )
 
 
+def equal_area_there(d: Array) -> Array:
+    """Section 3.1 of the specification, in double."""
+    x, y, z = np.abs(d).T
+    r = np.sqrt((x * x + y * y) / (1 + z))
+    phi = np.where((x == 0) & (y == 0), 0, 2 / np.pi * np.arctan2(y, x))
+    v = phi * r
+    u = r - v
+    u, v = np.where(d[:, 2] < 0, 1 - v, u), np.where(d[:, 2] < 0, 1 - u, v)
+    return (np.copysign(np.stack([u, v], 1), d[:, :2]) + 1) / 2
+
+
+def equal_area_back(p: Array) -> Array:
+    u, v = (2 * p - 1).T
+    delta = 1 - np.abs(u) - np.abs(v)
+    r = 1 - np.abs(delta)
+    turn = (np.abs(v) - np.abs(u)) / np.where(r == 0, 1, r) + np.where(r == 0, 0, 1)
+    phi = np.where(r == 0, np.pi / 4, np.pi / 4 * turn)
+    s = r * np.sqrt(np.maximum(0, 2 - r * r))
+    z = np.copysign(1 - r * r, delta)
+    return np.stack([np.copysign(np.cos(phi) * s, u), np.copysign(np.sin(phi) * s, v), z], 1)
+
+
+def test_the_equal_area_map_is_the_published_one() -> None:
+    p = np.random.default_rng(4).random((1_000_000, 2)).astype(np.float32).astype(float)
+    d = equal_area_back(p)
+    assert np.abs(equal_area_there(d) - p).max() < 1e-13
+    assert np.abs(maps.equal_area_to_direction(p) - d).max() < 1e-7
+    assert np.abs(maps.direction_to_equal_area(d) - p).max() < 5e-7
+    special = directions(1000)
+    assert np.abs(equal_area_back(equal_area_there(special)) - special).max() < 5e-9
+    assert np.abs(maps.direction_to_equal_area(special) - equal_area_there(special)).max() < 5e-7
+
+
+def test_the_equal_area_map_stretches_no_area() -> None:
+    """|∂ω/∂s × ∂ω/∂t| is 4π inside every octant of the square, by central differences."""
+    p = np.random.default_rng(5).random((100_000, 2))
+    u, v = (np.abs(2 * p - 1)).T
+    inside = (np.minimum(u, v) > 1e-2) & (np.abs(1 - u - v) > 1e-2) & (np.maximum(u, v) < 0.99)
+    h = 1e-4
+    ds, dt = (
+        (equal_area_back(p[inside] + step) - equal_area_back(p[inside] - step)) / (2 * h)
+        for step in ([h, 0], [0, h])
+    )
+    area = np.linalg.norm(np.cross(ds, dt), axis=1)
+    assert inside.sum() > 50_000
+    assert area == pytest.approx(4 * np.pi, rel=1e-3)
+    assert area.mean() == pytest.approx(4 * np.pi, rel=1e-6)
+
+
 def spherical_triangles(a: Array, b: Array, c: Array) -> Array:
     """Solid angles (Van Oosterom and Strackee 1983)."""
     numerator = np.abs(np.einsum("...i,...i", a, np.cross(b, c)))

@@ -54,7 +54,7 @@ private:
             packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light],
             packet.dz[i] = lights.tz[m.light];
         }
-        aim16(packet, lights.semantic, extent_);
+        aim16(packet, lights, extent_);
         const uint32_t mask = (1u << rays.size()) - 1;
         uint32_t visible =
             mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));

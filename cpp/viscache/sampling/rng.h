@@ -18,7 +18,9 @@ enum class Purpose : uint32_t {
     kVplResampling,
     kAmbient,
     kBranch,
-    kTest
+    kTest,
+    kSurfacePoint,
+    kDirectionPattern
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).

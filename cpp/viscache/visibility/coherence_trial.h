@@ -1,6 +1,6 @@
 #pragma once
-// Which of Embree's traversal flags is faster for the packets at hand, found by timing. Speed only: every
-// flag gives the same answers.
+// Which of two ways to trace is faster for the packets at hand, found by timing. Speed only: both give the
+// same answers.
 #include <array>
 #include <cstddef>
 #include <ctime>
@@ -17,39 +17,46 @@ inline double thread_cpu_seconds() {
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// One object per thread and kind of packets. Work is done in pieces of some hundred rays or more; at times
-/// the flags take turns for a few pieces, and the faster one serves until the next turn.
-class CoherenceTrial {
+/// One object per thread and kind of work. Work is done in pieces of some hundred rays or more; at times the
+/// two choices take turns for a few pieces, and the faster one serves until the next turn.
+template <class Choice>
+class Trial {
 public:
-    /// `fixed`: always this flag, no trial. `period`: pieces from one trial to the next.
-    explicit CoherenceTrial(std::optional<Coherence> fixed, size_t period = 512)
-        : fixed_(fixed), period_(period) {}
+    /// `fixed`: always this choice, no trial. `period`: pieces from one trial to the next.
+    Trial(std::array<Choice, 2> choices, std::optional<Choice> fixed, size_t period)
+        : choices_(choices), fixed_(fixed), period_(period) {}
 
-    /// Runs work(flag) → number of rays it traced, as the next piece.
+    /// Runs work(choice) → number of rays it traced, as the next piece.
     template <class Work>
     void piece(Work work) {
         const size_t turn = pieces_++ % period_;
         if (fixed_ || turn >= kTurns) {
-            work(fixed_.value_or(best_));
+            work(fixed_.value_or(choices_[best_]));
             return;
         }
         if (turn == 0) seconds_ = {}, rays_ = {};
         const double before = thread_cpu_seconds();
-        const size_t rays = work(turn % 2 ? Coherence::kIncoherent : Coherence::kCoherent);
+        const size_t rays = work(choices_[turn % 2]);
         seconds_[turn % 2] += thread_cpu_seconds() - before, rays_[turn % 2] += rays;
         if (turn + 1 == kTurns && rays_[0] > 0 && rays_[1] > 0)
-            best_ = seconds_[0] * double(rays_[1]) <= seconds_[1] * double(rays_[0]) ? Coherence::kCoherent
-                                                                                     : Coherence::kIncoherent;
+            best_ = seconds_[0] * double(rays_[1]) <= seconds_[1] * double(rays_[0]) ? 0 : 1;
     }
 
 private:
     static constexpr size_t kTurns = 8;
-    std::optional<Coherence> fixed_;
+    std::array<Choice, 2> choices_;
+    std::optional<Choice> fixed_;
     size_t period_;
-    Coherence best_ = Coherence::kCoherent;
-    size_t pieces_ = 0;
+    size_t best_ = 0, pieces_ = 0;
     std::array<double, 2> seconds_{};
     std::array<size_t, 2> rays_{};
+};
+
+/// Of Embree's traversal flags.
+class CoherenceTrial : public Trial<Coherence> {
+public:
+    explicit CoherenceTrial(std::optional<Coherence> fixed, size_t period = 512)
+        : Trial({Coherence::kCoherent, Coherence::kIncoherent}, fixed, period) {}
 };
 
 }  // namespace viscache

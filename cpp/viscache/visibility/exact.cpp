@@ -59,7 +59,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
             std::memcpy(packet.ox, origin.ox, 3 * sizeof origin.ox);
             for (int i = 0; i < 16; ++i)
                 packet.dx[i] = lights.tx[k], packet.dy[i] = lights.ty[k], packet.dz[i] = lights.tz[k];
-            aim16(packet, lights.semantic, extent_);
+            aim16(packet, lights, extent_);
             answers[j] = uint16_t(columns[j] & ~caster_.occluded16(columns[j], packet, flag));
             rays += size_t(std::popcount(columns[j]));
         }
@@ -70,27 +70,37 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
 
 void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                  BitMatrix& visible) {
-    RayPacket16 packet;
-    size_t lane_light[16];
     for (size_t row = 0; row < wanted.rows(); ++row) {
         check_cancelled();
-        int used = 0;
-        auto flush = [&] {
-            if (!used) return;
-            pad_lanes(packet, used);
-            const uint16_t mask = uint16_t(used == 16 ? 0xffff : (1 << used) - 1);
-            const uint16_t blocked = caster_.occluded16(mask, packet, Coherence::kIncoherent);
-            for (int i = 0; i < used; ++i)
-                if (!(blocked >> i & 1)) visible.set(row, lane_light[i]);
-            used = 0;
-        };
-        for_each_bit(wanted.row_span(row), [&](size_t k) {
-            set_lane(packet, used, shadow_ray(eyes, uint32_t(row), lights, k, extent_));
-            lane_light[used++] = k;
-            if (used == 16) flush();
-        });
-        flush();
+        block_flag_.piece(
+            [&](Coherence flag) { return row_by_pixel(row, eyes, lights, wanted, visible, flag); });
     }
+}
+
+/// One eye point towards all its lights, sixteen neighbours of the list at a time. Returns the number of
+/// rays.
+size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights,
+                                 const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
+    RayPacket16 packet;
+    size_t lane_light[16];
+    size_t rays = 0;
+    int used = 0;
+    auto flush = [&] {
+        if (!used) return;
+        pad_lanes(packet, used);
+        const uint16_t mask = uint16_t(used == 16 ? 0xffff : (1 << used) - 1);
+        const uint16_t blocked = caster_.occluded16(mask, packet, flag);
+        for (int i = 0; i < used; ++i)
+            if (!(blocked >> i & 1)) visible.set(row, lane_light[i]);
+        rays += size_t(used), used = 0;
+    };
+    for_each_bit(wanted.row_span(row), [&](size_t k) {
+        set_lane(packet, used, shadow_ray(eyes, uint32_t(row), lights, k, extent_));
+        lane_light[used++] = k;
+        if (used == 16) flush();
+    });
+    flush();
+    return rays;
 }
 
 /// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same

@@ -36,6 +36,8 @@ private:
                            BitMatrix& visible, Coherence flag);
     void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible);
+    size_t row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Coherence flag);
 
     void sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters);
     void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,

@@ -44,7 +44,8 @@ struct FarEnds {
     std::vector<float>
         density;       ///< D_l = M·P_l: light samples per m² (kSurface) or per sr (kSolidAngle); else 0
     size_t count = 0;  ///< columns in use
-    int group = 0;     ///< index of the light group: selects C_E and refinement
+    float t_max = kInfinity;  ///< how far directions look; unused for positions
+    int group = 0;            ///< index of the light group: selects C_E and refinement
 };
 
 /// One connection whose far end belongs to one eye point alone.

@@ -3,8 +3,8 @@
 // with cells small enough must give the exact image bit for bit.
 //
 // Segments (points, surfaces) run from the spawned origin with d = end − origin over t in
-// [0, 1 − min(1, spawn_offset(end) / |d|)]; directions run to infinity. The 16-wide forms compute the
-// same floats in the same order as the scalar ones.
+// [0, 1 − min(1, spawn_offset(end) / |d|)]; directions run to t_max. The 16-wide forms compute the same
+// floats in the same order as the scalar ones.
 #include "viscache/visibility/oracle.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
@@ -13,14 +13,11 @@ namespace viscache {
 
 inline bool is_direction(Semantic s) { return s == Semantic::kDirection || s == Semantic::kSolidAngle; }
 
-/// Ray from a spawned origin to `end`: a position for segments, a direction else.
-inline Ray shadow_ray(Vec3 origin, Vec3 end, Semantic semantic, float extent) {
-    return is_direction(semantic) ? Ray{origin, 0, end, kInfinity} : segment_to_point(origin, end, extent);
-}
-
 /// Ray of eye point `eye` towards column k of a light group.
 inline Ray shadow_ray(const EyeBlock& eyes, uint32_t eye, const FarEnds& lights, size_t k, float extent) {
-    return shadow_ray(eyes.origin[eye], {lights.tx[k], lights.ty[k], lights.tz[k]}, lights.semantic, extent);
+    const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]};
+    if (is_direction(lights.semantic)) return {eyes.origin[eye], 0, end, lights.t_max};
+    return segment_to_point(eyes.origin[eye], end, extent);
 }
 
 /// Ray of one connection.
@@ -64,15 +61,15 @@ inline void aim_at_points16(RayPacket16& packet, float extent) {
     }
 }
 
-/// Makes 16 directions in (dx, dy, dz) endless rays.
-inline void aim_along16(RayPacket16& packet) {
-    for (int i = 0; i < 16; ++i) packet.t_min[i] = 0, packet.t_max[i] = kInfinity;
+/// Makes 16 directions in (dx, dy, dz) rays of length t_max.
+inline void aim_along16(RayPacket16& packet, float t_max) {
+    for (int i = 0; i < 16; ++i) packet.t_min[i] = 0, packet.t_max[i] = t_max;
 }
 
 /// Either of the two, by the far ends' semantic.
-inline void aim16(RayPacket16& packet, Semantic semantic, float extent) {
-    if (is_direction(semantic))
-        aim_along16(packet);
+inline void aim16(RayPacket16& packet, const FarEnds& lights, float extent) {
+    if (is_direction(lights.semantic))
+        aim_along16(packet, lights.t_max);
     else
         aim_at_points16(packet, extent);
 }

@@ -7,7 +7,8 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['PairRows', 'and_popcount_add', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_map', 'tiles', 'total_intersections']
+import viscache._core
+__all__: list[str] = ['PairRows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
 class PairRows:
     """
     Points, their rows of bits, and the rules of their statistics.
@@ -17,6 +18,14 @@ class PairRows:
 def and_popcount_add(steps: typing.SupportsInt | typing.SupportsIndex) -> int:
     """
     The bench's yardstick: and, popcount, add of 512 bits, `steps` times.
+    """
+def area_points(scene: viscache._core.Scene, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> dict:
+    """
+    The same uniform over the area.
+    """
+def camera_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+    """
+    Primary hits: position, normal, shading_normal (N, 3), group, stratum (N,), width, height, bad_normals, misses.
     """
 def intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None) -> numpy.typing.NDArray[numpy.int32]:
     """
@@ -30,6 +39,10 @@ def pair_statistics(rows: PairRows, d_edges: collections.abc.Sequence[typing.Sup
     """
     Sums over the pairs of tiles; see viscache.correlation.pair_statistics.
     """
+def spatial_groups(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.int32]:
+    """
+    Sixteen compact blocks of (nearly) equal size: numbers (N,).
+    """
 def spatial_map(rows: PairRows, d_max: typing.SupportsFloat | typing.SupportsIndex, theta_max_deg: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.float32]:
     """
     Mean rho of every point with its neighbours.
@@ -41,4 +54,8 @@ def tiles(group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups
 def total_intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True) -> int:
     """
     Sum of the intersections of all pairs of rows.
+    """
+def visibility_rows(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: viscache._core.PacketOrder | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
+    """
+    Rows of bits (N, words) uint64 and the number of rays.
     """

@@ -4,11 +4,12 @@ Samplers and their densities, as tests and notebooks use them.
 """
 from __future__ import annotations
 import collections.abc
+import enum
 import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'ShadingPoint', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
+__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
 class EnvironmentMap:
     """
     Environment light on the equal-area octahedral map.
@@ -73,6 +74,20 @@ class Distribution1D:
     @property
     def total(self) -> float:
         ...
+class PatternKind(enum.Enum):
+    """
+    Where in its cell a direction lies.
+    """
+    CENTRES: typing.ClassVar[PatternKind]
+    JITTERED: typing.ClassVar[PatternKind]
+    LLOYD: typing.ClassVar[PatternKind]
+    @classmethod
+    def __new__(cls, value):
+        ...
+def direction_pattern(map_size: typing.SupportsInt | typing.SupportsIndex, kind: PatternKind, seed: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Unit vectors (map_size², 3), one in each cell of the equal-area map, row by row.
+    """
 def direction_to_equal_area(d: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
     Equal-area octahedral map of unit vectors (N, 3) into [0, 1]², (N, 2).

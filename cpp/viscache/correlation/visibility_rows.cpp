@@ -1,0 +1,109 @@
+#include "viscache/correlation/visibility_rows.h"
+
+#include <cstring>
+
+#include "viscache/math/morton.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr size_t kPointsPerBlock = 256;
+constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
+
+FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
+    FarEnds sky;
+    sky.semantic = Semantic::kDirection;
+    sky.group = int(LightGroup::kAmbient);
+    sky.count = directions.size(), sky.t_max = t_max;
+    for (auto* v : {&sky.x, &sky.y, &sky.z, &sky.nx, &sky.ny, &sky.nz, &sky.density})
+        v->resize(row_words_for(sky.count) * kWordBits);
+    for (size_t k = 0; k < sky.count; ++k)
+        sky.x[k] = directions[k].x, sky.y[k] = directions[k].y, sky.z[k] = directions[k].z;
+    sky.tx = sky.x, sky.ty = sky.y, sky.tz = sky.z;
+    return sky;
+}
+
+/// Bits of the directions above the plane with normal n. Padding columns are zero vectors: never above.
+void upper_hemisphere(const FarEnds& sky, Vec3 n, std::span<Word> row) {
+    for (size_t w = 0; w < row.size(); ++w) {
+        uint8_t above[kWordBits];
+        const size_t first = w * kWordBits;
+        for (size_t j = 0; j < kWordBits; ++j)
+            above[j] = sky.x[first + j] * n.x + sky.y[first + j] * n.y + sky.z[first + j] * n.z > 0;
+        Word bits = 0;
+        for (size_t j = 0; j < kWordBits; ++j) bits |= Word{above[j]} << j;
+        row[w] = bits;
+    }
+}
+
+/// What one thread needs.
+class Worker {
+public:
+    Worker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
+           const Control& control)
+        : extent_(extent),
+          sky_(sky),
+          by_light_(caster, extent, PacketOrder::kByLight),
+          by_pixel_(caster, extent, PacketOrder::kByPixel),
+          order_({PacketOrder::kByLight, PacketOrder::kByPixel}, order, kTrialPeriod) {
+        by_light_.watch(control), by_pixel_.watch(control);
+    }
+    /// The rows of some points, near each other; row i is that of points[i].
+    const BitMatrix& rows(const RowInput& input, std::span<const uint32_t> points) {
+        eyes_.clear();
+        wanted_.reset(points.size(), sky_.count), visible_.reset(points.size(), sky_.count);
+        for (size_t i = 0; i < points.size(); ++i) {
+            const Vec3 position = input.position[points[i]], normal = input.normal[points[i]];
+            eyes_.position.push_back(position), eyes_.normal.push_back(normal);
+            eyes_.origin.push_back(spawn(position, normal, extent_));
+            upper_hemisphere(sky_, normal, wanted_.row_span(i));
+        }
+        order_.piece([&](PacketOrder order) {
+            ExactOracle& oracle = order == PacketOrder::kByLight ? by_light_ : by_pixel_;
+            const uint64_t before = counters_.rays();
+            oracle.begin_tile(eyes_);
+            oracle.block(eyes_, sky_, wanted_, visible_, counters_);
+            return size_t(counters_.rays() - before);
+        });
+        return visible_;
+    }
+    uint64_t rays() const { return counters_.rays(); }
+
+private:
+    float extent_;
+    const FarEnds& sky_;
+    ExactOracle by_light_, by_pixel_;
+    Trial<PacketOrder> order_;
+    EyeBlock eyes_;
+    BitMatrix wanted_, visible_;
+    Counters counters_;
+};
+
+}  // namespace
+
+uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& input, std::span<Word> rows,
+                         std::optional<PacketOrder> order, int threads, Control& control) {
+    const FarEnds sky = far_ends(input.direction, input.t_max);
+    const size_t words = row_words_for(sky.count), n = input.position.size();
+    // Neighbours in space share packets, whatever the order of the rows
+    const std::vector<uint32_t> along = morton_order(input.position);
+    std::vector<Worker> workers;
+    threads = resolve_threads(threads);
+    for (int t = 0; t < threads; ++t) workers.emplace_back(caster, extent, sky, order, control);
+    control.total = n;
+    parallel_for((n + kPointsPerBlock - 1) / kPointsPerBlock, threads, [&](size_t block, int t) {
+        control.check();
+        const size_t first = block * kPointsPerBlock, count = std::min(kPointsPerBlock, n - first);
+        const auto points = std::span(along).subspan(first, count);
+        const BitMatrix& found = workers[size_t(t)].rows(input, points);
+        for (size_t i = 0; i < count; ++i)
+            std::memcpy(&rows[points[i] * words], found.row(i), words * sizeof(Word));
+        control.done += count;
+    });
+    uint64_t rays = 0;
+    for (const Worker& worker : workers) rays += worker.rays();
+    return rays;
+}
+
+}  // namespace viscache

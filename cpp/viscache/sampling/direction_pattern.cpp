@@ -1,0 +1,122 @@
+#include "viscache/sampling/direction_pattern.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "viscache/math/octahedral.h"
+#include "viscache/sampling/rng.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr int kIterations = 20;
+constexpr int kSubCells = 8;                        // along a cell's edge
+constexpr size_t kSamples = kSubCells * kSubCells;  // that stand for a cell's area
+constexpr int kReach = 2;         // cells around one's own in which the nearest direction is looked for
+constexpr float kMargin = 1e-3f;  // of a cell: rounding moves no direction into the next one
+
+struct Cell {
+    int x, y;
+};
+
+/// The cell that the map continues with across its border.
+Cell folded(Cell c, int size) {
+    while (c.x < 0 || c.x >= size) c = {c.x < 0 ? -1 - c.x : 2 * size - 1 - c.x, size - 1 - c.y};
+    while (c.y < 0 || c.y >= size) c = {size - 1 - c.x, c.y < 0 ? -1 - c.y : 2 * size - 1 - c.y};
+    return c;
+}
+
+/// Of the places that stand for the same direction across the borders, the one nearest to `to`.
+Vec2 unfolded(Vec2 p, Vec2 to) {
+    const std::array<Vec2, 5> places{p, Vec2{-p.x, 1 - p.y}, Vec2{2 - p.x, 1 - p.y}, Vec2{1 - p.x, -p.y},
+                                     Vec2{1 - p.x, 2 - p.y}};
+    return *std::min_element(places.begin(), places.end(), [&](Vec2 a, Vec2 b) {
+        const auto distance = [&](Vec2 q) {
+            return (q.x - to.x) * (q.x - to.x) + (q.y - to.y) * (q.y - to.y);
+        };
+        return distance(a) < distance(b);
+    });
+}
+
+class Lloyd {
+public:
+    Lloyd(int size, std::vector<Vec3> directions) : size_(size), directions_(std::move(directions)) {
+        const float step = 1.f / float(size * kSubCells);
+        for (size_t i = 0; i < directions_.size() * kSamples; ++i) {
+            const int cell = int(i / kSamples), sub = int(i % kSamples);
+            samples_.push_back(
+                equal_area_to_direction({(float(cell % size * kSubCells + sub % kSubCells) + 0.5f) * step,
+                                         (float(cell / size * kSubCells + sub / kSubCells) + 0.5f) * step}));
+        }
+    }
+
+    std::vector<Vec3> run() {
+        for (int i = 0; i < kIterations; ++i) iterate();
+        return std::move(directions_);
+    }
+
+private:
+    /// Moves every direction towards the middle of what is nearest to it.
+    void iterate() {
+        sum_.assign(directions_.size(), {});
+        for (int y = 0; y < size_; ++y)
+            for (int x = 0; x < size_; ++x) assign_cell({x, y});
+        for (int y = 0; y < size_; ++y)
+            for (int x = 0; x < size_; ++x) move(y * size_ + x, {x, y});
+    }
+
+    void assign_cell(Cell cell) {
+        std::array<int, (2 * kReach + 1) * (2 * kReach + 1)> near;
+        size_t n = 0;
+        for (int dy = -kReach; dy <= kReach; ++dy)
+            for (int dx = -kReach; dx <= kReach; ++dx) {
+                const Cell c = folded({cell.x + dx, cell.y + dy}, size_);
+                near[n++] = c.y * size_ + c.x;
+            }
+        const size_t first = size_t(cell.y * size_ + cell.x) * kSamples;
+        for (const Vec3& d : std::span(samples_).subspan(first, kSamples)) {
+            int best = near[0];
+            float best_cos = -2;
+            for (int i : near)
+                if (const float c = dot(d, directions_[size_t(i)]); c > best_cos) best_cos = c, best = i;
+            sum_[size_t(best)] += d;
+        }
+    }
+
+    void move(int index, Cell cell) {
+        const Vec3 middle = normalize(sum_[size_t(index)]);
+        if (middle == Vec3{}) return;
+        const float n = float(size_);
+        const Vec2 centre{(float(cell.x) + 0.5f) / n, (float(cell.y) + 0.5f) / n};
+        const Vec2 p = unfolded(direction_to_equal_area(middle), centre);
+        const float half = (0.5f - kMargin) / n;
+        directions_[size_t(index)] =
+            equal_area_to_direction({std::clamp(p.x, centre.x - half, centre.x + half),
+                                     std::clamp(p.y, centre.y - half, centre.y + half)});
+    }
+
+    int size_;
+    std::vector<Vec3> samples_;  // kSamples a cell
+    std::vector<Vec3> directions_, sum_;
+};
+
+}  // namespace
+
+std::vector<Vec3> direction_pattern(int map_size, PatternKind kind, uint64_t seed) {
+    std::vector<Vec3> directions;
+    for (int y = 0; y < map_size; ++y)
+        for (int x = 0; x < map_size; ++x) {
+            Vec2 in{0.5f, 0.5f};
+            if (kind != PatternKind::kCentres) {
+                in = Rng(seed, Purpose::kDirectionPattern, uint64_t(directions.size()), 0).next2();
+                in = {kMargin + (1 - 2 * kMargin) * in.x, kMargin + (1 - 2 * kMargin) * in.y};
+            }
+            directions.push_back(equal_area_to_direction(
+                {(float(x) + in.x) / float(map_size), (float(y) + in.y) / float(map_size)}));
+        }
+    return kind == PatternKind::kLloyd ? Lloyd(map_size, std::move(directions)).run() : directions;
+}
+
+}  // namespace viscache

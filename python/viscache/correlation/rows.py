@@ -1,0 +1,224 @@
+"""Points on surfaces, and the row of bits that says what each of them sees of the sky."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.cameras import find_camera
+from viscache.checks import checked_points, checked_threads, is_whole, require
+from viscache.correlation.directions import DirectionSet
+from viscache.progress import progress_bar
+from viscache.scene import Scene
+
+__all__ = [
+    "DirectionSet",
+    "SurfacePoints",
+    "VisibilityRows",
+    "spatial_groups",
+    "surface_points",
+    "trace_rows",
+    "visibility_rows",
+]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Progress: TypeAlias = bool | Callable[[int, int], None]
+
+N_GROUPS = 16
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SurfacePoints:
+    """N points on the surfaces of a scene, ordered by group and at random inside a group."""
+
+    positions: Floats
+    """(N, 3), in scene units."""
+    normals: Floats
+    """(N, 3), unit geometric normals: visibility is that of their hemisphere."""
+    theta_normals: Floats
+    """(N, 3), unit normals between which the angle θ is measured."""
+    group: npt.NDArray[np.int32]
+    """(N,) in [0, 16): compact blocks of space whose sizes differ by one at most."""
+    stratum: npt.NDArray[np.uint32]
+    """(N,), each once: pixel y·width + x of the camera's image, or number along the surfaces."""
+    width: int
+    """Columns of the camera's image; of area-uniform points the number of strata."""
+    height: int
+    """Rows of the camera's image; 1 for area-uniform points."""
+    n_bad_normals: int
+    """Strata left out because the triangle there is degenerate."""
+    n_misses: int
+    """Strata left out because there is no surface, or a hole cut by an alpha mask."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class VisibilityRows:
+    """What N points see of a set of T directions."""
+
+    bits: npt.NDArray[np.uint64]
+    """(N, W), W a multiple of 8: bit k % 64 of word k // 64 is 1 if direction k is free; the
+    lower hemisphere and the padding are 0."""
+    n_directions: int
+    n_rays: int
+    """Rays traced: the directions above the points' planes."""
+    seconds: float
+    """Wall time."""
+
+    @property
+    def rays_per_second(self) -> float:
+        """Of all threads together."""
+        return self.n_rays / self.seconds
+
+
+def surface_points(
+    scene: Scene,
+    n_points: int,
+    *,
+    points: Literal["camera", "area"] = "camera",
+    camera: str | int | _core.Camera | None = None,
+    seed: int = 0,
+    normals: Literal["geometric", "shading"] = "geometric",
+    threads: int | None = None,
+) -> SurfacePoints:
+    """Spread points over the surfaces of a scene.
+
+    Geometry alone decides what is a surface: mirrors and glass are; holes of alpha masks and the
+    spheres of sphere lights are not.
+
+    Parameters
+    ----------
+    scene : Scene
+    n_points : int in [16, 2^26]
+    points : {"camera", "area"}
+        Primary hits of a camera, one at a random place of each pixel of an image just fine enough;
+        or uniform over the area of all placed triangles.
+    camera : str, int or Camera, optional
+        As `viscache.render` takes it. Its normals look at the camera; those of "area" follow the
+        winding of the triangles.
+    seed : int >= 0
+        Same seed, same points, whatever the number of threads.
+    normals : {"geometric", "shading"}
+        Those of the angle θ; visibility always belongs to the geometric ones.
+
+    Raises
+    ------
+    ValueError
+        A parameter out of range, or surfaces that fill less than 1/1024 of the camera's image.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> found = vc.correlation.surface_points(vc.scenes.cube_on_plane(), 100)
+    >>> found.positions.shape, int(found.group.max())
+    ((100, 3), 15)
+    """
+    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    fits = is_whole(n_points) and N_GROUPS <= n_points <= 1 << 26
+    require(fits, f"n_points must be a whole number in [{N_GROUPS}, 2^26]", n_points)
+    require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
+    require(points in ("camera", "area"), 'points must be "camera" or "area"', points)
+    known = normals in ("geometric", "shading")
+    require(known, 'normals must be "geometric" or "shading"', normals)
+    if points == "camera":
+        view = find_camera(scene, camera)
+        found = _core.correlation.camera_points(
+            scene._core, scene.caster(), view, n_points, seed, checked_threads(threads)
+        )
+    else:
+        require(camera is None, 'camera must be left out with points="area"', camera)
+        found = _core.correlation.area_points(scene._core, n_points, seed)
+    return SurfacePoints(
+        positions=found["position"],
+        normals=found["normal"],
+        theta_normals=found["shading_normal" if normals == "shading" else "normal"],
+        group=found["group"],
+        stratum=found["stratum"],
+        width=found["width"],
+        height=found["height"],
+        n_bad_normals=found["bad_normals"],
+        n_misses=found["misses"],
+    )
+
+
+def spatial_groups(positions: npt.ArrayLike) -> npt.NDArray[np.int32]:
+    """Blocks of space as `surface_points` makes them: numbers in [0, 16) of points (N, 3)."""
+    return _core.correlation.spatial_groups(checked_points(positions, "positions"))
+
+
+def visibility_rows(
+    scene: Scene,
+    points: SurfacePoints,
+    directions: DirectionSet,
+    *,
+    t_max: float = np.inf,
+    threads: int | None = None,
+    progress: Progress = False,
+) -> VisibilityRows:
+    """The visibility function V(x, ω) of points, one bit per direction.
+
+    Parameters
+    ----------
+    scene : Scene
+    points : SurfacePoints
+    directions : DirectionSet
+    t_max : float > 0
+        How far the points look, in scene units.
+    threads : int >= 1, optional
+        All cores by default; the bits do not depend on it.
+    progress : bool or callable
+        True shows a bar; a callable gets (done, total) points.
+
+    Raises
+    ------
+    ValueError
+        A parameter out of range.
+    KeyboardInterrupt
+        Within half a second of Ctrl-C.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> points = vc.correlation.surface_points(scene, 100)
+    >>> rows = vc.correlation.visibility_rows(scene, points, vc.correlation.DirectionSet())
+    >>> rows.bits.shape, rows.n_rays
+    ((100, 144), 460800)
+    """
+    return trace_rows(
+        scene, points.positions, points.normals, directions,
+        t_max=t_max, threads=threads, progress=progress,
+    )  # fmt: skip
+
+
+def trace_rows(
+    scene: Scene,
+    positions: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    directions: DirectionSet,
+    *,
+    t_max: float = np.inf,
+    threads: int | None = None,
+    progress: Progress = False,
+) -> VisibilityRows:
+    """`visibility_rows` of any points (N, 3) on surfaces, with unit normals (N, 3)."""
+    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    require(isinstance(directions, DirectionSet), "directions must be a DirectionSet", directions)
+    start = time.perf_counter()
+    with progress_bar(progress, unit="point") as report:
+        bits, n_rays = _core.correlation.visibility_rows(
+            scene._core, scene.caster(), checked_points(positions, "positions"),
+            checked_points(normals, "normals"), directions.directions,
+            t_max=t_max, threads=checked_threads(threads), progress=report,
+        )  # fmt: skip
+    return VisibilityRows(
+        bits=bits,
+        n_directions=len(directions.directions),
+        n_rays=n_rays,
+        seconds=time.perf_counter() - start,
+    )

@@ -1,0 +1,205 @@
+"""Rows of visibility: the right bits, the rays they cost, the same for any threads and packets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from correlation.scenes import above, clutter, convex, masked, squares, unpacked
+from render.test_interrupt import LIMIT, quickest_stop
+from viscache import _core
+from viscache.correlation.rows import trace_rows
+
+Array = npt.NDArray[Any]
+SKY = vc.correlation.DirectionSet(map_size=24)
+
+
+def rows_of(scene: vc.Scene, n: int = 200, sky: Any = SKY, where: Any = "camera") -> Any:
+    points = vc.correlation.surface_points(scene, n, points=where, seed=1)
+    return points, vc.correlation.visibility_rows(scene, points, sky)
+
+
+def spawned(scene: vc.Scene, points: Any) -> Array:
+    """Where rays start (visibility/query.h): 8 units in the last place off the surface."""
+    extent = np.float32(scene._core.offset_extent)
+    size = np.maximum(np.abs(points.positions).max(1), extent)
+    step = np.float32(8) * np.float32(2.0**-23) * size
+    return np.asarray(points.positions + points.normals * step[:, None])
+
+
+@pytest.mark.parametrize("map_size", [1, 5, 8, 23, 33])
+def test_rows_say_what_single_rays_say(map_size: int) -> None:
+    scene, sky = clutter(), vc.correlation.DirectionSet(map_size=map_size)
+    points, rows = rows_of(scene, 300, sky)
+    directions, origins = sky.directions, spawned(scene, points)
+    wanted = above(points.normals, directions)
+    i, k = np.nonzero(wanted)
+    expected = np.zeros_like(wanted)
+    expected[i, k] = ~scene.occluded(origins[i], directions[k])
+    assert rows.n_directions == map_size**2
+    assert rows.bits.shape == (300, -(-(map_size**2) // 512) * 8)
+    np.testing.assert_array_equal(unpacked(rows.bits, map_size**2), expected)
+    if map_size > 5:
+        assert 0.1 < expected.sum() / wanted.sum() < 0.9
+
+
+@pytest.mark.parametrize("map_size", [5, 23])
+def test_padding_bits_are_zero(map_size: int) -> None:
+    _, rows = rows_of(convex(), 100, vc.correlation.DirectionSet(map_size=map_size))
+    assert not unpacked(rows.bits, 64 * rows.bits.shape[1])[:, map_size**2 :].any()
+
+
+def test_rays_are_the_directions_above_the_planes() -> None:
+    """Test 30: the lower hemisphere is 0 by definition and costs nothing."""
+    points, rows = rows_of(clutter(), 500)
+    assert rows.n_rays == above(points.normals, SKY.directions).sum()
+    assert rows.rays_per_second == rows.n_rays / rows.seconds > 0
+
+
+def test_records_of_even_maps_cost_half_their_cells() -> None:
+    """The identity of Table 2: cell centres are symmetric, so every point traces T/2 rays."""
+    for scene in (clutter(), convex()):
+        assert rows_of(scene, 300)[1].n_rays == 300 * 24**2 // 2
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("where", ["camera", "area"])
+def test_points_of_a_convex_body_see_all_that_lies_above(scale: float, where: Any) -> None:
+    """Test 9, the half of the rows: ρ = 1 − 2θ/π follows from these bits."""
+    points, rows = rows_of(convex(scale), 2000, where=where)
+    seen = unpacked(rows.bits, rows.n_directions)
+    np.testing.assert_array_equal(seen, above(points.normals, SKY.directions))
+
+
+@pytest.mark.extreme
+def test_far_from_the_origin_a_convex_body_still_sees_the_sky() -> None:
+    """At 1e5 sizes rounded vertices make it slightly less convex."""
+    scene = convex(1.0, at=(1e5, -1e5, 1e5), vertices=60)
+    points, rows = rows_of(scene, 2000, where="area")
+    wrong = unpacked(rows.bits, rows.n_directions) != above(points.normals, SKY.directions)
+    assert wrong.sum() / rows.n_rays < 2e-3
+
+
+def test_rays_pass_holes_and_are_stopped_by_what_is_solid() -> None:
+    """Under a square that is solid for x < 0.25 and a hole beyond."""
+    scene = masked(0.25)
+    x = np.linspace(0.05, 0.95, 19)
+    positions = np.stack([x, 0 * x + 0.5, 0 * x - 1], 1)
+    rows = trace_rows(scene, positions, np.tile([0, 0, 1.0], (19, 1)), SKY)
+    d = SKY.directions.astype(float)
+    hit = positions[:, None, :2] + (d / np.maximum(d[:, 2:], 1e-9))[None, :, :2]
+    solid = (hit[..., 0] > 0) & (hit[..., 0] < 0.25) & (hit[..., 1] > 0) & (hit[..., 1] < 1)
+    edge = np.minimum(abs(hit[..., 0] - 0.25), abs(hit[..., 0] - 1)) < 1e-3
+    up = np.broadcast_to(d[:, 2] > 1e-6, solid.shape) & ~edge
+    seen = unpacked(rows.bits, rows.n_directions)
+    np.testing.assert_array_equal(seen[up], ~solid[up])
+    assert 100 < solid[up].sum() < 0.5 * up.sum()
+
+
+def squares_hide(scale: float, t_max: float = np.inf) -> Array:
+    """Directions from below the middle of a horizontal square, one above, that it stops."""
+    d = SKY.directions.astype(float)
+    up = d[:, 2] > 1e-6
+    distance = 1 / np.where(up, d[:, 2], 1)
+    inside = (abs(d[:, :2] * distance[:, None]) < scale / 2).all(1)
+    return np.asarray(up & inside & (distance < t_max))
+
+
+UNDER = np.array([[0.5, 0.5, -1]]), np.array([[0, 0, 1.0]])
+
+
+def test_instances_stop_rays() -> None:
+    d = vc.SceneDescription()
+    vertices, triangles = squares()
+    card = d.add_mesh(vertices - [0.5, 0.5, 0], triangles, material=d.add_material(),
+                      in_world=False)  # fmt: skip
+    d.add_instance([card], np.array([[3.9, 0, 0, 0.5], [0, 3.9, 0, 0.5], [0, 0, 1, 0.0]]))
+    rows = trace_rows(vc.Scene.from_description(d), *UNDER, SKY)
+    hidden = above(np.float32(UNDER[1]), SKY.directions) & ~unpacked(rows.bits, 24**2)
+    np.testing.assert_array_equal(hidden[0], squares_hide(3.9))
+    assert hidden.sum() > 100
+
+
+def test_t_max_ends_the_rays() -> None:
+    """Rays end before the square above, or reach only its middle."""
+    for t_max in (0.99, 1.2, np.inf):
+        rows = trace_rows(masked(1.0), *UNDER, SKY, t_max=t_max)
+        hidden = above(np.float32(UNDER[1]), SKY.directions) & ~unpacked(rows.bits, 24**2)
+        np.testing.assert_array_equal(hidden[0], squares_hide(1.0, t_max))
+    assert squares_hide(1.0, 0.99).sum() == 0
+    assert 10 < squares_hide(1.0, 1.2).sum() < squares_hide(1.0).sum()
+
+
+def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> None:
+    scene = clutter()
+    points = vc.correlation.surface_points(scene, 3000, seed=2)
+
+    def traced(order: Any, threads: int, which: Any = slice(None)) -> Any:
+        return _core.correlation.visibility_rows(
+            scene._core, scene.caster(), points.positions[which], points.normals[which],
+            SKY.directions, order=order, threads=threads,
+        )  # fmt: skip
+
+    bits, rays = traced(None, 1)
+    for order in (None, *_core.PacketOrder):
+        for threads in (1, 2, 8):
+            again, rays_again = traced(order, threads)
+            np.testing.assert_array_equal(again, bits)
+            assert rays_again == rays
+    turned = np.random.default_rng(0).permutation(3000)
+    np.testing.assert_array_equal(traced(None, 2, turned)[0], bits[turned])
+    np.testing.assert_array_equal(traced(None, 2, slice(100, 333))[0], bits[100:333])
+
+
+def test_progress_counts_points_to_the_end() -> None:
+    seen: list[tuple[int, int]] = []
+    scene = clutter()
+    points = vc.correlation.surface_points(scene, 20_000)
+    vc.correlation.visibility_rows(
+        scene, points, SKY, threads=1, progress=lambda done, total: seen.append((done, total))
+    )
+    assert seen[-1] == (20_000, 20_000)
+    assert [d for d, _ in seen] == sorted(d for d, _ in seen)
+
+
+def test_no_points_have_no_rows() -> None:
+    rows = trace_rows(convex(), np.zeros((0, 3)), np.zeros((0, 3)), SKY)
+    assert rows.bits.shape == (0, 16) and rows.n_rays == 0
+
+
+@pytest.mark.parametrize("map_size", [96, 256])
+def test_ctrl_c_stops_the_tracing_soon(map_size: int) -> None:
+    points = "vc.correlation.surface_points(scene, 1 << 18)"
+    sky = f"vc.correlation.DirectionSet(map_size={map_size})"
+    assert quickest_stop(f"vc.correlation.visibility_rows(scene, {points}, {sky})", 1.5) < LIMIT
+
+
+ONE = [[0.0, 0.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"normals": [[0, 0, 2.0]]}, "normals must be unit vectors, row 0 has length 2"),
+        ({"normals": [[0, 0, np.nan]]}, "normals must be finite and at most 1e16 in size, row 0"),
+        ({"normals": np.zeros((2, 3))}, "normals must be unit vectors, row 0 has length 0"),
+        ({"normals": ONE * 2}, r"positions and normals must have equal numbers of rows, got \(1"),
+        ({"positions": [[1e17, 0, 0]]}, "positions must be finite and at most 1e16 in size, row 0"),
+        ({"positions": [[1e40, 0, 0]]}, "positions must be finite and at most 1e16 in size, row 0"),
+        ({"positions": np.zeros((1, 2))}, r"positions must have shape \(N, 3\), got \(1, 2\)"),
+        ({"positions": [["a", "b", "c"]]}, "positions must be numbers"),
+        ({"t_max": 0.0}, "t_max must be > 0, got 0"),
+        ({"t_max": np.nan}, "t_max must be > 0, got nan"),
+        ({"threads": -1}, r"threads must be a whole number in \[1, 1024\], got -1"),
+        ({"scene": "room"}, "scene must be a Scene, got 'room'"),
+        ({"directions": [[0, 0, 1.0]]}, "directions must be a DirectionSet"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments: dict[str, Any], message: str) -> None:
+    given = {"scene": convex(), "positions": ONE, "normals": ONE, "directions": SKY} | arguments
+    with pytest.raises(ValueError, match=message):
+        trace_rows(**given)
