@@ -20,6 +20,7 @@ COMMANDS = {
     "info": "what a scene holds, and what its file asked for that is not modelled",
     "render": "render a scene to an EXR file",
     "diff": "compare an image with a reference",
+    "correlate": "Section 4 statistics of a scene's visibility",
     "sweep": "run or resume a sweep",
     "report": "write the HTML report of a sweep",
     "reproduce": "figures and tables of the papers",
@@ -28,7 +29,6 @@ COMMANDS = {
 }
 #: Named by the interface, not there yet.
 LATER = {
-    "correlate": "Section 4 statistics of a scene's visibility",
     "tune": "parameters that meet an error target",
 }
 OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130

@@ -82,7 +82,6 @@ def test_diff_against_black_prints_null(
         (["reproduce", "aqvc-fig9"], "unknown figure"),
         (["reproduce", "aqvc-fig2"], "not there yet"),
         (["bench", "no-such-bench"], "unknown bench"),
-        (["correlate", "room", "-o", "a.nc"], "correlate is not there yet"),
         (["tune", "room"], "tune is not there yet"),
     ],
 )  # fmt: skip

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from viscache import settings
@@ -57,3 +60,12 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[settings.Role, Any]:
         "visibility": settings.make("visibility", visibility),
     }
     return settings.assign(chosen, arguments.set)
+
+
+def worker_pool(workers: int) -> AbstractContextManager[Executor | None]:
+    """A pool of processes; None for one worker, this process itself."""
+    if workers == 1:
+        return nullcontext()
+    # spawn: a forked child would inherit Embree's and our threads in an unknown state
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=context)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import multiprocessing
 import sys
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from viscache.commands.shared import at_least_one, print_json
+from viscache.commands.shared import at_least_one, print_json, worker_pool
 from viscache.sweep import SweepFile
 
 
@@ -49,8 +48,4 @@ def _executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor 
             arguments.dask
         ).get_executor()
         return executor
-    if arguments.workers > 1:
-        # spawn: a forked child would inherit Embree's and our threads in an unknown state
-        context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(arguments.workers, mp_context=context)
-    return nullcontext()
+    return worker_pool(arguments.workers)

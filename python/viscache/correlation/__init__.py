@@ -1,5 +1,31 @@
-"""Correlation statistics of visibility: Section 4 of the visibility-map paper."""
+"""Correlation statistics of visibility: Section 4 of the visibility-map paper.
 
+Points on surfaces, a row of bits for each, and ρ of all pairs over distance and angle.
+"""
+
+from viscache.correlation import plots
+from viscache.correlation.dataset import open_dataset, save_dataset
+from viscache.correlation.derived import (
+    Box,
+    correlation_lengths,
+    high_correlation_box,
+    predicted_variance_ratio,
+)
+from viscache.correlation.measure import correlate, measure, phi
 from viscache.correlation.rows import DirectionSet, surface_points, visibility_rows
 
-__all__ = ["DirectionSet", "surface_points", "visibility_rows"]
+__all__ = [
+    "Box",
+    "DirectionSet",
+    "correlate",
+    "correlation_lengths",
+    "high_correlation_box",
+    "measure",
+    "open_dataset",
+    "phi",
+    "plots",
+    "predicted_variance_ratio",
+    "save_dataset",
+    "surface_points",
+    "visibility_rows",
+]

@@ -1,0 +1,182 @@
+"""Bins of pairs over distance d and angle θ, and the two slices beside them.
+
+Pairs are counted once, in cells fine enough that every bin of the table and of both slices is a
+union of cells. Cells are half-open and counts and sums are integers, so a bin's sums are those of
+its pairs, exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.checks import require
+
+Floats = npt.NDArray[np.float64]
+
+#: Bins of each slice, and of the table unless asked otherwise.
+N_SLICE = 64
+N_D = 128
+N_THETA = 180
+#: Pairs of a pilot's points; their 99th percentile ends the linear bins of d.
+PILOT_POINTS = 2000
+PILOT_PERCENTILE = 99.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Bins:
+    """Edges of the table, limits of the slices, and the cells that serve both.
+
+    Parameters
+    ----------
+    d_edges : (D + 1,) float
+        Rising, from 0 or more, in scene units; the last may be inf.
+    theta_edges_deg : (T + 1,) float
+        Rising, in [0, 180] degrees. A last edge of 180 includes it.
+    slice_d : float > 0
+        The slice over θ takes pairs with d < slice_d.
+    slice_theta_deg : float > 0
+        The slice over d takes pairs with θ < slice_theta_deg degrees.
+    d_end : float > 0, optional
+        Where the evenly spaced bins of the slice over d end; by default the last finite edge, or
+        one bin further where d_edges is open.
+
+    Raises
+    ------
+    ValueError
+        Edges that do not rise, or lie out of range.
+    """
+
+    d_edges: Floats
+    theta_edges_deg: Floats
+    slice_d: float = 0.2
+    slice_theta_deg: float = 2.0
+    d_end: float | None = None
+    slice_d_edges: Floats = field(init=False)
+    """(65,) edges in d of the slice θ < slice_theta_deg; the last is open where d_edges' is."""
+    slice_theta_edges_deg: Floats = field(init=False)
+    """(65,) edges in degrees of the slice d < slice_d."""
+    d_cells: Floats = field(init=False)
+    theta_cells: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        d = checked_edges(self.d_edges, "d_edges")
+        theta = checked_edges(self.theta_edges_deg, "theta_edges_deg")
+        require(bool(np.isfinite(d[:-1]).all()), "d_edges must be finite but for the last", d)
+        require(bool(theta[-1] <= 180.0), "theta_edges_deg must lie in [0, 180]", theta)
+        require(self.slice_d > 0, "slice_d must be > 0", self.slice_d)
+        require(0 < self.slice_theta_deg <= 180, "slice_theta_deg must be in (0, 180]",
+                self.slice_theta_deg)  # fmt: skip
+        require(self.d_end is None or 0 < self.d_end < np.inf, "d_end must be > 0", self.d_end)
+        set_ = object.__setattr__
+        set_(self, "d_edges", d)
+        set_(self, "theta_edges_deg", theta)
+        end = self.d_end or _linear_end(d)
+        over_d = np.linspace(0.0, end, N_SLICE + 1)
+        if np.isinf(d[-1]):
+            over_d[-1] = np.inf
+        over_d, over_theta = _snap(over_d, d), _snap(np.linspace(0.0, 180.0, N_SLICE + 1), theta)
+        set_(self, "slice_d_edges", over_d)
+        set_(self, "slice_theta_edges_deg", over_theta)
+        d_known, theta_known = np.union1d(d, over_d), np.union1d(theta, over_theta)
+        set_(self, "slice_d", float(_snap(np.array([self.slice_d]), d_known)[0]))
+        set_(self, "slice_theta_deg",
+             float(_snap(np.array([self.slice_theta_deg]), theta_known)[0]))  # fmt: skip
+        set_(self, "d_cells", np.union1d(d_known, [0.0, self.slice_d]))
+        set_(self, "theta_cells", np.union1d(theta_known, [0.0, self.slice_theta_deg]))
+
+
+def _linear_end(edges: Floats) -> float:
+    """Where evenly spaced bins end: the last edge, or one bin behind the last finite one."""
+    if np.isfinite(edges[-1]):
+        return float(edges[-1])
+    if len(edges) == 2:
+        return float(edges[0]) + 1.0
+    return float(edges[-2] + (edges[-2] - edges[0]) / (len(edges) - 2))
+
+
+def checked_edges(value: npt.ArrayLike, name: str) -> Floats:
+    """Edges of bins from a list; ValueError where they do not rise from 0 or more."""
+    found = np.array(value, dtype=np.float64)
+    fits = found.ndim == 1 and found.size >= 2 and found[0] >= 0
+    fits = fits and bool((np.diff(found) > 0).all())
+    require(fits, f"{name} must be at least two rising numbers >= 0", value)
+    return found
+
+
+def _snap(edges: Floats, known: Floats) -> Floats:
+    """Edges that rounding alone tells from a known one become it."""
+    finite = known[np.isfinite(known)]
+    nearest = finite[np.abs(edges[:, None] - finite).argmin(axis=1)]
+    return np.where(np.isclose(nearest, edges, rtol=1e-9, atol=0.0), nearest, edges)
+
+
+def merge(cells: npt.NDArray[Any], axis: int, fine: Floats, edges: Floats) -> npt.NDArray[Any]:
+    """Sums of cells with the edges `fine` in bins with the edges `edges`, along one axis.
+
+    Raises
+    ------
+    ValueError
+        An edge that is not among the fine ones.
+    """
+    at = np.searchsorted(fine, edges)
+    known = bool((at < len(fine)).all()) and bool((fine[at] == edges).all())
+    require(known, "edges must be among those of the cells", edges)
+    kept = np.take(cells, range(int(at[0]), int(at[-1])), axis=axis)
+    return np.add.reduceat(kept, at[:-1] - at[0], axis=axis)
+
+
+def centers(edges: Floats) -> Floats:
+    """Middles of bins; an open last bin is taken as wide as the one before it."""
+    closed = edges.copy()
+    if np.isinf(closed[-1]):
+        closed[-1] = _linear_end(edges)
+    return np.asarray((closed[:-1] + closed[1:]) / 2)
+
+
+def pilot_d_max(positions: npt.NDArray[np.float32], seed: int) -> float:
+    """99th percentile of the distances of all pairs of a pilot of points, to 3 digits, upwards.
+
+    Parameters
+    ----------
+    positions : (N, 3) float32
+    seed : int
+        Chooses the pilot, at most 2000 points.
+    """
+    rng = np.random.Generator(np.random.Philox(key=np.array([seed, 0x9D], dtype=np.uint64)))
+    chosen = rng.permutation(len(positions))[:PILOT_POINTS]
+    p = positions[np.sort(chosen)].astype(np.float64)
+    first, second = np.triu_indices(len(p), 1)
+    step = 1 << 20  # pairs at a time, so that memory stays small
+    parts = [
+        np.sqrt(((p[first[i : i + step]] - p[second[i : i + step]]) ** 2).sum(axis=1))
+        for i in range(0, len(first), step)
+    ]
+    distance = float(np.percentile(np.concatenate(parts), PILOT_PERCENTILE)) if parts else 0.0
+    if distance <= 0.0:
+        return 1.0
+    digit = 10.0 ** (np.floor(np.log10(distance)) - 2)
+    return float(np.ceil(distance / digit) * digit)
+
+
+def linear_bins(
+    d_max: float, n_d: int = N_D, n_theta: int = N_THETA, *, slice_d: float = 0.2,
+    slice_theta_deg: float = 2.0,
+) -> Bins:  # fmt: skip
+    """Evenly spaced bins: `n_d` over [0, d_max], the last one open, and `n_theta` over 180°.
+
+    Raises
+    ------
+    ValueError
+        d_max not above 0 or not finite, or a number of bins out of range.
+    """
+    require(0 < d_max < np.inf, "d_max must be finite and > 0", d_max)
+    require(1 <= n_d <= 1024, "the number of d bins must be in [1, 1024]", n_d)
+    require(1 <= n_theta <= 1800, "the number of theta bins must be in [1, 1800]", n_theta)
+    d_edges = np.append(np.linspace(0.0, d_max, n_d + 1)[:-1], np.inf)
+    theta = np.linspace(0.0, 180.0, n_theta + 1)
+    return Bins(d_edges=d_edges, theta_edges_deg=theta, slice_d=slice_d,
+                slice_theta_deg=slice_theta_deg, d_end=d_max)  # fmt: skip

@@ -1,0 +1,329 @@
+"""Section 4 of the visibility-map paper: measure a scene, or correlate any rows of bits."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import sources
+from viscache.checks import require
+from viscache.correlation import pairs as _pairs
+from viscache.correlation import rows as _rows
+from viscache.correlation.arguments import (
+    Edges,
+    check_seed,
+    checked_rows,
+    checked_words,
+    chosen_bins,
+    digest,
+    pair_options,
+    sampled_pairs,
+)
+from viscache.correlation.bins import N_D, N_THETA
+from viscache.correlation.dataset import to_dataset
+from viscache.correlation.local_means import add_local_means
+from viscache.correlation.pairs import Domain, Undefined
+from viscache.correlation.run import Run
+from viscache.correlation.tasks import (
+    Points,
+    RowsTask,
+    trace,
+    trace_in_worker,
+    write_points,
+)
+from viscache.correlation.work_store import Arrays
+from viscache.progress import progress_bar
+from viscache.provenance import version
+from viscache.scene import Scene
+from viscache.store import content_key
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["correlate", "measure", "phi"]
+
+Progress: TypeAlias = "bool | Callable[[int, int], None]"
+
+
+def measure(
+    scene: Any,
+    *,
+    n_points: int = 20_000,
+    map_size: int = 96,
+    pairs: Literal["all"] | int = "all",
+    points: Literal["camera", "area"] | None = None,
+    camera: Any = None,
+    seed: int = 0,
+    d_edges: Edges = N_D,
+    theta_edges_deg: Edges = N_THETA,
+    d_max: float | None = None,
+    slice_d: float = 0.2,
+    slice_theta_deg: float = 2.0,
+    directions: Literal["centres", "jittered", "lloyd"] = "centres",
+    domain: Domain = "sphere",
+    normals: Literal["geometric", "shading"] = "geometric",
+    undefined: Undefined = "skip",
+    min_bits: int = 1,
+    t_max: float = np.inf,
+    spatial: bool = True,
+    store: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    threads: int | None = None,
+    progress: Progress = False,
+) -> xarray.Dataset:
+    """Correlation of visibility between points of a scene, over distance d and angle θ.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A string is a file or a built-in name (`room?triangles=200000`).
+    n_points : int >= 16
+        Points on the surfaces. 195,000 with all pairs are the 1.9·10¹⁰ estimates of the paper.
+    map_size : int
+        Edge of the map of directions: 96 for the paper's 96×96.
+    pairs : "all" or int
+        Every pair, or about this many in random tiles; near pairs are then counted exhaustively in
+        a pass of their own, and no bin mixes the two (`d_near`).
+    points : "camera" or "area", optional
+        Where a camera sees the scene, or evenly over all surfaces; the camera where there is one.
+    camera : str, int or Camera, optional
+        As in `viscache.render`.
+    seed : int >= 0
+        Same seed, same bytes, for any number of threads and any executor.
+    d_edges : int or (D + 1,) float
+        Edges in scene units; a number of bins is spread evenly over [0, d_max], the last one open.
+    theta_edges_deg : int or (T + 1,) float
+        Edges in degrees; a number of bins is spread evenly over 180°.
+    d_max : float > 0, optional
+        End of evenly spaced bins; by default the 99th percentile of the pair distances of a pilot.
+    slice_d, slice_theta_deg : float
+        The slices: pairs with d < slice_d over θ, pairs with θ < slice_theta_deg over d.
+    directions : "centres", "jittered" or "lloyd"
+        Where in its cell of the map a direction lies.
+    domain : "sphere", "joint" or "union"
+        Directions that count: all (the paper), those above both planes, those above either.
+    normals : "geometric" or "shading"
+        Of the angle θ. The hemisphere of a point is always that of the geometric normal.
+    undefined : "skip" or "one_if_both"
+        What a pair counts for when a point sees nothing at all: nothing, or ρ = 1 if both do.
+    min_bits : int >= 1
+        A row with fewer visible directions has no ρ.
+    t_max : float > 0
+        Occluders farther than this are no occluders: local visibility. inf for the sky.
+    spatial : bool
+        Also the mean ρ of every point with its surroundings.
+    store : path, optional
+        Folder where finished blocks are kept: an interrupted run resumes there, repeats nothing.
+    executor : concurrent.futures.Executor, optional
+        Does the blocks; this process merges them. Its workers must see the store's folder (a
+        temporary one by default) and open the scene themselves, so `scene` must be a file or a
+        built-in name. Give `threads=1` where the workers share a machine.
+    threads : int, optional
+        Of each block; all cores by default.
+    progress : bool or callable
+        A bar, or a function of (done, total) blocks.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `viscache.correlation.dataset.to_dataset`.
+
+    Raises
+    ------
+    ValueError
+        A parameter out of range; the message says what must hold.
+    SceneError
+        The scene's file is missing or malformed.
+    KeyboardInterrupt
+        Ctrl-C; finished blocks are kept in the store.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> ds = vc.correlation.measure("cube_on_plane", n_points=200, map_size=16, seed=1)
+    >>> dict(ds["mean"].sizes)
+    {'d': 128, 'theta': 180}
+    """
+    opened = sources.open_scene(scene) if isinstance(scene, str) else scene
+    require(isinstance(opened, Scene), "scene must be a Scene, a file or a built-in name", scene)
+    check_seed(seed)
+    where = points or ("camera" if opened.cameras or camera is not None else "area")
+    require(t_max > 0, "t_max must be > 0", t_max)
+    require(domain == "sphere" or normals == "geometric",
+            'domain must be "sphere" with shading normals', domain)  # fmt: skip
+    spec = scene if isinstance(scene, str) else opened.spec
+    require(executor is None or isinstance(spec, str),
+            "scene must be a file or a built-in name when an executor's workers trace it",
+            scene)  # fmt: skip
+    chosen = _rows.DirectionSet(map_size=map_size, kind=directions, seed=seed)
+    found = _rows.surface_points(opened, n_points, points=where, camera=camera, seed=seed,
+                                 normals=normals, threads=threads)  # fmt: skip
+    geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
+    bins = chosen_bins(found.positions, d_edges, theta_edges_deg, d_max=d_max, slice_d=slice_d,
+                       slice_theta_deg=slice_theta_deg, seed=seed)  # fmt: skip
+    n_pairs = sampled_pairs(pairs, len(found.positions))
+    options = pair_options(geometry, bins, len(chosen.directions), sampled=n_pairs is not None,
+                           domain=domain, undefined=undefined, min_bits=min_bits,
+                           directions=chosen)  # fmt: skip
+    key = content_key({
+        "viscache": version(), "scene": opened.content_hash, "t_max": t_max,
+        "directions": [map_size, directions, seed],
+        "points": digest(found.positions, found.normals, found.theta_normals),
+    })  # fmt: skip
+
+    def make(first: int, last: int) -> RowsTask:
+        return RowsTask(
+            first=first, last=last, folder=run.folder, scene=spec, threads=threads, t_max=t_max,
+            scene_hash=opened.content_hash, directions=chosen,
+        )  # fmt: skip
+
+    def here(task: RowsTask) -> Arrays:
+        return trace(task, opened, found.positions, found.normals)
+
+    with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
+        run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
+                  executor=executor, threads=threads, report=report)  # fmt: skip
+        if run.folder is not None:
+            write_points(run.folder, geometry, found.normals)
+        run.trace_rows(make, here if executor is None else trace_in_worker)
+        dataset = to_dataset(run.count_pairs(), bins)
+        if spatial:
+            add_local_means(dataset, run, seed, threads)
+        _add_points(dataset, found)
+    return dataset.assign_attrs({
+        "scene": spec or opened.name, "scene_hash": opened.content_hash, "map_size": map_size,
+        "directions": directions, "points": where, "normals": normals, "t_max": t_max,
+        "domain": domain, "undefined": undefined, "min_bits": min_bits, "seed": seed,
+        "n_points": len(found.positions), "n_rays": run.n_rays, "rows_s": run.rows_s,
+    })  # fmt: skip
+
+
+def correlate(
+    bits: npt.ArrayLike,
+    positions: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    *,
+    n_directions: int | None = None,
+    group: npt.ArrayLike | None = None,
+    pairs: Literal["all"] | int = "all",
+    seed: int = 0,
+    d_edges: Edges = N_D,
+    theta_edges_deg: Edges = N_THETA,
+    d_max: float | None = None,
+    slice_d: float = 0.2,
+    slice_theta_deg: float = 2.0,
+    undefined: Undefined = "skip",
+    min_bits: int = 1,
+    store: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    threads: int | None = None,
+    progress: Progress = False,
+) -> xarray.Dataset:
+    """Correlation of any rows of bits, over distance d and angle θ of the points they belong to.
+
+    Parameters
+    ----------
+    bits : (N, W) uint64
+        Row i belongs to point i; bit k is bit k % 64 of word k // 64; bits from n_directions on
+        must be 0.
+    positions, normals : (N, 3) float
+        In scene units; of unit length.
+    n_directions : int, optional
+        64·W by default.
+    group : (N,) int, optional
+        Groups 0, 1, … that the jackknife leaves out one by one; 16 blocks of space by default.
+        Points of a group must be in random order where pairs are sampled.
+    pairs, seed, d_edges, theta_edges_deg, d_max, slice_d, slice_theta_deg, undefined, min_bits,
+    store, executor, threads, progress
+        As `measure` takes them.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `measure`'s, without points and spatial means.
+
+    Raises
+    ------
+    ValueError
+        Shapes that do not fit, or a parameter out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, viscache as vc
+    >>> rng = np.random.default_rng(0)
+    >>> bits = rng.integers(0, 1 << 63, (50, 8), dtype=np.uint64)
+    >>> up = np.tile([0.0, 0.0, 1.0], (50, 1))
+    >>> ds = vc.correlation.correlate(bits, rng.random((50, 3)), up, d_edges=[0, 1, 2])
+    >>> int(ds["n"].sum())
+    1225
+    """
+    check_seed(seed)
+    rows, count, geometry = checked_rows(bits, n_directions, positions, normals, group)
+    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, d_max=d_max, slice_d=slice_d,
+                       slice_theta_deg=slice_theta_deg, seed=seed)  # fmt: skip
+    n_pairs = sampled_pairs(pairs, len(rows))
+    options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
+                           undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
+    key = content_key({"viscache": version(), "rows": digest(
+        rows, geometry.positions, geometry.normals, geometry.group)})  # fmt: skip
+    with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
+        run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
+                  executor=executor, threads=threads, report=report)  # fmt: skip
+        if run.folder is not None:
+            write_points(run.folder, geometry, geometry.normals)
+        run.set_rows(rows)
+        dataset = to_dataset(run.count_pairs(), bins)
+    return dataset.assign_attrs(
+        undefined=undefined, min_bits=min_bits, seed=seed, n_points=len(rows), n_directions=count
+    )
+
+
+def phi(
+    bits_a: npt.ArrayLike, bits_b: npt.ArrayLike, n_directions: int | None = None
+) -> npt.NDArray[np.float32]:
+    """ρ of every row of one matrix with every row of another, for small problems.
+
+    Parameters
+    ----------
+    bits_a, bits_b : (NA, W), (NB, W) uint64
+    n_directions : int, optional
+        64·W by default.
+
+    Returns
+    -------
+    (NA, NB) float32
+        NaN where a row is all 0 or all 1.
+    """
+    a, count = checked_words(bits_a, "bits_a", n_directions)
+    b, _ = checked_words(bits_b, "bits_b", count)
+    require(a.shape[1] == b.shape[1], "bits_b must have as many words as bits_a", b.shape)
+    return _pairs.phi(a, b, count)
+
+
+@contextmanager
+def _folder(
+    store: str | os.PathLike[str] | None, executor: Executor | None
+) -> Iterator[Path | None]:
+    """Where blocks are kept: the store, a temporary folder for workers, or nowhere."""
+    if store is not None or executor is None:
+        yield None if store is None else Path(store)
+        return
+    with tempfile.TemporaryDirectory(prefix="viscache-") as folder:
+        yield Path(folder)
+
+
+def _add_points(dataset: xarray.Dataset, found: Any) -> None:
+    """The points themselves, and where they lie in the camera's image."""
+    dataset["position"] = (("point", "axis"), found.positions, {"units": "scene units"})
+    dataset["normal"] = (("point", "axis"), found.theta_normals, {"units": "1"})
+    dataset["group"] = ("point", found.group, {"long_name": "block of space of the jackknife"})
+    dataset["stratum"] = ("point", found.stratum, {"long_name": "pixel, row by row"})
+    dataset.attrs |= {"width": found.width, "height": found.height}

@@ -1,0 +1,207 @@
+"""One measurement at work: rows, near pass and far pass, block by block."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.correlation.bins import Bins
+from viscache.correlation.near import near_limit
+from viscache.correlation.pairs import SUMS
+from viscache.correlation.statistics import Sums
+from viscache.correlation.tasks import (
+    PairOptions,
+    PairTask,
+    Points,
+    RowsTask,
+    count,
+    count_in_worker,
+)
+from viscache.correlation.work import PairBlock, group_pairs, pair_blocks, row_blocks, work_through
+from viscache.correlation.work_store import Arrays, FolderStore, MemoryStore, WorkStore
+from viscache.store import content_key
+
+Report = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Counted:
+    """Sums of all pairs.
+
+    Attributes
+    ----------
+    far : Sums
+        Of all pairs, or of the sampled ones, at any distance.
+    near : Sums, optional
+        Of all pairs with d < d_near; None where `far` has all pairs, or none is near enough.
+    far_share : float
+        Of all pairs in `far`.
+    seconds : float
+        Spent on pairs, all blocks together.
+    """
+
+    far: Sums
+    near: Sums | None
+    d_near: float | None
+    far_share: float
+    n_pairs: int
+    seconds: float
+
+
+class Run:
+    """The blocks of one measurement and where they are kept.
+
+    Parameters
+    ----------
+    key : str
+        Content hash of everything that decides the rows.
+    n_pairs : int, optional
+        About so many random pairs, and all near ones; None for all pairs.
+    seed : int
+        Chooses the pairs.
+    folder : path, optional
+        None keeps everything in memory.
+    executor : Executor, optional
+        Needs a folder.
+    report : callable, optional
+        Gets the numbers of finished and of all blocks.
+    """
+
+    def __init__(
+        self, key: str, points: Points, bins: Bins, options: PairOptions,
+        *, n_pairs: int | None, seed: int, folder: Path | None, executor: Executor | None,
+        threads: int | None, report: Report | None,
+    ) -> None:  # fmt: skip
+        self.points, self.bins, self.options = points, bins, options
+        self.executor, self.threads, self.report = executor, threads, report
+        shape = (len(points.group), -(-options.n_directions // 512) * 8)
+        self.store: WorkStore
+        if folder is None:
+            self.folder = None
+            # Pages that are not written cost nothing
+            self.store = MemoryStore(np.zeros(shape, dtype=np.uint64))
+        else:
+            self.folder = folder / key[:20]
+            self.store = FolderStore(self.folder, shape)
+        self.d_near = None if n_pairs is None else near_limit(points, bins, n_pairs, seed)
+        self.row_blocks = row_blocks(len(points.group))
+        self.pair_tasks = self._pair_tasks(pair_blocks(points.group, n_pairs, seed))
+        self.rows_s, self.n_rays = 0.0, 0
+        self._finished = 0
+
+    def _pair_tasks(self, blocks: list[PairBlock]) -> list[PairTask]:
+        common: dict[str, Any] = {
+            "folder": self.folder, "options": self.options, "threads": self.threads
+        }  # fmt: skip
+        tasks = [PairTask(block=block, d_near=None, **common) for block in blocks]
+        if self.d_near is not None:
+            whole = PairBlock(0, tuple(group_pairs(int(self.points.group.max()) + 1)))
+            tasks.insert(0, PairTask(block=whole, d_near=self.d_near, **common))
+        return tasks
+
+    def trace_rows(
+        self, make: Callable[[int, int], RowsTask], work: Callable[[RowsTask], Arrays]
+    ) -> None:
+        """Trace the rows that the store lacks; `work` runs here or in a worker."""
+        todo = []
+        for first, last in self.row_blocks:
+            known = self.store.get(_rows_name(first, last))
+            if known is None:
+                todo.append(make(first, last))
+            else:
+                self.n_rays += int(known["n_rays"])
+                self._step()
+        self.rows_s = 0.0
+        work_through(todo, work, self._keep_rows, self.executor)
+
+    def _keep_rows(self, task: RowsTask, result: Arrays) -> None:
+        self.store.bits[task.first : task.last] = result.pop("bits")
+        self.store.put(_rows_name(task.first, task.last), result)
+        self.n_rays += int(result["n_rays"])
+        self.rows_s += float(result["seconds"])
+        self._step()
+
+    def set_rows(self, bits: npt.NDArray[np.uint64]) -> None:
+        """Take rows that exist already."""
+        if isinstance(self.store, MemoryStore):
+            self.store.bits = bits
+        for first, last in self.row_blocks:
+            if self.folder is not None and self.store.get(_rows_name(first, last)) is None:
+                self.store.bits[first:last] = bits[first:last]
+                self.store.put(_rows_name(first, last), {})
+            self._step()
+
+    def count_pairs(self) -> Counted:
+        """Count the pairs that the store lacks, and merge all blocks."""
+        began = time.perf_counter()
+        folder = f"pairs-{self._pairs_key()[:20]}"
+        results: dict[str, Arrays] = {}
+        todo = []
+        for task in self.pair_tasks:
+            known = self.store.get(f"{folder}/{task.name}")
+            if known is None:
+                todo.append(task)
+            else:
+                results[task.name] = known
+                self._step()
+
+        def keep(task: PairTask, result: Arrays) -> None:
+            self.store.put(f"{folder}/{task.name}", result)
+            results[task.name] = result
+            self._step()
+
+        def here(task: PairTask) -> Arrays:
+            return count(task, self.store.bits, self.points)
+
+        work = here if self.executor is None else count_in_worker
+        work_through(todo, work, keep, self.executor)
+        near = results.pop("near", None)
+        n = len(self.points.group)
+        looked_at = sum(int(result["evaluated"]) for result in results.values())
+        return Counted(
+            far=merge_blocks(list(results.values())),
+            near=None if near is None else merge_blocks([near]),
+            d_near=self.d_near, far_share=looked_at / (n * (n - 1) / 2), n_pairs=looked_at,
+            seconds=time.perf_counter() - began,
+        )  # fmt: skip
+
+    def _pairs_key(self) -> str:
+        """Content hash of everything that decides the blocks of pairs, given the rows."""
+        o = self.options
+        blocks = [
+            [task.block.pairs, [tiles.tolist() for tiles in task.block.tiles or ()]]
+            for task in self.pair_tasks
+        ]
+        return content_key({
+            "d": o.d_cells.tolist(), "theta": o.theta_cells.tolist(), "domain": o.domain,
+            "undefined": o.undefined, "min_bits": o.min_bits, "n_directions": o.n_directions,
+            "tile": o.tile, "blocks": blocks, "d_near": self.d_near,
+        })  # fmt: skip
+
+    def _step(self) -> None:
+        self._finished += 1
+        if self.report is not None:
+            self.report(self._finished, len(self.row_blocks) + len(self.pair_tasks))
+
+
+def merge_blocks(blocks: list[Arrays]) -> Sums:
+    """Blocks of different group pairs as one; the same bytes in any order."""
+    pair = np.concatenate([block["pair"] for block in blocks])
+    order = np.lexsort((pair[:, 1], pair[:, 0]))
+    n, n_undefined, q, high, low = (
+        np.concatenate([block[name] for block in blocks])[order] for name in SUMS
+    )
+    wide = high.sum(axis=0).astype(object) * 2**32 + low.sum(axis=0).astype(object)
+    first, second = pair[order].T
+    return Sums(n=n, n_undefined=n_undefined, q=q, q2=wide, first=first, second=second)
+
+
+def _rows_name(first: int, last: int) -> str:
+    return f"rows-{first}-{last}"

@@ -1,0 +1,137 @@
+"""From integer sums over pairs of groups to means, spreads and standard errors.
+
+A pair (i, j) adds q = round(ρ·2²⁰) and q² to its cell, apart for each pair of spatial groups, so
+every statistic below is a function of integers: the same bytes however the pairs were split.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.correlation.bins import Floats, merge
+from viscache.correlation.pairs import SCALE
+
+Ints = npt.NDArray[np.int64]
+#: Python integers, because squares of many pairs need more than 64 bits.
+Wide = npt.NDArray[np.object_]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sums:
+    """Sums over the pairs of every cell.
+
+    Attributes
+    ----------
+    n, n_undefined : (P, D, T) int64
+        Pairs of each group pair whose ρ is defined, and the others.
+    q : (P, D, T) int64
+        Σ q.
+    q2 : (D, T) object
+        Σ q² over all group pairs, Python integers.
+    first, second : (P,) int
+        The two groups of each group pair.
+    """
+
+    n: Ints
+    n_undefined: Ints
+    q: Ints
+    q2: Wide
+    first: Ints
+    second: Ints
+
+    def merged(self, axis: int, cells: Floats, edges: Floats) -> Sums:
+        """Cells merged to bins along d (axis 0) or θ (axis 1)."""
+        return Sums(
+            n=merge(self.n, axis + 1, cells, edges),
+            n_undefined=merge(self.n_undefined, axis + 1, cells, edges),
+            q=merge(self.q, axis + 1, cells, edges),
+            q2=merge(self.q2, axis, cells, edges),
+            first=self.first, second=self.second,
+        )  # fmt: skip
+
+    def with_near(self, near: Sums, n_cells: int) -> Sums:
+        """These sums with the first cells of d taken from another pass, never from both."""
+
+        def joined(far: Any, close: Any, axis: int) -> Any:
+            rest = np.take(far, range(n_cells, far.shape[axis]), axis=axis)
+            return np.concatenate([np.take(close, range(n_cells), axis=axis), rest], axis=axis)
+
+        return Sums(
+            n=joined(self.n, near.n, 1), n_undefined=joined(self.n_undefined, near.n_undefined, 1),
+            q=joined(self.q, near.q, 1), q2=joined(self.q2, near.q2, 0),
+            first=self.first, second=self.second,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Statistics:
+    """Statistics of every bin, NaN where there are too few pairs for them.
+
+    Attributes
+    ----------
+    mean, sigma : (D, T) float64
+        Mean of ρ, and its population standard deviation: the spread of the pairs.
+    mean_square : (D, T) float64
+        Mean of ρ².
+    se : (D, T) float64
+        Standard error of the mean, by the jackknife over spatial groups.
+    se_naive : (D, T) float64
+        σ/√n, which takes pairs for independent and is far too small: pairs share points.
+    n, n_undefined : (D, T) int64
+    """
+
+    mean: Floats
+    sigma: Floats
+    mean_square: Floats
+    se: Floats
+    se_naive: Floats
+    n: Ints
+    n_undefined: Ints
+
+
+def statistics(sums: Sums) -> Statistics:
+    """Statistics of sums; the mean is Σq / (n·2²⁰), the variance (n Σq² − (Σq)²) / (n·2²⁰)²."""
+    n, total = sums.n.sum(axis=0), sums.q.sum(axis=0)
+    count, first = n.astype(object), total.astype(object)
+    some = n > 0
+    mean, sigma, square = (np.full(n.shape, np.nan) for _ in range(3))
+    mean[some] = total[some] / n[some] / SCALE
+    spread = count[some] * sums.q2[some] - first[some] ** 2
+    sigma[some] = np.sqrt((spread / count[some] ** 2).astype(np.float64)) / SCALE
+    square[some] = (sums.q2[some] / count[some]).astype(np.float64) / SCALE**2
+    naive = np.full(n.shape, np.nan)
+    naive[some] = sigma[some] / np.sqrt(n[some])
+    return Statistics(
+        mean=mean, sigma=sigma, mean_square=square, se=jackknife(sums), se_naive=naive, n=n,
+        n_undefined=sums.n_undefined.sum(axis=0),
+    )  # fmt: skip
+
+
+def jackknife(sums: Sums) -> Floats:
+    """Standard error of the mean ρ by leaving out one spatial group at a time.
+
+    Without group g all pairs with an end in g are gone. With G groups, the mean m₍g₎ without g and
+    m̄ the mean of the m₍g₎: SE² = (G − 1)/G · Σ (m₍g₎ − m̄)².
+
+    Returns
+    -------
+    (D, T) float64
+        NaN where there is one group, or where all pairs of a bin have an end in the same group.
+    """
+    groups = int(sums.second.max()) + 1 if len(sums.second) else 0
+    n, q = sums.n.sum(axis=0), sums.q.sum(axis=0)
+    left_out = np.full((groups, *n.shape), np.nan)
+    for g in range(groups):
+        touched = (sums.first == g) | (sums.second == g)
+        rest = n - sums.n[touched].sum(axis=0)
+        some = rest > 0
+        kept = q - sums.q[touched].sum(axis=0)
+        left_out[g][some] = kept[some] / rest[some] / SCALE
+    if groups < 2:
+        return np.full(n.shape, np.nan)
+    deviation = left_out - left_out.sum(axis=0) / groups
+    return np.asarray(np.sqrt((groups - 1) / groups * (deviation**2).sum(axis=0)))

@@ -1,0 +1,195 @@
+"""What a worker does: trace the rows of a block of points, count the pairs of a block of groups.
+
+Tasks carry the scene's file or name and the folder of the rows, never the scene or the bits, so
+they run in any process that sees the same files.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import sources
+from viscache.correlation import pairs as _pairs
+from viscache.correlation import rows as _rows
+from viscache.correlation.bins import Floats
+from viscache.correlation.work import PairBlock
+from viscache.correlation.work_store import Arrays, write_whole
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Points:
+    """The points of rows, ordered by group."""
+
+    positions: npt.NDArray[np.float32]
+    normals: npt.NDArray[np.float32]
+    """Of the angle θ."""
+    group: npt.NDArray[np.int32]
+
+    def of_groups(self, groups: list[int]) -> npt.NDArray[np.intp]:
+        """Indices of the points of some groups, in order."""
+        low = np.searchsorted(self.group, groups, side="left")
+        high = np.searchsorted(self.group, groups, side="right")
+        return np.concatenate([np.arange(a, b) for a, b in zip(low, high, strict=True)])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PairOptions:
+    """How every pair is counted; the same for all blocks."""
+
+    n_directions: int
+    d_cells: Floats
+    theta_cells: Floats
+    domain: _pairs.Domain
+    directions: _rows.DirectionSet | None
+    """For the domains "joint" and "union"."""
+    undefined: _pairs.Undefined
+    min_bits: int
+    tile: int
+    """Points along a tile of pairs, at most."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RowsTask:
+    """Rows of the points [first, last)."""
+
+    first: int
+    last: int
+    folder: Path | None
+    scene: str | None
+    scene_hash: str
+    directions: _rows.DirectionSet
+    t_max: float
+    threads: int | None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PairTask:
+    """Pairs of a block of group pairs; with `d_near` all pairs nearer than it."""
+
+    block: PairBlock
+    folder: Path | None
+    options: PairOptions
+    d_near: float | None
+    threads: int | None
+
+    @property
+    def name(self) -> str:
+        """Of the block in the store."""
+        return "near" if self.d_near is not None else f"pairs-{self.block.index:05d}"
+
+
+def trace(
+    task: RowsTask, scene: Any, positions: npt.NDArray[np.float32], normals: npt.NDArray[np.float32]
+) -> Arrays:
+    """Rows of a block, in this process; positions and normals are those of all points."""
+    block = slice(task.first, task.last)
+    rows = _rows.trace_rows(scene, positions[block], normals[block], task.directions,
+                            t_max=task.t_max, threads=task.threads)  # fmt: skip
+    return {"bits": rows.bits, "n_rays": np.array(rows.n_rays), "seconds": np.array(rows.seconds)}
+
+
+def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Arrays:
+    """Integer sums of a block's pairs, in this process.
+
+    Returns
+    -------
+    dict
+        pair (k, 2): groups; the arrays of `pairs.SUMS` (k, D, T), of these group pairs alone;
+        evaluated: pairs looked at, before binning; seconds.
+    """
+    began = time.perf_counter()
+    options = task.options
+    groups = sorted({g for pair in task.block.pairs for g in pair})
+    chosen = points.of_groups(groups)
+    whole = len(chosen) == len(points.group)
+    rows = bits if whole else bits[chosen]
+    label = np.searchsorted(groups, points.group[chosen]).astype(np.int32)
+    settings: dict[str, Any] = {
+        "domain": options.domain, "undefined": options.undefined, "min_bits": options.min_bits,
+        "n_groups": len(groups), "threads": task.threads,
+    }  # fmt: skip
+    if options.domain != "sphere" and options.directions is not None:
+        settings["directions"] = options.directions.directions
+    geometry = (points.positions[chosen], points.normals[chosen], label)
+    if task.d_near is not None:
+        kept = options.d_cells <= task.d_near
+        table = _pairs.near_pairs(
+            rows, options.n_directions, *geometry, options.d_cells[kept], options.theta_cells,
+            d_near=task.d_near, **settings,
+        )  # fmt: skip
+        evaluated = 0
+    else:
+        tiles, evaluated = _tiles(task.block, label, groups, options.tile)
+        table = _pairs.pair_statistics(
+            rows, options.n_directions, *geometry, options.d_cells, options.theta_cells,
+            tiles=tiles, tile=options.tile, **settings,
+        )  # fmt: skip
+    wanted = [_index(groups.index(a), groups.index(b), len(groups)) for a, b in task.block.pairs]
+    return {
+        "pair": np.array(task.block.pairs, dtype=np.int64).reshape(-1, 2),
+        **{name: getattr(table, name)[wanted] for name in _pairs.SUMS},
+        "evaluated": np.array(evaluated), "seconds": np.array(time.perf_counter() - began),
+    }  # fmt: skip
+
+
+def _index(a: int, b: int, n_groups: int) -> int:
+    """Row of the groups a <= b in a pair table."""
+    return a * n_groups - a * (a + 1) // 2 + b
+
+
+def _tiles(
+    block: PairBlock, label: npt.NDArray[np.int32], groups: list[int], tile: int
+) -> tuple[npt.NDArray[np.int64], int]:
+    """Tiles of the block's group pairs, numbered among those of its points; their pairs."""
+    tiles = _pairs.tile_list(label, tile)
+    kept = []
+    for k, (a, b) in enumerate(block.pairs):
+        own = np.flatnonzero((tiles["a"] == groups.index(a)) & (tiles["b"] == groups.index(b)))
+        kept.append(own if block.tiles is None else own[block.tiles[k]])
+    chosen = np.concatenate(kept)
+    return chosen, int(tiles["pairs"][chosen].sum())
+
+
+def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float32]) -> None:
+    """Leave the points beside the rows, for workers; `hemisphere` are the normals of the rows."""
+    if not (folder / "points.npz").is_file():
+        write_whole(folder / "points.npz", {
+            "positions": points.positions, "normals": points.normals, "group": points.group,
+            "hemisphere": hemisphere,
+        })  # fmt: skip
+
+
+def count_in_worker(task: PairTask) -> Arrays:
+    """`count` in a worker: rows and points are read from the folder."""
+    folder = _shared_folder(task.folder)
+    bits = np.load(folder / "rows.npy", mmap_mode="r")
+    with np.load(folder / "points.npz") as file:
+        points = Points(positions=file["positions"], normals=file["normals"], group=file["group"])
+    return count(task, bits, points)
+
+
+def trace_in_worker(task: RowsTask) -> Arrays:
+    """`trace` in a worker: it opens the scene itself, and keeps the newest one."""
+    folder = _shared_folder(task.folder)
+    if not _LAST or _LAST[0][0] != task.scene:
+        _LAST[:] = [(task.scene, sources.open_scene(str(task.scene)))]
+    scene = _LAST[0][1]
+    if scene.content_hash != task.scene_hash:
+        raise ValueError(f"scene {task.scene} is not the one the measurement began with")
+    with np.load(folder / "points.npz") as file:
+        return trace(task, scene, file["positions"], file["hemisphere"])
+
+
+_LAST: list[tuple[str | None, Any]] = []  # the worker's newest scene
+
+
+def _shared_folder(folder: Path | None) -> Path:
+    if folder is None or not (folder / "rows.npy").is_file():
+        raise ValueError(f"store must be a folder that the executor's workers see, got {folder}")
+    return folder

@@ -1,0 +1,122 @@
+"""Splitting a measurement into blocks that can run anywhere, and working through them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.correlation.pairs import TILE, choose_tiles, tile_list
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+#: Points whose rows are traced together.
+ROWS_PER_BLOCK = 2048
+#: Pairs of a block, about: a second of one core.
+PAIRS_PER_BLOCK = 1 << 27
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairBlock:
+    """Group pairs whose pairs are counted together."""
+
+    index: int
+    pairs: tuple[tuple[int, int], ...]
+    tiles: tuple[npt.NDArray[np.int64], ...] | None = None
+    """Of each group pair the chosen ones of its tiles, counted from 0; None for all of them."""
+
+
+def group_pairs(n_groups: int) -> list[tuple[int, int]]:
+    """(a, b) with a <= b in order: (0, 0), (0, 1), …, (1, 1), …"""
+    return list(itertools.combinations_with_replacement(range(n_groups), 2))
+
+
+def tile_size(group: npt.NDArray[np.int32], sampled: bool) -> int:
+    """Points along a tile: where pairs are sampled, few enough that a group has 8 blocks."""
+    if not sampled:
+        return TILE
+    largest = int(np.bincount(group).max())
+    return int(np.clip(-(-largest // 128) * 16, 16, TILE))
+
+
+def pair_blocks(
+    group: npt.NDArray[np.int32], n_pairs: int | None = None, seed: int = 0
+) -> list[PairBlock]:
+    """All group pairs in order, in blocks of about `PAIRS_PER_BLOCK` pairs.
+
+    With `n_pairs`, about that many in randomly chosen tiles.
+    """
+    tile = tile_size(group, n_pairs is not None)
+    tiles = tile_list(group, tile)
+    taken = np.full(len(tiles), n_pairs is None)
+    if n_pairs is not None:
+        taken[choose_tiles(group, n_pairs, seed, tile)] = True
+    blocks: list[PairBlock] = []
+    pairs: list[tuple[int, int]] = []
+    chosen: list[npt.NDArray[np.int64]] = []
+    load = 0
+    last = int(group.max()), int(group.max())
+    for a, b in group_pairs(last[0] + 1):
+        own = (tiles["a"] == a) & (tiles["b"] == b)
+        pairs.append((a, b))
+        chosen.append(np.flatnonzero(taken[own]))
+        load += int(tiles["pairs"][own & taken].sum())
+        if load >= PAIRS_PER_BLOCK or (a, b) == last:
+            picks = None if n_pairs is None else tuple(chosen)
+            blocks.append(PairBlock(len(blocks), tuple(pairs), picks))
+            pairs, chosen, load = [], [], 0
+    return blocks
+
+
+def row_blocks(n_points: int) -> list[tuple[int, int]]:
+    """First and last + 1 of the points of each block."""
+    starts = range(0, n_points, ROWS_PER_BLOCK)
+    return [(i, min(i + ROWS_PER_BLOCK, n_points)) for i in starts]
+
+
+def work_through(
+    tasks: Iterable[Task],
+    work: Callable[[Task], Result],
+    keep: Callable[[Task, Result], None],
+    executor: Executor | None = None,
+) -> None:
+    """Do every task, here or by the executor; `keep` is called here as soon as one is done.
+
+    What is finished is kept before an error or Ctrl-C is passed on; what has not begun is dropped.
+    """
+    if executor is None:
+        for task in tasks:
+            keep(task, work(task))
+        return
+    waiting = iter(tasks)
+    window = 2 * int(getattr(executor, "_max_workers", 0) or 16)
+    flying: dict[Future[Result], Task] = {}
+    try:
+        while True:
+            for task in itertools.islice(waiting, window - len(flying)):
+                flying[executor.submit(work, task)] = task
+            if not flying:
+                return
+            ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
+            _keep_all([(flying.pop(f), f) for f in ready], keep)
+    finally:
+        for future in flying:
+            future.cancel()
+
+
+def _keep_all(done: Sequence[tuple[Task, Future[Any]]], keep: Callable[[Task, Any], None]) -> None:
+    failures = []
+    for task, future in done:
+        error = future.exception()
+        if error is None:
+            keep(task, future.result())
+        else:
+            failures.append(error)
+    if failures:
+        raise failures[0]

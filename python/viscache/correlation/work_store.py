@@ -1,0 +1,105 @@
+"""Where the finished blocks of a measurement lie: a folder that survives, or memory.
+
+    FOLDER/<key of the rows>/points.npz, rows.npy, rows-0-2048.npz …
+    FOLDER/<key of the rows>/pairs-<key of the pairs>/pairs-00000.npz …, near.npz
+
+A key is the content hash of everything that decides the numbers, so a measurement that was
+interrupted repeats nothing, and one with other bins takes over the rows. Blocks are written whole
+or not at all. Two processes at one folder may do a block twice and write the same bytes.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Arrays = dict[str, npt.NDArray[Any]]
+
+
+class WorkStore(Protocol):
+    """Bit rows, and finished blocks by name."""
+
+    @property
+    def bits(self) -> npt.NDArray[np.uint64]:
+        """(N, W) rows, to read and to write."""
+
+    def put(self, name: str, arrays: Arrays) -> None:
+        """Keep a finished block."""
+
+    def get(self, name: str) -> Arrays | None:
+        """A finished block, else None."""
+
+
+class MemoryStore:
+    """Keeps everything until the measurement ends."""
+
+    def __init__(self, bits: npt.NDArray[np.uint64]) -> None:
+        self.bits = bits
+        self._blocks: dict[str, Arrays] = {}
+
+    def put(self, name: str, arrays: Arrays) -> None:
+        self._blocks[name] = arrays
+
+    def get(self, name: str) -> Arrays | None:
+        return self._blocks.get(name)
+
+
+class FolderStore:
+    """Keeps rows and blocks in files.
+
+    Parameters
+    ----------
+    folder : path
+        Made where missing.
+    shape : (N, W)
+        Of the rows; a file of another shape is refused.
+
+    Raises
+    ------
+    ValueError
+        What lies there is not what this measurement would write.
+    """
+
+    def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
+        self.folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+        self.path = folder / "rows.npy"
+        if not self.path.exists():
+            _create_rows(self.path, shape)
+        self.bits = np.load(self.path, mmap_mode="r+")
+        if self.bits.shape != shape or self.bits.dtype != np.uint64:
+            raise ValueError(
+                f"{self.path} must hold uint64 rows of shape {shape},"
+                f" got {self.bits.dtype} {self.bits.shape}"
+            )
+
+    def put(self, name: str, arrays: Arrays) -> None:
+        self.bits.flush()
+        write_whole(self.folder / f"{name}.npz", arrays)
+
+    def get(self, name: str) -> Arrays | None:
+        path = self.folder / f"{name}.npz"
+        if not path.is_file():
+            return None
+        with np.load(path) as file:
+            return {key: file[key] for key in file.files}
+
+
+def write_whole(path: Path, arrays: Arrays) -> None:
+    """Write an npz file under another name, then move it into place."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with partial.open("wb") as file:
+        np.savez(file, allow_pickle=False, **arrays)
+    partial.replace(path)
+
+
+def _create_rows(path: Path, shape: tuple[int, int]) -> None:
+    """A file of zeros, in place only when it is whole; it takes room as rows are written."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()
+    partial.replace(path)
