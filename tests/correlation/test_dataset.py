@@ -56,6 +56,7 @@ def test_the_interface_s_names_and_units_are_there(measured: xarray.Dataset) -> 
     made = json.loads(measured.attrs["provenance"])
     assert {"viscache", "numpy", "isa", "date"} <= set(made)
     assert measured.attrs["scene_hash"] and measured.attrs["directions"] == "centres"
+    assert measured.attrs["points"] == "camera" and measured.attrs["camera"]
 
 
 def test_all_pairs_are_in_the_table(measured: xarray.Dataset) -> None:

@@ -22,7 +22,7 @@ N_SLICE = 64
 N_D = 128
 N_THETA = 180
 #: Pairs of a pilot's points; their 99th percentile ends the linear bins of d.
-PILOT_POINTS = 2000
+PILOT_POINTS = 1000
 PILOT_PERCENTILE = 99.0
 
 

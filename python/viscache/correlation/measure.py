@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
+from viscache.cameras import find_camera
 from viscache.checks import require
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
@@ -201,6 +202,7 @@ def measure(
     return dataset.assign_attrs({
         "scene": spec or opened.name, "scene_hash": opened.content_hash, "map_size": map_size,
         "directions": directions, "points": where, "normals": normals, "t_max": t_max,
+        "camera": find_camera(opened, camera).name if where == "camera" else "",
         "domain": domain, "undefined": undefined, "min_bits": min_bits, "seed": seed,
         "n_points": len(found.positions), "n_rays": run.n_rays, "rows_s": run.rows_s,
     })  # fmt: skip

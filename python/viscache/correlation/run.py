@@ -196,8 +196,10 @@ def merge_blocks(blocks: list[Arrays]) -> Sums:
     pair = np.concatenate([block["pair"] for block in blocks])
     order = np.lexsort((pair[:, 1], pair[:, 0]))
     n, n_undefined, q, high, low = (
-        np.concatenate([block[name] for block in blocks])[order] for name in SUMS
-    )
+        blocks[0][name] if len(blocks) == 1
+        else np.concatenate([block[name] for block in blocks])[order]
+        for name in SUMS
+    )  # fmt: skip
     wide = high.sum(axis=0).astype(object) * 2**32 + low.sum(axis=0).astype(object)
     first, second = pair[order].T
     return Sums(n=n, n_undefined=n_undefined, q=q, q2=wide, first=first, second=second)

@@ -130,10 +130,14 @@ def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Array
             rows, options.n_directions, *geometry, options.d_cells, options.theta_cells,
             tiles=tiles, tile=options.tile, **settings,
         )  # fmt: skip
-    wanted = [_index(groups.index(a), groups.index(b), len(groups)) for a, b in task.block.pairs]
+    sums = {name: getattr(table, name) for name in _pairs.SUMS}
+    if len(task.block.pairs) < len(table.n):
+        wanted = [
+            _index(groups.index(a), groups.index(b), len(groups)) for a, b in task.block.pairs
+        ]
+        sums = {name: array[wanted] for name, array in sums.items()}
     return {
-        "pair": np.array(task.block.pairs, dtype=np.int64).reshape(-1, 2),
-        **{name: getattr(table, name)[wanted] for name in _pairs.SUMS},
+        "pair": np.array(task.block.pairs, dtype=np.int64).reshape(-1, 2), **sums,
         "evaluated": np.array(evaluated), "seconds": np.array(time.perf_counter() - began),
     }  # fmt: skip
 
