@@ -38,6 +38,7 @@ py::dict counters_of(const FrameResult& f) {
     d["queries"] = c.queries(), d["occluded"] = occluded, d["rays"] = c.rays();
     d["ray_reduction"] = c.rays() ? double(c.queries()) / double(c.rays()) : 0.0;
     d["groups"] = groups, d["camera_rays"] = c.camera_rays, d["light_rays"] = c.light_rays;
+    d["lost_throughput"] = c.lost_throughput / (double(f.width) * f.height * f.spp);
     d["rays_per_level"] = levels, d["leftover_rays"] = c.leftover_rays;
     d["lookups"] = c.lookups, d["hits"] = c.hits;
     d["neighbour_probes"] = c.neighbour_probes, d["nil_neighbours"] = c.nil_neighbours;

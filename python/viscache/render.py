@@ -76,7 +76,9 @@ def render(
         (H, W, 3) shading normal turned to the camera, "albedo" (H, W, 3) base colour. These three
         are means over the samples of the pixel that hit a surface, 0 where none did (normals of an
         edge are shorter than 1); "coverage" (H, W, 1) is the share of samples that hit. Besides
-        counters ("sha256" is that of the color layer), timings, parameters, provenance.
+        counters ("sha256" is that of the color layer; "lost_throughput" in [0, 1] bounds what the
+        frame's mean lacks behind mirrors and glass, relative to the brightest light behind them),
+        timings, parameters, provenance.
 
     Raises
     ------

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.mitsuba_scene import Look, Model, ball, box, quad
+from render.mitsuba_scene import Look, Model, Part, ball, box, quad
 
 WHITE = Look(base_color=(0.8, 0.5, 0.25))
 RHO = np.array([0.8, 0.5, 0.25])
@@ -204,20 +204,49 @@ def test_a_mirror_multiplies_what_it_shows() -> None:
     )
 
 
-@pytest.mark.parametrize("shape", ["slab", "ball"])
-def test_glass_in_a_furnace_is_invisible(shape: str) -> None:
-    """What it reflects and what it lets through add up; branches below 1/1000 are dropped."""
-    glass = Look(kind="dielectric", eta=1.5)
-    part = (
-        box((-1, -0.2, -1), (1, 0.2, 1), look=glass)
-        if shape == "slab"
-        else ball((0, 0, 0), 1, look=glass)
-    )
-    model = Model((part,), env=(1, 1, 1), origin=(0.3, 3, 0.2), target=(0, 0, 0))
-    frame = vc.render(model.to_viscache(), vc.Whitted(n_vpls=0, max_depth=12), size=SIZE)
-    assert frame.image.max() <= 1 + 1e-5
-    # A faceted ball traps some light in total reflection for more than 12 bounces
-    assert np.quantile(frame.image, 0.05) > 0.98
+GLASS = Look(kind="dielectric", eta=1.5)
+GLASSES = {
+    "slab": (box((-1, -0.2, -1), (1, 0.2, 1), look=GLASS),),
+    "four panes": tuple(box((-1, y, -1), (1, y + 0.2, 1), look=GLASS) for y in (0, 0.5, 1, 1.5)),
+    "faceted ball": (ball((0, 0, 0), 1, look=GLASS),),
+    "smooth shell": tuple(
+        ball((0, 0, 0), r, 48, smooth=True, look=replace(GLASS, eta=eta))
+        for r, eta in ((1, 1.5), (0.9, 1 / 1.5))
+    ),
+}
+
+
+def furnace(parts: tuple[Part, ...], max_depth: int, **kwargs: Any) -> vc.Frame:
+    model = Model(parts, env=(1, 1, 1), origin=(0.3, 3, 0.2), target=(0, 0, 0))
+    integrator = vc.Whitted(n_vpls=0, max_depth=max_depth)
+    return vc.render(model.to_viscache(), integrator, size=SIZE, **kwargs)
+
+
+def test_glass_in_a_furnace_is_invisible() -> None:
+    """What a slab reflects and what it lets through add up, without loss."""
+    frame = furnace(GLASSES["slab"], 16, spp=64)
+    assert (frame.layers["coverage"] == 1).sum() > 200
+    assert frame.counters["lost_throughput"] < 1e-12
+    assert frame.image.mean() == pytest.approx(1, abs=2e-5)
+    assert frame.image.std() < 4e-4, "the roulette of weak branches is not seen"
+
+
+@pytest.mark.parametrize("glass", GLASSES)
+@pytest.mark.parametrize("max_depth", [1, 4, 16])
+def test_what_glass_lacks_in_a_furnace_is_what_was_counted_as_lost(
+    glass: str, max_depth: int
+) -> None:
+    frame = furnace(GLASSES[glass], max_depth, spp=16)
+    lost = frame.counters["lost_throughput"]
+    assert frame.image.mean() + lost == pytest.approx(1, abs=3e-4)
+    assert (max_depth < 16) <= (lost > 5e-4) and lost < 1
+
+
+def test_a_diver_counts_what_is_lost_in_the_scale_of_the_water() -> None:
+    """Seen from within glass, light from outside is the square of the index brighter."""
+    frame = furnace((ball((0, 0, 0), 5, look=GLASS),), 1, spp=16)
+    np.testing.assert_allclose(frame.image.max(), 1.5**2, rtol=0.05)
+    assert 0 < frame.counters["lost_throughput"] < 1
 
 
 def test_at_normal_incidence_glass_reflects_the_fresnel_share() -> None:

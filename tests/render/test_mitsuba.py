@@ -304,8 +304,7 @@ def test_interpolated_normals_shade_as_mitsubas(mi: Any, tmp_path: Path) -> None
 
 
 # Eye paths through mirrors and glass, without virtual lights. Albedos of 1/1000 leave little
-# between diffuse surfaces for Mitsuba to find, and we drop branches below 1/1000 of an eye path:
-# 1/2000 is tolerated.
+# between diffuse surfaces for Mitsuba to find: 1/2000 is tolerated.
 
 SPECULAR_TOLERANCE = 5e-4
 DIM = Look(base_color=(1e-3, 1e-3, 8e-4))

@@ -81,6 +81,7 @@ COUNTERS = (
     *("rays_per_level", "leftover_rays", "lookups", "hits", "neighbour_probes", "nil_neighbours"),
     *("evictions", "bypassed", "clamped_low", "clamped_high", "clamped_nan", "boundary_queries"),
     *("cells", "table_writes", "table_slots", "expected_false_hits", "non_finite", "vpls"),
+    "lost_throughput",
 )
 
 

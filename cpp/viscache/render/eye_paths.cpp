@@ -9,8 +9,7 @@ namespace viscache {
 namespace {
 
 constexpr size_t kRaysPerCall = 4096;
-constexpr float kMinThroughput =
-    1e-3f;  // branches below this luminance are dropped, in the reference as well
+constexpr float kWeak = 3e-3f;  // branches that count for less play Russian roulette
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
 struct Differential {
@@ -26,6 +25,7 @@ struct Branch {
     uint64_t stream;
     float distance = 0;  ///< unfolded length so far
     float camera_cos;    ///< cosine of the primary ray to the optical axis
+    float index2 = 1;    ///< squared index of the medium over the camera's: undoes the radiance's compression
     int depth = 0;
     Differential d;
 };
@@ -174,7 +174,7 @@ private:
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: store(b, s, material, front); break;
             case MaterialKind::kMirror:
-                reflect(b, s, front, material.specular, material.two_sided || front);
+                if (material.two_sided || front) reflect(b, s, front, material.specular);
                 break;
             case MaterialKind::kDielectric: split(b, s, material, front); break;
         }
@@ -215,29 +215,39 @@ private:
         return spp * cos_eye / (t_.film.pixel_area() * c * c * c * b.distance * b.distance);
     }
 
-    bool may_go_on(const Branch& b, Rgb throughput) const {
-        return b.depth < t_.integrator.max_depth && luminance(throughput) > kMinThroughput;
+    /// How much of the pixel's light a branch can bring, whatever medium it is in.
+    static float strength(const Branch& b) { return luminance(b.throughput) * b.index2; }
+
+    /// Russian roulette for weak branches: few go on, with the weight that keeps the expectation.
+    bool survives(Branch& branch) const {
+        const float s = strength(branch);
+        if (s >= kWeak) return true;
+        Rng rng(t_.frame.seed, Purpose::kBranch, branch.stream, uint64_t(branch.depth));
+        if (!(rng.next() * kWeak < s)) return false;
+        branch.throughput = branch.throughput * (kWeak / s);
+        return true;
     }
 
-    void follow(const Branch& b, const SurfacePoint& s, Vec3 side, Vec3 direction, Rgb throughput,
-                Differential d, uint64_t which) {
-        Branch child = b;
-        child.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, direction, kInfinity};
-        child.throughput = throughput, child.depth = b.depth + 1, child.d = d;
-        child.stream = (b.stream & ~uint64_t{1023}) | ((b.stream & 1023) * 2 + 1 + which) % 1024;
-        next_.push_back(child);
+    /// Sends a branch with its new throughput, medium and differentials off the surface.
+    void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
+        if (branch.depth >= t_.integrator.max_depth) return lose(branch);
+        branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
+        branch.stream = (branch.stream & ~uint64_t{1023}) | ((branch.stream & 1023) * 2 + 1 + which) % 1024;
+        ++branch.depth;
+        if (survives(branch)) next_.push_back(branch);
     }
 
-    void reflect(const Branch& b, const SurfacePoint& s, bool front, Rgb factor, bool reflects) {
-        const Rgb throughput = b.throughput * factor;
-        if (!reflects || !may_go_on(b, throughput)) return;
+    void lose(const Branch& b) { counters_.lost_throughput += double(strength(b)); }
+
+    void reflect(const Branch& b, const SurfacePoint& s, bool front, Rgb factor) {
         const Vec3 ng = front ? s.ng : -s.ng;
         Vec3 n = front ? s.ns : -s.ns;
         Vec3 direction = b.ray.d - n * (2 * dot(b.ray.d, n));
         if (dot(direction, ng) <= 0) n = ng, direction = b.ray.d - n * (2 * dot(b.ray.d, n));
-        Differential d = b.d;
-        reflect_differential(d, b.ray, s, n);
-        follow(b, s, ng, normalize(direction), throughput, d, 0);
+        Branch reflected = b;
+        reflected.throughput = b.throughput * factor;
+        reflect_differential(reflected.d, b.ray, s, n);
+        follow(reflected, s, ng, direction, 0);
     }
 
     /// Both branches of glass.
@@ -245,15 +255,17 @@ private:
         const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
         const float cos_i = dot(s.ns, -b.ray.d);  // sign tells the side
         const float fresnel = fresnel_dielectric(cos_i, material.eta);
-        reflect(b, s, front, Rgb{fresnel, fresnel, fresnel}, true);
+        reflect(b, s, front, Rgb{fresnel, fresnel, fresnel});
+        if (fresnel >= 1) return;
         const float eta = front ? 1 / material.eta : material.eta;  // incoming over transmitted index
-        const auto transmitted = viscache::refract(-b.ray.d, n, eta);
         // Radiance is compressed by the change of index (it cancels where the path leaves the glass again)
-        const Rgb throughput = b.throughput * ((1 - fresnel) * eta * eta);
-        if (!transmitted || dot(*transmitted, ng) >= 0 || !may_go_on(b, throughput)) return;
-        Differential d = b.d;
-        refract_differential(d, b.ray, s, n, eta, *transmitted);
-        follow(b, s, -ng, normalize(*transmitted), throughput, d, 1);
+        Branch through = b;
+        through.throughput = b.throughput * ((1 - fresnel) * eta * eta);
+        through.index2 = b.index2 / (eta * eta);
+        const auto transmitted = viscache::refract(-b.ray.d, n, eta);
+        if (!transmitted || dot(*transmitted, ng) >= 0) return lose(through);
+        refract_differential(through.d, b.ray, s, n, eta, *transmitted);
+        follow(through, s, -ng, *transmitted, 1);
     }
 
     const EyePathTracer& t_;

@@ -231,7 +231,7 @@ private:
 
 FrameResult empty_result(const FrameContext& c) {
     FrameResult out;
-    out.width = c.frame.width, out.height = c.frame.height;
+    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
     const size_t n = size_t(out.width) * size_t(out.height);
     out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
         out.albedo.resize(n), out.coverage.resize(n);

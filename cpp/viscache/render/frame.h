@@ -22,7 +22,7 @@ struct StageSeconds {
 };
 
 struct FrameResult {
-    int width = 0, height = 0;
+    int width = 0, height = 0, spp = 1;
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
     std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty where the group does not exist

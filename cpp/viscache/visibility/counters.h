@@ -20,10 +20,10 @@ struct GroupCounters {
 
 struct Counters {
     std::array<GroupCounters, kLightGroups> groups;
-    uint64_t camera_rays = 0;  ///< rays of eye paths, mirror and glass branches included
-    uint64_t light_rays = 0;   ///< rays of VPL tracing and of resampling
-    uint64_t brdf_rays = 0;  ///< rays of BRDF sampling towards the environment (asked through the oracle they
-                             ///< count as queries instead)
+    uint64_t camera_rays = 0;    ///< rays of eye paths, mirror and glass branches included
+    uint64_t light_rays = 0;     ///< rays of VPL tracing and of resampling
+    double lost_throughput = 0;  ///< of eye paths that ended unfinished: at max_depth, or refracted to the
+                                 ///< wrong side of the surface; a sum over the eye samples
     // Quantized cache
     std::array<uint64_t, kMaxLevels> rays_per_level{};
     uint64_t leftover_rays = 0;      ///< waves: bits active for a pixel but not for its representative
@@ -62,7 +62,8 @@ inline void Counters::merge(const Counters& b) {
         groups[i].rays += b.groups[i].rays;
     }
     for (int i = 0; i < kMaxLevels; ++i) rays_per_level[i] += b.rays_per_level[i];
-    camera_rays += b.camera_rays, light_rays += b.light_rays, brdf_rays += b.brdf_rays;
+    camera_rays += b.camera_rays, light_rays += b.light_rays;
+    lost_throughput += b.lost_throughput;
     leftover_rays += b.leftover_rays, lookups += b.lookups, hits += b.hits;
     neighbour_probes += b.neighbour_probes, nil_neighbours += b.nil_neighbours;
     evictions += b.evictions, bypassed += b.bypassed;
