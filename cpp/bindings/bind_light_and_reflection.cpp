@@ -92,6 +92,9 @@ void bind_shading_point(py::module_& s) {
         },
         py::arg("sp"), py::arg("wi"), "f without the cosine, (N, 3).");
     s.def(
+        "diffuse_albedo", [](const ShadingPoint& sp) { return array3(diffuse_albedo(sp)); }, py::arg("sp"),
+        "Albedo of the diffuse part alone for light from wo.");
+    s.def(
         "pdf_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {
             return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });

@@ -53,7 +53,9 @@ class Whitted:
     """Eye paths through mirrors and glass, direct light, and virtual point lights for the rest.
 
     VPLs (instant radiosity, Keller 1997) are traced from the lights, resampled to `n_vpls` by what
-    they bring to the camera (after Segovia et al. 2006) and carry indirect light only.
+    they bring to the camera (after Segovia et al. 2006) and carry indirect light only. They reflect
+    diffusely: of a glossy surface the light that its lobe leaves to the diffuse part; what the lobe
+    itself sends on to other surfaces is left out.
 
     Parameters
     ----------

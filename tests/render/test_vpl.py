@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from render.mitsuba_scene import Look, Model, ball, box, quad
+from render.mitsuba_scene import Look, Model, Part, ball, box, quad
 from render.ztest import compare
 
 Images = npt.NDArray[np.float64]
@@ -45,7 +45,8 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
         vc.render(scene, vc.Whitted(**settings), size=SIZE, spp=9, seed=1000 + i)
         for i in range(seeds)
     ]
-    return np.stack([f.layers["vpl"] for f in frames]).astype(np.float64)
+    dark = np.zeros_like(frames[0].image)  # of frames that found no virtual light
+    return np.stack([f.layers.get("vpl", dark) for f in frames]).astype(np.float64)
 
 
 @pytest.mark.stat
@@ -156,6 +157,98 @@ def test_light_by_way_of_a_mirror_reaches_the_floor() -> None:
         )
     ]
     assert seen[0] > 1.3 * seen[1] > 0
+
+
+# Shading normals and glossy surfaces. Light from straight above meets a floor alone; a wall beside
+# it sees what the floor's virtual lights bring.
+
+WHITE = Look(base_color=(0.8, 0.8, 0.8))
+
+
+def bent(part: Part, degrees: float) -> Part:
+    """The part with shading normals turned from +y towards −z."""
+    normal = np.array([0, np.cos(np.radians(degrees)), -np.sin(np.radians(degrees))], np.float32)
+    return replace(part, normals=np.tile(normal, (len(part.vertices), 1)))
+
+
+def on_the_wall(floor: Part, direction: tuple[float, float, float] = (0, 1, 0)) -> float:
+    wall = quad((-1.5, 0.3, -1.6), (3, 0, 0), (0, 2, 0), look=WHITE)
+    scene = Model((floor, wall), directions=((direction, (3, 3, 3)),), origin=(0, 1.2, 3),
+                  target=(0, 1.2, -1.6), fov_deg=15)  # fmt: skip
+    light = indirect(scene.to_viscache(), 1, n_vpls=512, vpl_max_depth=1)
+    return float(light.mean())
+
+
+SHEET = quad((-1.5, 0, -1.5), (0, 0, 3), (3, 0, 0), look=WHITE)
+
+
+@pytest.mark.parametrize("degrees", [20, 60, 89])
+def test_virtual_lights_take_up_light_by_the_shading_normal(degrees: float) -> None:
+    expected = np.cos(np.radians(degrees)) * on_the_wall(bent(SHEET, 0))
+    assert on_the_wall(bent(SHEET, degrees)) == pytest.approx(expected, rel=1e-4)
+    assert on_the_wall(bent(SHEET, 0)) == on_the_wall(SHEET) > 0.01
+
+
+@pytest.mark.stat
+@pytest.mark.mitsuba
+def test_light_of_bent_normals_is_mitsubas(tmp_path: Path) -> None:
+    mi = pytest.importorskip("mitsuba")
+    mi.set_variant("scalar_rgb")
+    mi.set_log_level(mi.LogLevel.Error)
+    wall = quad((-1.5, 0.3, -1.6), (3, 0, 0), (0, 2, 0), look=WHITE)
+    view: dict[str, Any] = {"origin": (0, 1.2, 3), "target": (0, 1.2, -1.6), "fov_deg": 15}
+    lit = Model((bent(SHEET, 40), wall), points=(((0.3, 2.2, 1.0), (8, 8, 8)),), **view)
+    scene = lit.to_mitsuba(mi, SIZE, tmp_path)
+
+    def path(depth: int, seed: int) -> Any:
+        integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 1000})
+        image = mi.render(scene, integrator=integrator, spp=512, seed=seed)
+        return np.array(image, np.float64)[..., :3]
+
+    reference = np.stack([path(3, i) - path(2, 500 + i) for i in range(8)])
+    settings = {"vpl_max_depth": 1, "n_vpls": 1024}
+    found = compare(indirect(lit.to_viscache(), 16, **settings), reference, tolerance=1e-4)
+    assert found.same and abs(found.energy) < 0.05, found
+    plain = replace(lit, parts=(SHEET, wall)).to_viscache()
+    assert not compare(indirect(plain, 4, **settings), reference, tolerance=1e-4).same
+
+
+@pytest.mark.stat
+def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look() -> None:
+    """Its beam is that of a mirror turned by as much and cut to the beam's width."""
+    angle = np.radians(20)
+    look = Look(kind="mirror")
+    flat = quad((-0.5, 0, -0.5), (0, 0, 1), (1, 0, 0), look=look)
+    deep = np.cos(2 * angle) / np.cos(angle)
+    across = (0.0, float(deep * np.sin(angle)), float(deep * np.cos(angle)))
+    corner = (-0.5, -across[1] / 2, -across[2] / 2)
+    turned = quad(corner, across, (1, 0, 0), look=look)
+    # The beam leaves at 40° towards −z and lights the catcher, which lights the screen
+    catcher = quad((-2, 0.5, -3), (4, 0, 0), (0, 6, 0), look=WHITE)
+    screen = quad((-2, 0.5, 2), (0, 4, 0), (4, 0, 0), look=WHITE)
+    view: dict[str, Any] = {"origin": (0, 2.5, -2.5), "target": (0, 2.5, 2), "fov_deg": 30}
+    seen = [
+        indirect(
+            Model((mirror, catcher, screen), directions=(((0, 1, 0), (3, 3, 3)),), **view)
+            .to_viscache(), 4, vpl_max_depth=2, n_vpls=512,
+        ).mean()
+        for mirror in (bent(flat, 20), turned, bent(flat, 0))
+    ]  # fmt: skip
+    assert seen[0] == pytest.approx(seen[1], rel=0.02) and seen[0] > 1e-3
+    assert seen[2] == 0
+
+
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
+@pytest.mark.parametrize("f0", [0.04, 0.5, 1.0])
+def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(
+    cosine: float, f0: float
+) -> None:
+    direction = (float(np.sqrt(1 - cosine**2)), cosine, 0.0)
+    plastic = Look(kind="glossy", base_color=(0.8, 0.8, 0.8), specular=(f0,) * 3)
+    share = 0.99714 * (1 - f0) * (1 - (1 - cosine) ** 5)
+    expected = share * on_the_wall(SHEET, direction)
+    found = on_the_wall(replace(SHEET, look=plastic), direction)
+    assert found == pytest.approx(expected, rel=1e-4, abs=1e-12)
 
 
 def test_virtual_lights_are_the_same_for_any_number_of_threads() -> None:

@@ -7,7 +7,13 @@ import pytest
 from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
 from viscache import _core
 from viscache._core import MaterialKind
-from viscache._core.sampling import ShadingPoint, eval_bsdf, pdf_bsdf, sample_bsdf
+from viscache._core.sampling import (
+    ShadingPoint,
+    diffuse_albedo,
+    eval_bsdf,
+    pdf_bsdf,
+    sample_bsdf,
+)
 
 N = 200_000
 Vector = tuple[float, float, float]
@@ -172,6 +178,15 @@ def test_the_diffuse_part_gets_what_the_glossy_part_leaves(cos_o: float) -> None
     reflected = (diffuse * points[:, 2:]).mean(0) * 2 * np.pi
     fresnel = np.array(specular) + (1 - np.array(specular)) * (1 - cos_o) ** 5
     assert reflected == pytest.approx(0.9971 * np.array(base) * (1 - fresnel), abs=1e-4)
+    assert diffuse_albedo(glossy(cos_o, 0.5, base, specular)) == pytest.approx(reflected, abs=1e-4)
+
+
+def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> None:
+    for kind, share in (("DIFFUSE", 1), ("MIRROR", 0), ("DIELECTRIC", 0)):
+        sp = ShadingPoint(MaterialKind[kind], direction(0.3), base=(0.75, 0.5, 0.25))
+        assert diffuse_albedo(sp) == [share * v for v in (0.75, 0.5, 0.25)]
+    below = ShadingPoint(MaterialKind.DIFFUSE, (0, 0, -1), base=(1, 1, 1))
+    assert diffuse_albedo(below) == [0, 0, 0]
 
 
 # Limits

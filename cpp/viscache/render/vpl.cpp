@@ -23,10 +23,67 @@ struct Photon {
     Rgb flux;
 };
 
+/// Where a photon landed: normals on its side.
+struct Landing {
+    const SurfacePoint& s;
+    const Material& material;
+    Vec3 ng, ns, wi;  ///< wi: to where it came from
+    bool front;
+};
+
+/// Adjoint of shading with normal n on a surface with normal ng (Veach 1997, Sec. 5.3): photons arrive and
+/// leave in proportion to the cosines to ng, radiance reckons with those to n. One where n = ng.
+float adjoint(Vec3 n, Vec3 ng, Vec3 wi, Vec3 wo) {
+    return std::fabs(dot(wi, n) * dot(wo, ng) / (dot(wi, ng) * dot(wo, n)));
+}
+
+/// Sends the photon on; false where its flux is not finite.
+bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux, float extent) {
+    photon = {{spawn(l.s.position, side, extent), 0, direction, kInfinity}, flux};
+    return is_finite(flux);
+}
+
+/// A mirror's photon, by the rule of eye paths: about the shading normal, or about the geometric one where
+/// that would lead below the surface.
+bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
+    Vec3 n = l.ns, direction = n * (2 * dot(l.wi, n)) - l.wi;
+    if (dot(direction, l.ng) <= 0) n = l.ng, direction = n * (2 * dot(l.wi, n)) - l.wi;
+    return leave(photon, l, l.ng, normalize(direction),
+                 photon.flux * factor * adjoint(n, l.ng, l.wi, direction), extent);
+}
+
+/// Glass mirrors or refracts by chance; false where an eye path would be lost as well.
+bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
+    const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
+    if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
+    const auto through = refract(l.wi, l.ns, l.front ? 1 / eta : eta);
+    if (!through || dot(*through, l.ng) >= 0) return false;
+    return leave(photon, l, -l.ng, normalize(*through), photon.flux * adjoint(l.ns, l.ng, l.wi, *through),
+                 extent);
+}
+
+/// Stores a VPL and goes on in a cosine-distributed direction, with the probability of the albedo. The
+/// glossy lobe is not carried by VPLs: they reflect diffusely what it leaves.
+bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
+    ShadingPoint sp;
+    sp.kind = l.material.kind, sp.ng = l.ng, sp.ns = l.ns, sp.wo = l.wi;
+    sp.base = l.s.base_color, sp.specular = l.material.specular;
+    const Rgb albedo = diffuse_albedo(sp);
+    const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
+    if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
+    out.push_back({l.s.position, l.ng, reflected / kPi});
+    const float survive = std::min(0.95f, max_component(albedo));
+    if (rng.next() >= survive) return false;
+    const Vec3 local = square_to_cosine_hemisphere(rng.next2());
+    return leave(photon, l, l.ng, frame_around(l.ng).to_world(local), reflected / survive, extent);
+}
+
 /// Follows one light path and stores a VPL at every diffuse bounce.
 void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int max_depth, Rng& rng,
                 std::vector<Vpl>& out, Counters& counters) {
-    for (int depth = 0; depth < max_depth;) {
+    const float extent = scene.offset_extent();
+    bool goes_on = true;
+    for (int depth = 0; goes_on && depth < max_depth; ++depth) {
         Hit hit;
         caster.intersect({&photon.ray, 1}, {&hit, 1});
         ++counters.light_rays;
@@ -36,46 +93,16 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         if (length2(s.ng) == 0) return;
         const Material& material = scene.materials()[size_t(s.material)];
         const bool front = dot(s.ng, photon.ray.d) < 0;
-        const Vec3 ng = front ? s.ng : -s.ng, ns = front ? s.ns : -s.ns;
-        const float extent = scene.offset_extent();
         if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
-        if (material.kind == MaterialKind::kMirror) {
-            photon.ray = {spawn(s.position, ng, extent), 0, photon.ray.d - ng * (2 * dot(photon.ray.d, ng)),
-                          kInfinity};
-            photon.flux = photon.flux * material.specular;
-            ++depth;
-            continue;
+        const Landing l{s, material, front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d, front};
+        switch (material.kind) {
+            case MaterialKind::kMirror: goes_on = mirror(photon, l, material.specular, extent); break;
+            case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng, extent); break;
+            case MaterialKind::kDiffuse:
+            case MaterialKind::kGlossy: goes_on = reflect_diffusely(photon, l, rng, out, extent); break;
         }
-        if (material.kind == MaterialKind::kDielectric) {
-            const float fresnel = fresnel_dielectric(dot(s.ns, -photon.ray.d), material.eta);
-            const bool reflects = rng.next() < fresnel;
-            const auto transmitted =
-                viscache::refract(-photon.ray.d, ns, front ? 1 / material.eta : material.eta);
-            if (reflects || !transmitted || dot(*transmitted, ng) >= 0)
-                photon.ray = {spawn(s.position, ng, extent), 0,
-                              photon.ray.d - ng * (2 * dot(photon.ray.d, ng)), kInfinity};
-            else
-                photon.ray = {spawn(s.position, -ng, extent), 0, *transmitted, kInfinity};
-            ++depth;
-            continue;
-        }
-        // The Lambertian part reflects; the glossy lobe is not carried by VPLs
-        const Rgb reflected = photon.flux * s.base_color;
-        if (!(max_component(reflected) > 0)) return;
-        out.push_back({s.position, ng, reflected / kPi});
-        ++depth;
-        // Go on with the probability of the albedo, in a cosine-distributed direction
-        const float survive = std::min(0.95f, max_component(s.base_color));
-        if (rng.next() >= survive) return;
-        const Vec3 local = square_to_cosine_hemisphere(rng.next2());
-        photon.ray = {spawn(s.position, ng, extent), 0, frame_around(ng).to_world(local), kInfinity};
-        photon.flux = reflected / survive;
     }
 }
-
-}  // namespace
-
-namespace {
 
 /// VPLs of `paths` light paths; `pass` keys the random numbers.
 std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster,

@@ -1,6 +1,8 @@
 #pragma once
 // Virtual point lights (instant radiosity, Keller 1997), resampled to a user's number by what they bring to
-// the camera (after Segovia et al. 2006 [SP06]). They carry indirect light only.
+// the camera (after Segovia et al. 2006 [SP06]). They carry indirect light only, and reflect diffusely: on
+// glossy surfaces the diffuse part of the albedo, which is less than the base colour by what the lobe takes.
+// Light arrives by the shading normal, as for eye paths; a VPL shines like a patch with the geometric one.
 #include "viscache/math/parallel.h"
 #include "viscache/render/settings.h"
 #include "viscache/render/shared_lights.h"

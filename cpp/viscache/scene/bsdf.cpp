@@ -11,26 +11,27 @@ bool reflects(const ShadingPoint& sp, Vec3 wi) {
            above(sp, sp.wo);
 }
 
-/// Albedo of the diffuse part towards an eye at cosine cos_o: what the glossy lobe's Fresnel term leaves.
-Rgb diffuse_albedo(const ShadingPoint& sp, float cos_o) {
+/// What the glossy lobe's Fresnel term leaves to the diffuse part towards an eye at cosine cos_o.
+Rgb under_lobe(const ShadingPoint& sp, float cos_o) {
     if (sp.kind != MaterialKind::kGlossy) return sp.base;
     return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
 }
+
+constexpr float kEntry = 1.047f;  // of the diffuse part under a lobe; its mean albedo is 20/21 of this
 
 /// ∝ 1 − F(cos_i). The factor 21/20 would make its cosine-weighted mean one; 0.3 % less, because the albedo
 /// of the lobe exceeds F(cos_o) by up to 0.26 % (F0 = 0, roughness 0.15, cos_o = 0.63), keeps the sum below
 /// one.
 float diffuse_entry(const ShadingPoint& sp, float cos_i) {
     if (sp.kind != MaterialKind::kGlossy) return 1;
-    return 1.047f * (1 - schlick(Rgb{}, cos_i).x);
+    return kEntry * (1 - schlick(Rgb{}, cos_i).x);
 }
 
 /// Probability of sampling the glossy lobe.
 float glossy_share(const ShadingPoint& sp) {
     if (sp.kind != MaterialKind::kGlossy) return 0;
     const float cos_o = dot(sp.ns, sp.wo);
-    const float glossy = luminance(schlick(sp.specular, cos_o)),
-                diffuse = luminance(diffuse_albedo(sp, cos_o));
+    const float glossy = luminance(schlick(sp.specular, cos_o)), diffuse = luminance(under_lobe(sp, cos_o));
     return glossy > 0 ? glossy / (glossy + diffuse) : 0.f;
 }
 
@@ -43,7 +44,7 @@ struct Reflection {
 Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
     if (!reflects(sp, wi)) return {};
     const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo), share = glossy_share(sp);
-    Reflection r{diffuse_albedo(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi), (1 - share) * cos_i / kPi};
+    Reflection r{under_lobe(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi), (1 - share) * cos_i / kPi};
     if (sp.kind == MaterialKind::kGlossy) {
         const Vec3 h = normalize(wi + sp.wo);
         const float d = ggx_d(frame_around(sp.ns).to_local(h), sp.roughness);
@@ -56,6 +57,12 @@ Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
 }
 
 }  // namespace
+
+Rgb diffuse_albedo(const ShadingPoint& sp) {
+    if (!above(sp, sp.wo)) return {};
+    if (sp.kind != MaterialKind::kGlossy) return sp.kind == MaterialKind::kDiffuse ? sp.base : Rgb{};
+    return under_lobe(sp, dot(sp.ns, sp.wo)) * (kEntry * 20 / 21);
+}
 
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).f; }
 

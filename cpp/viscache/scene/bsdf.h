@@ -25,6 +25,9 @@ Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi);
 /// Density of `sample_bsdf`, per solid angle. Integrates to one minus the share of empty samples.
 float pdf_bsdf(const ShadingPoint& sp, Vec3 wi);
 
+/// Albedo of the diffuse part alone for light from wo: base, under a glossy lobe 0.997 base (1 − F(cos_o)).
+Rgb diffuse_albedo(const ShadingPoint& sp);
+
 struct BsdfSample {
     Vec3 wi;
     Rgb weight;  ///< f·cos/pdf

@@ -9,7 +9,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
+__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'diffuse_albedo', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
 class EnvironmentMap:
     """
     Environment light on the equal-area octahedral map.
@@ -84,6 +84,10 @@ class PatternKind(enum.Enum):
     @classmethod
     def __new__(cls, value):
         ...
+def diffuse_albedo(sp: ShadingPoint) -> typing.Annotated[list[float], "FixedSize(3)"]:
+    """
+    Albedo of the diffuse part alone for light from wo.
+    """
 def direction_pattern(map_size: typing.SupportsInt | typing.SupportsIndex, kind: PatternKind, seed: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Unit vectors (map_size², 3), one in each cell of the equal-area map, row by row.
