@@ -96,6 +96,25 @@ def test_bad_usage_is_one_line_and_status_2(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_report_says_what_its_directory_must_be_and_what_it_is(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    empty, other, file = tmp_path / "empty", tmp_path / "other", tmp_path / "a.exr"
+    empty.mkdir(), other.mkdir(), file.touch()
+    for name in "abcdefg":
+        (other / f"{name}.md").touch()
+    for given, says in (
+        (empty, "it has no sweep.sqlite and holds nothing"),
+        (other, "holds a.md, b.md, c.md, d.md, e.md and 2 more"),
+        (file, f"got the file {file}"),
+    ):
+        status, out, err = run(capsys, "report", str(given))
+        assert status == 2 and out == "" and len(err.strip().splitlines()) == 1
+        assert "DIR must be a directory that `viscache sweep FILE.toml -o DIR` filled" in err
+        assert says in err and str(given) in err
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.exr", "empty", "other"]
+
+
 def test_too_little_memory_is_one_line(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

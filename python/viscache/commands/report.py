@@ -7,6 +7,9 @@ from pathlib import Path
 
 from viscache import report
 from viscache.commands.shared import print_json
+from viscache.store import Store
+
+MOST_NAMED = 5  # files of a directory that holds no sweep
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,11 +19,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if not Path(arguments.directory).is_dir():
-        raise ValueError(f"no such directory: {arguments.directory}")
+    _check_holds_a_sweep(Path(arguments.directory))
     written = report.write(arguments.directory, arguments.output)
     if arguments.json:
         print_json({"report": str(written), "bytes": written.stat().st_size})
     else:
         print(written)
     return 0
+
+
+def _check_holds_a_sweep(directory: Path) -> None:
+    """Says what must hold of DIR and what it is instead."""
+    if not directory.exists():
+        raise ValueError(f"no such directory: {directory}")
+    must = "DIR must be a directory that `viscache sweep FILE.toml -o DIR` filled"
+    if not directory.is_dir():
+        raise ValueError(f"{must}, got the file {directory}")
+    if not Store.exists(directory):
+        names = sorted(p.name for p in directory.iterdir())
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        held = ", ".join(names[:MOST_NAMED]) + more or "nothing"
+        raise ValueError(f"{must}, got {directory}: it has no sweep.sqlite and holds {held}")
