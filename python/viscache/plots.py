@@ -70,7 +70,6 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
         second the marker. The line joins the settings that nothing beats in both.
     """
     _require(ds, x, y)
-    import matplotlib
     from matplotlib.figure import Figure
 
     settings = settings_of(ds, x, y)
@@ -78,10 +77,7 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
     levels = [list(dict.fromkeys(str(s["values"][n]) for s in settings)) for n in names[:2]]
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    colors: tuple[str, ...] = COLORS
-    if levels and len(levels[0]) > len(COLORS):
-        scale = matplotlib.colormaps["viridis"](np.linspace(0, 0.95, len(levels[0])))
-        colors = tuple(matplotlib.colors.to_hex(c) for c in scale)
+    colors = colors_for(len(levels[0]) if levels else 1)
     for setting in settings:
         texts = [str(setting["values"][n]) for n in names[:2]]
         color = colors[levels[0].index(texts[0])] if texts else COLORS[0]
@@ -155,6 +151,16 @@ def settings_of(ds: xarray.Dataset, *variables: str) -> list[dict[str, Any]]:
         else:
             result.append(setting)
     return result
+
+
+def colors_for(levels: int) -> tuple[str, ...]:
+    """At least `levels` colours, all different: `COLORS`, or a scale where they do not suffice."""
+    if levels <= len(COLORS):
+        return COLORS
+    import matplotlib
+
+    scale = matplotlib.colormaps["viridis"](np.linspace(0, 0.95, levels))
+    return tuple(matplotlib.colors.to_hex(c) for c in scale)
 
 
 def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -72,7 +72,7 @@ def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(
     tmp_path: Path, page: Path
 ) -> None:
     dom = chromium(tmp_path / "profile", page, "select=s3", "--dump-dom")
-    circles = re.findall(r'<circle class="([^"]*)" data-id="(s\d)"', dom)
+    circles = re.findall(r'<path class="(point[^"]*)" data-id="(s\d)"', dom)
     assert len(circles) == 2 * 6
     assert {i for classes, i in circles if "selected" in classes} == {"s3"}
     rows = re.findall(r'<tr data-id="(s\d)"[^>]*class="selected"', dom)

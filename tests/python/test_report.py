@@ -35,7 +35,7 @@ def test_every_setting_is_a_point_in_each_plot_a_row_and_three_pictures(
     fake_vc: Any, tmp_path: Path
 ) -> None:
     text = page(fake_vc, tmp_path / "s", tmp_path / "r.html")
-    assert len(re.findall(r'<circle class="point"', text)) == 2 * 6
+    assert len(re.findall(r'<path class="point"', text)) == 2 * 6
     assert len(re.findall(r'<tr data-id="s\d"', text)) == 6
     data = json.loads(re.search(r'application/json">(.*?)</script>', text, re.S)[1])
     assert len(data["settings"]) == 6 and len(data["pictures"]) == 1
@@ -47,6 +47,33 @@ def test_every_setting_is_a_point_in_each_plot_a_row_and_three_pictures(
     cell = data["settings"][5]["cells"]
     assert data["settings"][5]["values"] == {"c_e": 16, "c_n": 8}
     assert cell["rel_l1"][0] == pytest.approx(0.16, rel=1e-5)
+
+
+def series(text: str) -> tuple[list[tuple[str, str]], list[list[str]]]:
+    """(fill, outline) of the points of the first plot, and the texts of the key's rows."""
+    plot = text.split("</svg>")[0].rpartition("<svg")[2]
+    points = re.findall(r'class="point"[^>]* d="([^"]*)"[^>]* fill="([^"]*)"', plot)
+    rows = re.findall(r'<p class="key">(.*?)</p>', text)
+    return [(fill, d) for d, fill in points], [re.findall(r"</svg>([^<]*)<", r) for r in rows]
+
+
+def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    points, key = series(page(fake_vc, tmp_path / "s", tmp_path / "r.html"))
+    assert len(points) == len(set(points)) == 6
+    assert len({fill for fill, _ in points}) == 3 and len({shape for _, shape in points}) == 2
+    assert key == [["C_E = 4", "C_E = 8", "C_E = 16"], ["C_N = 4", "C_N = 8"]]
+
+
+def test_many_levels_of_one_parameter_have_colours_of_their_own(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    ds = sweep("room", "whitted", over={"c_e": list(range(4, 14))}, size=(16, 12),
+               metrics=["rel_l1"])  # fmt: skip
+    points, key = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
+    assert len({fill for fill, _ in points}) == 10 and len({shape for _, shape in points}) == 1
+    assert [len(row) for row in key] == [10]
 
 
 def test_the_difference_picture_shows_the_sign_and_the_gain(fake_vc: Any, tmp_path: Path) -> None:
@@ -64,7 +91,7 @@ def test_a_sweep_without_a_directory_has_a_report_without_pictures(
     fake_vc: Any, tmp_path: Path
 ) -> None:
     text = page(fake_vc, None, tmp_path / "r.html")
-    assert len(re.findall(r'<circle class="point"', text)) == 12
+    assert len(re.findall(r'<path class="point"', text)) == 12
     data = json.loads(re.search(r'application/json">(.*?)</script>', text, re.S)[1])
     assert data["pictures"] == {} and not any("picture" in s for s in data["settings"])
 

@@ -1,4 +1,4 @@
-"""Scatter plots as inline SVG: one `<circle class="point" data-id=…>` per setting."""
+"""Scatter plots as inline SVG: one `<path class="point" data-id=… d=…>` per setting."""
 
 from __future__ import annotations
 
@@ -9,6 +9,18 @@ from dataclasses import dataclass
 
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
+
+#: Outlines around (0, 0) of equal weight to the eye: circle, square, triangles, diamond, cross …
+SHAPES = (
+    "M6 0A6 6 0 1 1-6 0A6 6 0 1 1 6 0Z",
+    "M-5.3-5.3H5.3V5.3H-5.3Z",
+    "M0-7.2L6.6 5H-6.6Z",
+    "M0-7.5L7.5 0L0 7.5L-7.5 0Z",
+    "M0 7.2L6.6-5H-6.6Z",
+    "M-2.3-6.8H2.3V-2.3H6.8V2.3H2.3V6.8H-2.3V2.3H-6.8V-2.3H-2.3Z",
+    "M-7.2 0L-3.6-6.2H3.6L7.2 0L3.6 6.2H-3.6Z",
+    "M0-8L2.1-2.6L7.6-2.5L3.3 1.1L4.7 6.5L0 3.4L-4.7 6.5L-3.3 1.1L-7.6-2.5L-2.1-2.6Z",
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -21,6 +33,7 @@ class Mark:
     half_x: float
     half_y: float
     color: str
+    shape: str  #: outline around (0, 0)
     text: str
 
 
@@ -120,8 +133,9 @@ def scatter(
             parts.append(f'<path class="bar" clip-path="{area}" stroke="{m.color}" d="{path}"/>')
     for m in marks:
         parts.append(
-            f'<circle class="point" data-id="{m.id}" cx="{x(m.x):.1f}" cy="{y(m.y):.1f}" r="6" '
-            f'fill="{m.color}" tabindex="0" role="button" aria-label="{html.escape(m.text)}">'
-            f"<title>{html.escape(m.text)}</title></circle>"
+            f'<path class="point" data-id="{m.id}" d="{m.shape}" '
+            f'transform="translate({x(m.x):.1f} {y(m.y):.1f})" fill="{m.color}" tabindex="0" '
+            f'role="button" aria-label="{html.escape(m.text)}">'
+            f"<title>{html.escape(m.text)}</title></path>"
         )
     return "".join(parts) + "</svg>"

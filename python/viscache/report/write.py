@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache import plots, tonemap
-from viscache.report.svg import Mark, number, scatter
+from viscache.report.svg import SHAPES, Mark, number, scatter
 from viscache.store import Store
 from viscache.sweep_table import open_dataset
 
@@ -193,10 +193,7 @@ def _settings_text(table: dict[str, Any]) -> str:
 
 def _plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
     metric = model["metrics"][0]
-    first = model["names"][0] if model["names"] else None
-    levels = (
-        list(dict.fromkeys(str(s["values"][first]) for s in model["settings"])) if first else []
-    )
+    looks, key = _looks(model)
     figures = []
     for column, exact in (("total_s", "exact_total_s"), ("rays", "exact_rays")):
         if column not in model["columns"]:
@@ -205,21 +202,35 @@ def _plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
         for s in model["settings"]:
             (px, hx), (py, hy) = s["cells"][column] or (math.nan, 0), s["cells"][metric]
             if math.isfinite(px):
-                level = levels.index(str(s["values"][first])) if first else 0
-                color = plots.COLORS[level % len(plots.COLORS)]
+                color, shape = looks[s["id"]]
                 text = f"{s['text']}: {plain(metric)} {py:.4g}, {plain(column)} {number(px)}"
                 marks.append(Mark(id=s["id"], x=px, y=py, half_x=hx, half_y=hy, color=color,
-                                  text=text))  # fmt: skip
+                                  shape=shape, text=text))  # fmt: skip
         line = float(ds[exact].mean()) if exact in ds else None
         svg = scatter(f"plot-{column}", marks, plain(column), plain(metric), line)
         figures.append(f"<figure>{svg}</figure>")
-    key = "".join(
-        f'<span><i style="background:{plots.COLORS[i % len(plots.COLORS)]}"></i>'
-        f"{html.escape(f'{_PLAIN.get(first, first)} = {level}')}</span>"
-        for i, level in enumerate(levels)
-        if first
-    )
-    return f'<div class="plots">{"".join(figures)}</div><p class="key">{key}</p>'
+    return f'<div class="plots">{"".join(figures)}</div>{key}'
+
+
+def _looks(model: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], str]:
+    """Colour and outline of each setting, by first and second swept parameter, and their key."""
+    names = model["names"][:2]
+    levels = [list(dict.fromkeys(str(s["values"][n]) for s in model["settings"])) for n in names]
+    colors = plots.colors_for(len(levels[0]) if levels else 1)
+    looks = {}
+    for s in model["settings"]:
+        at = [texts.index(str(s["values"][n])) for n, texts in zip(names, levels, strict=True)]
+        first, second = [*at, 0, 0][:2]
+        looks[s["id"]] = (colors[first], SHAPES[second % len(SHAPES)])
+    rows = []
+    for i, (name, texts) in enumerate(zip(names, levels, strict=True)):
+        row = ""
+        for j, text in enumerate(texts):
+            shape, style = SHAPES[j % len(SHAPES) if i else 0], "" if i else f'fill="{colors[j]}"'
+            row += f'<span><svg viewBox="-8 -8 16 16"><path {style} d="{shape}"/></svg>'
+            row += html.escape(f"{plain(name)} = {text}") + "</span>"
+        rows.append(f'<p class="key">{row}</p>')
+    return looks, "".join(rows)
 
 
 def _table(model: dict[str, Any]) -> str:
