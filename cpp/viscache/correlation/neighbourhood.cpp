@@ -66,7 +66,7 @@ void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const 
             rows_, binning_,
             domain_counts(rows_.domain, both(visible(i), visible(j)), both(visible(i), uj),
                           both(ui, visible(j)), both(ui, uj), n1_[i], n1_[j], n_above_[i] + n_above_[j]),
-        biased = biased_rho(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
+            cell, biased);
     } else if (kind_[i] == RowKind::kDefined && kind_[j] == RowKind::kDefined) {
         const int32_t n11 = both(rows_.row(i), rows_.row(j));
         const int32_t numerator = phi_numerator(n11, n1_[i], n1_[j], rows_.n_directions);

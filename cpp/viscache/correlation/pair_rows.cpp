@@ -67,6 +67,9 @@ void PairRows::visible(size_t i, Word* out) const {
 }
 
 PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const BinEdges& angles) {
+    if (distances.bins() * angles.bins() > kMaxBins)
+        refuse("d_edges and theta_edges_deg must make at most " + std::to_string(kMaxBins) + " bins, got " +
+               std::to_string(distances.bins() * angles.bins()));
     return {.distance = distances.table(),
             .angle = angles.table(),
             .n_distances = int32_t(distances.bins()),

@@ -36,6 +36,9 @@ struct PairRows {
     void visible(size_t i, Word* row) const;
 };
 
+/// Bins of distance and angle together: 64 MiB of sums for every thread.
+constexpr size_t kMaxBins = size_t{1} << 21;
+
 /// Bins by the edges, with the rules of the rows.
 PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const BinEdges& angles);
 
