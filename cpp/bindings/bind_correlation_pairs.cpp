@@ -62,17 +62,17 @@ struct RowsArgument {
     PairRows rows;
 };
 
-template <class T>
-py::array_t<T> shaped(const std::vector<T>& v, const PairTable& t) {
-    py::array_t<T> a({t.n_pairs, t.n_distances, t.n_angles});
-    std::copy(v.begin(), v.end(), a.mutable_data());
-    return a;
+/// An array that owns the values of a table.
+py::array_t<int64_t> taken(std::vector<int64_t>& v, const PairTable& t) {
+    auto* kept = new std::vector<int64_t>(std::move(v));
+    const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<int64_t>*>(p); });
+    return py::array_t<int64_t>({t.n_pairs, t.n_distances, t.n_angles}, kept->data(), owner);
 }
 
-py::dict dict_of(const PairTable& t) {
+py::dict dict_of(PairTable& t) {
     py::dict d;
-    d["n"] = shaped(t.n, t), d["n_undefined"] = shaped(t.n_undefined, t), d["sum_q"] = shaped(t.sum_q, t);
-    d["sum_q2_high"] = shaped(t.sum_q2_high, t), d["sum_q2_low"] = shaped(t.sum_q2_low, t);
+    d["n"] = taken(t.n, t), d["n_undefined"] = taken(t.n_undefined, t), d["sum_q"] = taken(t.sum_q, t);
+    d["sum_q2_high"] = taken(t.sum_q2_high, t), d["sum_q2_low"] = taken(t.sum_q2_low, t);
     return d;
 }
 

@@ -165,6 +165,7 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
     bits[5, -1] |= np.uint64(1) << np.uint64(63)
     far = points.positions.copy()
     far[7, 1] = np.nan
+    # fmt: off
     return {
         "bits past the end": ({"bits": bits}, "bits past n_directions must be 0, row 5"),
         "bits": ({"bits": points.bits[0]}, r"bits must have shape \(N, words\), got \(8,\)"),
@@ -181,6 +182,8 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
         "no d_edges": ({"d_edges": []}, "d_edges must"),
         "NaN edge": ({"d_edges": [0, np.nan]}, "d_edges must lie in"),
         "angles": ({"theta_edges_deg": [0, 181]}, r"theta_edges_deg must lie in \[0, 180"),
+        "bins": ({"d_edges": np.linspace(0, 2, 1500), "theta_edges_deg": np.linspace(0, 180, 1501)},
+                 "must make at most 2097152 bins, got 2248500"),
         "tiles": ({"tiles": [6]}, r"tiles must lie in \[0, 6\), got 6"),
         "negative tile": ({"tiles": [-1]}, "tiles must be >= 0"),
         "tile": ({"tile": 0}, "tile must be a whole number >= 1, got 0"),
@@ -193,6 +196,7 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
         "threads": ({"threads": 0}, "threads must be a whole number >= 1"),
         "isa": ({"isa": "sse9"}, "isa must be portable, avx2 or avx512"),
     }
+    # fmt: on
 
 
 @pytest.mark.parametrize("case", wrong(random_points(n=50)).keys())

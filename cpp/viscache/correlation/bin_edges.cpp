@@ -68,14 +68,13 @@ void BinEdges::build(const char* name) {
         throw std::invalid_argument(std::string(name) +
                                     " must lie further apart than single precision tells");
     // One cell before the first edge, one past the last
-    base_ = inner.empty() ? 0 : int(inner.front() >> shift_) - 1;
-    entries_.assign(cells + 2, 0);
+    first_cell_ = inner.empty() ? 0 : (inner.front() >> shift_) - 1;
     size_t code = zeros, next = 0;
-    for (size_t c = 0; c < entries_.size(); ++c) {
-        uint32_t edge = KeyTable::kNoEdge;
-        const bool holds_edge = next < inner.size() && int(inner[next] >> shift_) == base_ + int(c);
-        if (holds_edge) edge = inner[next] & ((1u << shift_) - 1);
-        entries_[c] = uint32_t(code) << KeyTable::kCodeShift | edge;
+    for (uint32_t cell = first_cell_; cell < first_cell_ + cells + 2; ++cell) {
+        const bool holds_edge = next < inner.size() && inner[next] >> shift_ == cell;
+        const uint32_t edge = holds_edge ? inner[next] - (cell << shift_) : KeyTable::kNoEdge;
+        entries_.push_back(uint32_t(code << KeyTable::kCodeShift) + KeyTable::kNoEdge - edge -
+                           (cell << shift_));
         if (holds_edge) ++code, ++next;
     }
 }

@@ -13,25 +13,32 @@ inline uint32_t distance_key(float squared_distance) { return std::bit_cast<uint
 /// Grows with the squared chord |n − n'|² of two unit normals, a float in [0, 4]; as fine near 4 as near 0.
 inline uint32_t chord_key(float squared_chord) {
     if (squared_chord < 2) return std::bit_cast<uint32_t>(squared_chord);
-    const float rest = 4 - squared_chord;
-    return 0x80000000u - std::bit_cast<uint32_t>(rest > 0 ? rest : 0.f);
+    return 0x80000000u - std::bit_cast<uint32_t>(4 - (squared_chord < 4 ? squared_chord : 4.f));
 }
 
 /// What a kernel needs to find the code of a key, the number of edges at or below it: 0 lies before the first
 /// edge, the number of edges past the last.
+///
+/// Keys are cut into cells that hold one edge at most. With the key's place in its cell, `low`, and that of
+/// the edge, `edge`, the entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low): adding the key leaves
+/// code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 from the edge on.
 struct KeyTable {
-    const uint32_t* entries = nullptr;  ///< of every cell: code at its start << 17 | low bits of its edge
-    int shift = 0, base = 0, last = 0;  ///< cell = clamp((key >> shift) − base, 0, last)
-
     static constexpr int kCodeShift = 17;
-    static constexpr uint32_t kEdgeMask = (1u << kCodeShift) - 1, kNoEdge = kEdgeMask;
+    static constexpr uint32_t kNoEdge = 1u << kCodeShift;
 
-    uint32_t low_mask() const { return (1u << shift) - 1; }
     uint32_t code(uint32_t key) const {
-        const int cell = int(key >> shift) - base;
-        const uint32_t entry = entries[cell < 0 ? 0 : cell > last ? last : cell];
-        return (entry >> kCodeShift) + ((key & low_mask()) >= (entry & kEdgeMask));
+        const uint32_t k = key < first_key ? first_key : key > last_key ? last_key : key;
+        return (entries[(k >> shift) - (first_key >> shift)] + k) >> kCodeShift;
     }
+    /// Where the entry of cell 0 would lie, for gathers by k >> shift.
+    const uint32_t* origin() const {
+        return reinterpret_cast<const uint32_t*>(reinterpret_cast<uintptr_t>(entries) -
+                                                 sizeof(uint32_t) * (first_key >> shift));
+    }
+
+    const uint32_t* entries = nullptr;
+    int shift = 0;
+    uint32_t first_key = 0, last_key = 0;  ///< starts of the first and the last cell, which hold no edge
 };
 
 class BinEdges {
@@ -44,14 +51,18 @@ public:
     static BinEdges angles(std::span<const double> edges_deg);
 
     size_t bins() const { return keys_.size() - 1; }
-    KeyTable table() const { return {entries_.data(), shift_, base_, int(entries_.size()) - 1}; }
+    KeyTable table() const {
+        const auto last = first_cell_ + uint32_t(entries_.size()) - 1;
+        return {entries_.data(), shift_, first_cell_ << shift_, last << shift_};
+    }
 
 private:
     BinEdges(std::vector<uint32_t> keys, const char* name);
     void build(const char* name);
 
     std::vector<uint32_t> keys_, entries_;
-    int shift_ = 0, base_ = 0;
+    int shift_ = 0;
+    uint32_t first_cell_ = 0;
 };
 
 }  // namespace viscache

@@ -20,7 +20,7 @@ public:
         const Vec3 d = rows_.position[j] - rows_.position[i], n = rows_.normal[j] - rows_.normal[i];
         return binning_.cell(squared_length(d.x, d.y, d.z), squared_length(n.x, n.y, n.z));
     }
-    void settle(size_t i, size_t j, int32_t& cell, int32_t& q) const;
+    void settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const;
 
 private:
     int32_t both(const Word* a, const Word* b) const { return int32_t(kernel_.dot(a, b, rows_.words)); }
@@ -59,20 +59,20 @@ NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairW
     });
 }
 
-void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& q) const {
+void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const {
     if (above_) {
         const Word *ui = above_->row(i), *uj = above_->row(j);
         settle_counts(
             rows_, binning_,
             domain_counts(rows_.domain, both(visible(i), visible(j)), both(visible(i), uj),
                           both(ui, visible(j)), both(ui, uj), n1_[i], n1_[j], n_above_[i] + n_above_[j]),
-            cell, q);
+            cell, biased);
     } else if (kind_[i] == RowKind::kDefined && kind_[j] == RowKind::kDefined) {
         const int32_t n11 = both(rows_.row(i), rows_.row(j));
         const int32_t numerator = phi_numerator(n11, n1_[i], n1_[j], rows_.n_directions);
-        q = quantized(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
+        biased = biased_rho(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
     } else {
-        settle_pair(binning_, kind_[i], kind_[j], cell, q);
+        settle_pair(binning_, kind_[i], kind_[j], cell, biased);
     }
 }
 
@@ -101,16 +101,16 @@ PairTable near_pairs(const PairRows& rows, const BinEdges& distances, const BinE
     const PointGrid grid(rows.position, d_near);
     const size_t stride = size_t(binning.stride()), cells = size_t(binning.cells());
     auto count = [&](size_t i, size_t j, PairTable& table) {
-        int32_t cell = near.cell(i, j), q = 0;
-        const size_t d = size_t(cell) / stride, t = size_t(cell) % stride;
+        int32_t cell = near.cell(i, j), biased = 0;
+        const size_t d = size_t(cell) % stride, t = size_t(cell) / stride;
         if (d == 0 || d > table.n_distances || t == 0 || t > table.n_angles) return;
-        near.settle(i, j, cell, q);
+        near.settle(i, j, cell, biased);
         const auto [g, h] = std::minmax(rows.group[i], rows.group[j]);
         const size_t to = table.cell(group_pair(size_t(g), size_t(h), rows.n_groups), d - 1, t - 1);
         if (size_t(cell) >= cells)
             ++table.n_undefined[to];
         else
-            table.add(to, 1, q, uint64_t(int64_t(q) * q));
+            table.add(to, 1, biased - kRhoOne, uint64_t((biased - kRhoOne) * (biased - kRhoOne)));
     };
 
     std::vector<std::optional<PairTable>> tables(size_t(resolve_threads(work.threads)));
@@ -149,10 +149,10 @@ std::vector<float> spatial_map(const PairRows& rows, double d_max, double theta_
             int64_t n = 0, sum = 0;
             grid.around(c, [&](std::span<const uint32_t> others) {
                 for (uint32_t j : others) {
-                    int32_t cell = near.cell(i, j), q = 0;
+                    int32_t cell = near.cell(i, j), biased = 0;
                     if (i == j || cell != inside) continue;
-                    near.settle(i, j, cell, q);
-                    if (cell == inside) ++n, sum += q;
+                    near.settle(i, j, cell, biased);
+                    if (cell == inside) ++n, sum += biased - kRhoOne;
                 }
             });
             if (n) mean[i] = float(double(sum) / double(n) / double(kRhoOne));

@@ -24,11 +24,10 @@ inline U gather(const uint32_t* table, I index) {
     for (size_t l = 0; l < 16; ++l) v[l] = table[index[l]];
     return v;
 }
-inline void pack(I q, Pair* packed) {
+inline void pack(I p, Pair* packed) {
     for (size_t l = 0; l < 16; ++l) {
-        PackedSums one;
-        one.add(q[l]);
-        packed[l] = Pair{one.count_and_sum, one.squares};
+        const auto v = uint64_t(p[l]);
+        packed[l] = Pair{PackedSums::kOne + v, v * v};
     }
 }
 #include "pair_bins.inc"
@@ -48,13 +47,11 @@ inline U gather(const uint32_t* table, I index) {
                            _mm256_i32gather_epi32(t, _mm256_loadu_si256(i + h), 4));
     return v;
 }
-inline void pack(I q, Pair* packed) {
-    const __m256i one = _mm256_set1_epi64x(kRhoOne),
-                  count = _mm256_set1_epi64x(int64_t{1} << PackedSums::kCountShift);
+inline void pack(I p, Pair* packed) {
+    const __m256i one = _mm256_set1_epi64x(int64_t{PackedSums::kOne});
     for (int h = 0; h < 4; ++h) {
-        const __m128i four = _mm_loadu_si128(reinterpret_cast<const __m128i*>(&q) + h);
-        const __m256i p = _mm256_add_epi64(_mm256_cvtepi32_epi64(four), one);
-        const __m256i sum = _mm256_add_epi64(p, count), squares = _mm256_mul_epu32(p, p);
+        const __m256i v = _mm256_cvtepu32_epi64(_mm_loadu_si128(reinterpret_cast<const __m128i*>(&p) + h));
+        const __m256i sum = _mm256_add_epi64(v, one), squares = _mm256_mul_epu32(v, v);
         auto* out = reinterpret_cast<__m256i*>(packed + 4 * h);
         _mm256_store_si256(out, _mm256_unpacklo_epi64(sum, squares));
         _mm256_store_si256(out + 1, _mm256_unpackhi_epi64(sum, squares));
@@ -71,14 +68,12 @@ constexpr int kPackedLane[16] = {0, 2, 4, 6, 1, 3, 5, 7, 8, 10, 12, 14, 9, 11, 1
 inline U gather(const uint32_t* table, I index) {
     return (U)_mm512_i32gather_epi32((__m512i)index, table, 4);
 }
-inline void pack(I q, Pair* packed) {
-    const __m512i one = _mm512_set1_epi64(kRhoOne),
-                  count = _mm512_set1_epi64(int64_t{1} << PackedSums::kCountShift);
+inline void pack(I p, Pair* packed) {
+    const __m512i one = _mm512_set1_epi64(int64_t{PackedSums::kOne}), all = (__m512i)p;
     for (int h = 0; h < 2; ++h) {
-        const __m256i eight =
-            h ? _mm512_extracti64x4_epi64((__m512i)q, 1) : _mm512_castsi512_si256((__m512i)q);
-        const __m512i p = _mm512_add_epi64(_mm512_cvtepi32_epi64(eight), one);
-        const __m512i sum = _mm512_add_epi64(p, count), squares = _mm512_mul_epu32(p, p);
+        const __m512i v =
+            _mm512_cvtepu32_epi64(h ? _mm512_extracti64x4_epi64(all, 1) : _mm512_castsi512_si256(all));
+        const __m512i sum = _mm512_add_epi64(v, one), squares = _mm512_mul_epu32(v, v);
         _mm512_store_si512(packed + 8 * h, _mm512_unpacklo_epi64(sum, squares));
         _mm512_store_si512(packed + 8 * h + 4, _mm512_unpackhi_epi64(sum, squares));
     }
@@ -99,24 +94,24 @@ BinPanels bin_panels([[maybe_unused]] Isa isa) {
 }
 
 void settle_row(const PairPoints& points, const PairBinning& binning, size_t row, size_t first_column,
-                int32_t* cells, int32_t* q) {
+                int32_t* cells, int32_t* biased) {
     const RowKind a = points.kind[row];
     for (size_t l = 0; l < kPanelRows; ++l) {
         const RowKind b = points.kind[first_column + l];
         const bool same_panel = row / kPanelRows == first_column / kPanelRows;
         if (a == RowKind::kPadding || b == RowKind::kPadding || (same_panel && first_column + l <= row))
-            cells[l] = binning.no_pair(), q[l] = 0;
+            cells[l] = binning.no_pair();
         else
-            settle_pair(binning, a, b, cells[l], q[l]);
+            settle_pair(binning, a, b, cells[l], biased[l]);
     }
 }
 
-void settle_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& q) {
+void settle_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& biased) {
     if (a == RowKind::kDefined && b == RowKind::kDefined) return;
     if (binning.one_if_both && a == b)
-        q = int32_t(kRhoOne);
+        biased = int32_t(2 * kRhoOne);
     else
-        cell += binning.cells(), q = 0;
+        cell += binning.cells();
 }
 
 void TileBins::flush(PairTable& table, size_t group_pair) {
@@ -124,8 +119,8 @@ void TileBins::flush(PairTable& table, size_t group_pair) {
     const int32_t stride = binning_.stride(), cells = binning_.cells();
     for (int32_t d = 0; d < binning_.n_distances; ++d)
         for (int32_t t = 0; t < binning_.n_angles; ++t) {
-            const PackedSums& s = sums_[size_t((d + 1) * stride + t + 1)];
-            const PackedSums& undefined = sums_[size_t(cells + (d + 1) * stride + t + 1)];
+            const PackedSums& s = sums_[size_t((t + 1) * stride + d + 1)];
+            const PackedSums& undefined = sums_[size_t(cells + (t + 1) * stride + d + 1)];
             const size_t cell = table.cell(group_pair, size_t(d), size_t(t));
             table.n_undefined[cell] += int64_t(undefined.count_and_sum >> PackedSums::kCountShift);
             const uint64_t n = s.count_and_sum >> PackedSums::kCountShift, sum = s.count_and_sum & kSumMask;

@@ -42,9 +42,10 @@ template <class F>
 VISCACHE_INLINE F pearson(F numerator, F inverse_spread_1, F inverse_spread_2) {
     return numerator * (inverse_spread_1 * inverse_spread_2);
 }
-/// q = round(2²⁰·ρ). |ρ| exceeds 1 by rounding alone, which never moves q past ±2²⁰.
-inline int32_t quantized(float rho) {
-    return std::bit_cast<int32_t>(rho * float(kRhoOne) + kRoundBySum) - kRoundBySumBits;
+/// p = 2²⁰ + round(2²⁰·ρ), in [0, 2²¹]: |ρ| exceeds 1 by rounding alone, which never moves p out of its
+/// range.
+inline int32_t biased_rho(float rho) {
+    return std::bit_cast<int32_t>(rho * float(kRhoOne) + kRoundBySum) - kRoundBySumBits + int32_t(kRhoOne);
 }
 
 /// Why a point's row has no ρ, or is no row.
@@ -70,24 +71,25 @@ struct PairBinning {
 
     /// Cells with a border for pairs outside the edges; twice, for pairs without ρ; and one for lanes that
     /// are no pair.
-    int32_t stride() const { return n_angles + 2; }
-    int32_t cells() const { return (n_distances + 2) * stride(); }
+    ///
+    /// Distances are next to each other: points of a panel have like normals, so that what a panel pair adds
+    /// to stays in the first-level cache.
+    int32_t stride() const { return n_distances + 2; }
+    int32_t cells() const { return (n_angles + 2) * stride(); }
     int32_t no_pair() const { return 2 * cells(); }
     int32_t cell(float squared_distance, float squared_chord) const {
-        return int32_t(distance.code(distance_key(squared_distance))) * stride() +
-               int32_t(angle.code(chord_key(squared_chord)));
+        return int32_t(angle.code(chord_key(squared_chord))) * stride() +
+               int32_t(distance.code(distance_key(squared_distance)));
     }
 };
 
 /// The sums of a cell over at most `kMaxPairs` pairs, packed: with p = q + 2²⁰ >= 0, count·2⁴³ + Σp and Σp².
 struct alignas(16) PackedSums {
     static constexpr int kCountShift = 43;
+    static constexpr uint64_t kOne = uint64_t{1} << kCountShift;
     static constexpr int64_t kMaxPairs = (int64_t{1} << (64 - kCountShift)) - 1;
 
-    void add(int32_t q) {
-        const uint64_t p = uint64_t(q + kRhoOne);
-        count_and_sum += (uint64_t{1} << kCountShift) + p, squares += p * p;
-    }
+    void add(int32_t p) { count_and_sum += kOne + uint64_t(p), squares += uint64_t(p) * uint64_t(p); }
     uint64_t count_and_sum = 0, squares = 0;
 };
 
@@ -115,10 +117,10 @@ using BinPanels = void (*)(const PairPoints& points, size_t a, size_t b, const i
 BinPanels bin_panels(Isa isa);
 
 /// Moves a pair of points without ρ to the cell where it is counted, or gives it the ρ the rule says.
-void settle_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& q);
+void settle_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& biased);
 /// The same for the 16 pairs of a row with a panel; lanes that are padding or counted already go to no_pair.
 void settle_row(const PairPoints& points, const PairBinning& binning, size_t row, size_t first_column,
-                int32_t* cells, int32_t* q);
+                int32_t* cells, int32_t* biased);
 
 #undef VISCACHE_INLINE
 

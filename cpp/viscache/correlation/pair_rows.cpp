@@ -67,6 +67,9 @@ void PairRows::visible(size_t i, Word* out) const {
 }
 
 PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const BinEdges& angles) {
+    if (distances.bins() * angles.bins() > kMaxBins)
+        refuse("d_edges and theta_edges_deg must make at most " + std::to_string(kMaxBins) + " bins, got " +
+               std::to_string(distances.bins() * angles.bins()));
     return {.distance = distances.table(),
             .angle = angles.table(),
             .n_distances = int32_t(distances.bins()),
@@ -83,14 +86,14 @@ DomainCounts domain_counts(PairDomain domain, int32_t vv, int32_t vu, int32_t uv
 }
 
 void settle_counts(const PairRows& rows, const PairBinning& binning, const DomainCounts& c, int32_t& cell,
-                   int32_t& q) {
+                   int32_t& biased) {
     const RowKind kind1 = rows.kind(c.n1, c.of), kind2 = rows.kind(c.n2, c.of);
     if (kind1 == RowKind::kDefined && kind2 == RowKind::kDefined) {
         const auto of = int64_t(c.of), n1 = int64_t(c.n1), n2 = int64_t(c.n2);
         const double spread = std::sqrt(double(n1 * (of - n1))) * std::sqrt(double(n2 * (of - n2)));
-        q = quantized(float(double(of * c.n11 - n1 * n2) / spread));
+        biased = biased_rho(float(double(of * c.n11 - n1 * n2) / spread));
     } else {
-        settle_pair(binning, kind1, kind2, cell, q);
+        settle_pair(binning, kind1, kind2, cell, biased);
     }
 }
 

@@ -36,6 +36,9 @@ struct PairRows {
     void visible(size_t i, Word* row) const;
 };
 
+/// Bins of distance and angle together: 64 MiB of sums for every thread.
+constexpr size_t kMaxBins = size_t{1} << 21;
+
 /// Bins by the edges, with the rules of the rows.
 PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const BinEdges& angles);
 
@@ -49,8 +52,8 @@ struct DomainCounts {
 DomainCounts domain_counts(PairDomain domain, int32_t vv, int32_t vu, int32_t uv, int32_t uu, int32_t v1,
                            int32_t v2, int32_t u1_and_u2);
 
-/// Settles cell and q of a pair from its counts within its domain.
+/// Settles cell and p of a pair from its counts within its domain.
 void settle_counts(const PairRows& rows, const PairBinning& binning, const DomainCounts& c, int32_t& cell,
-                   int32_t& q);
+                   int32_t& biased);
 
 }  // namespace viscache

@@ -151,14 +151,14 @@ void PairRun::domain_panels(size_t pa, size_t pb, const int32_t* vv, TileBins& b
         const size_t i = pa * kPanelRows + c / kPanelRows, j = pb * kPanelRows + c % kPanelRows;
         if (p.kind[i] == RowKind::kPadding || p.kind[j] == RowKind::kPadding || (pa == pb && j <= i))
             continue;
-        int32_t q = 0;
+        int32_t biased = 0;
         int32_t cell = binning_.cell(squared_length(p.x[j] - p.x[i], p.y[j] - p.y[i], p.z[j] - p.z[i]),
                                      squared_length(p.nx[j] - p.nx[i], p.ny[j] - p.ny[i], p.nz[j] - p.nz[i]));
         settle_counts(rows_, binning_,
                       domain_counts(rows_.domain, vv[c], vu[c], uv[c], uu[c], p.n1[i], p.n1[j],
                                     n_above_[i] + n_above_[j]),
-                      cell, q);
-        bins.sums()[cell].add(q);
+                      cell, biased);
+        bins.sums()[cell].add(biased);
     }
 }
 

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 from viscache.bench.aqvc_frame import aqvc_frame
 from viscache.bench.aqvc_lookup import aqvc_lookup
 from viscache.bench.common import Outcome, machine
+from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.rays import rays
@@ -54,7 +55,10 @@ BENCHES: dict[str, BenchInfo] = {
         description="peak memory of a 1280x800 frame of a scene of 2.2 million triangles",
         function=memory,
     ),
-    "correlation": BenchInfo(description="pair statistics per second"),
+    "correlation": BenchInfo(
+        description="pairs of rows per second and core against numpy and the machine's bound",
+        function=correlation,
+    ),
     "vlf-build": BenchInfo(description="building visibility fields"),
     "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
     "vismap-variance": BenchInfo(description="variance with visibility maps at equal time"),
