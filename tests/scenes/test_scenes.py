@@ -19,7 +19,9 @@ SCALED = {
     "bumpy_spheres": 15_000,
     "conference": 280_000,
     "courtyard": 2_200_000,
+    "garden": 2_000_000,
     "hairball": 3_000_000,
+    "mushrooms": 300_000,
     "random_triangles": 100_000,
     "room": 200_000,
 }
@@ -125,7 +127,11 @@ def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> Non
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n == "hairball" else ()) for n in SCALED]
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.slow if n in ("hairball", "garden") else ())
+        for n in SCALED
+    ],
 )
 def test_at_the_default_size_few_triangles_are_coplanar_with_a_neighbour(name: str) -> None:
     b = built(name)

@@ -11,7 +11,10 @@ from viscache.scenes.apartment import apartment
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
 from viscache.scenes.courtyard import courtyard
+from viscache.scenes.dynamics import dynamics
+from viscache.scenes.garden import garden
 from viscache.scenes.hairball import hairball
+from viscache.scenes.mushrooms import mushrooms
 from viscache.scenes.registry import SCENES, SceneInfo, build, parse
 from viscache.scenes.room import room
 from viscache.scenes.simple import (
@@ -37,7 +40,10 @@ __all__ = [
     "cornell_box",
     "courtyard",
     "cube_on_plane",
+    "dynamics",
+    "garden",
     "hairball",
+    "mushrooms",
     "parse",
     "random_triangles",
     "room",
