@@ -72,7 +72,7 @@ def test_mushrooms_are_1_3_units_high_and_wide() -> None:
     from viscache.scenes.mushrooms import height as ground
 
     low, high = boxes("mushrooms", "red caps", "brown caps")
-    assert len(low) == 50
+    assert len(low) == 44
     assert (high - low)[:, [0, 2]].mean() == pytest.approx(1.3, rel=0.05)
     middle = (low + high) / 2
     tall = high[:, 1] - ground(middle[:, 0], middle[:, 2])

@@ -14,9 +14,9 @@ FULL = 2_000_000
 LEAST = 5_000
 HALF = 18.0  # of the garden's width; all sizes are in the units of the visibility-map paper
 GRASS, TULIP = 3.8, 0.8  # mean height of the grass, diameter of a tulip
-SEGMENTS, BLADE_WIDTH = 14, 0.15
+SEGMENTS, BLADE_WIDTH = 15, 0.16
 CAMERAS = (((3.0, 6.6, 17.5), (-1.0, 2.4, 0.0)), ((-5.5, 2.3, 7.0), (1.5, 2.9, -5.0)))
-SHARE = 0.35  # of the triangles for ground and tulips
+SHARE = 0.45  # of the triangles for ground and tulips
 FREE = 0.9  # nothing grows so near to a camera
 GLADE, GLADE_SLOPE = 5.0, 0.35  # length of the free cone before a camera, and its slope
 

@@ -15,7 +15,7 @@ LEAST = 5_000
 HALF = 14.0  # of the floor's width; all sizes are in the units of the visibility-map paper
 SIZE = 1.3  # mean height and diameter of a mushroom
 CAMERA, TARGET = (0.5, 2.6, 6.2), (-0.3, 0.5, 0.0)
-MUSHROOMS, PLANTS, STONES = 50, 21, 60
+MUSHROOMS, PLANTS, STONES = 44, 21, 60
 
 
 @scene()
@@ -70,7 +70,7 @@ def spots(rng: np.random.Generator, n: int, apart: float, half: float) -> Array:
 
 def _mushrooms(b: Builder, rng: np.random.Generator) -> None:
     """Stem with a ring, and cap: 1 high and 1 wide before it is scaled to SIZE."""
-    at = spots(rng, MUSHROOMS, 1.1, 5.0)
+    at = spots(rng, MUSHROOMS, 1.35, 5.6)
     size = SIZE * np.clip(rng.normal(1, 0.14, len(at)), 0.7, 1.3)
     lean = rng.uniform(-7, 7, (2, len(at)))
     frames = place(_on_ground(at, 0.03), rng.uniform(0, 360, len(at)), size, *lean)
@@ -101,8 +101,8 @@ def _ferns(b: Builder, rng: np.random.Generator) -> None:
     green = b.glossy("ferns", (0.15, 0.36, 0.09), 0.04, 0.3)
     turn = 2 * np.pi * (np.arange(PLANTS) + rng.uniform(-0.3, 0.3, PLANTS)) / PLANTS
     behind = np.cos(turn) < -0.7
-    radius = np.where(behind, rng.uniform(8.5, 10.5, PLANTS), rng.uniform(7.5, 10.5, PLANTS))
-    scale = np.where(behind, rng.uniform(0.8, 1.2, PLANTS), rng.uniform(1.5, 2.2, PLANTS))
+    radius = np.where(behind, rng.uniform(8.5, 10.5, PLANTS), rng.uniform(8.0, 11.0, PLANTS))
+    scale = np.where(behind, rng.uniform(0.8, 1.2, PLANTS), rng.uniform(1.3, 2.0, PLANTS))
     at = np.stack([radius * np.sin(turn), radius * np.cos(turn)], -1)
     feet = place(_on_ground(at, 0.02), rng.uniform(0, 360, PLANTS), scale)
     arch = np.array([[0, 0, 0], [0, 1.0, 0.5], [0, 1.35, 1.3], [0, 1.1, 2.0]])
