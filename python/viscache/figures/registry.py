@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscache.figures.outcome import Outcome, text
+from viscache.figures.vismap_correlation import figure3, figure4
 from viscache.json_values import finite
 from viscache.provenance import provenance
 from viscache.settings import NotThereYetError, nearest
@@ -59,8 +60,15 @@ FIGURES: dict[str, FigureInfo] = {
         vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
         **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
         vismap_fig1="importance sampling of one, two and three factors",
-        vismap_fig3="correlation over distance and angle in one scene, with slices",
-        vismap_fig4="correlation in four scenes, with maps of the scenes",
+    ),
+    "vismap-fig3": FigureInfo(
+        description="correlation over distance and angle in one scene, with slices",
+        function=figure3,
+    ),
+    "vismap-fig4": FigureInfo(
+        description="correlation in four scenes, with maps of the scenes", function=figure4
+    ),
+    **_later(
         vismap_fig5="the weighting function",
         vismap_fig8="positions of the records",
         vismap_fig10="ambient occlusion, reference and cached",
