@@ -84,7 +84,7 @@ EDGES = {
     "close together": ([0.5, 0.50001, 0.50002, 0.9], [10, 10.001, 10.002, 179.99]),
     "narrow": ([0.4, 0.6], [30, 31]),
     "past everything": ([100, 200], [0, 180]),
-    "many": (np.linspace(0, 2, 2001), np.linspace(0, 180, 1801)),
+    "many": (np.linspace(0, 2, 1001), np.linspace(0, 180, 1801)),
 }
 
 
