@@ -19,6 +19,7 @@ SCALED = {
     "bumpy_spheres": 15_000,
     "conference": 280_000,
     "courtyard": 2_200_000,
+    "garage": 350_000,
     "garden": 2_000_000,
     "hairball": 3_000_000,
     "mushrooms": 300_000,

@@ -12,6 +12,7 @@ from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
 from viscache.scenes.courtyard import courtyard
 from viscache.scenes.dynamics import dynamics
+from viscache.scenes.garage import garage
 from viscache.scenes.garden import garden
 from viscache.scenes.hairball import hairball
 from viscache.scenes.mushrooms import mushrooms
@@ -41,6 +42,7 @@ __all__ = [
     "courtyard",
     "cube_on_plane",
     "dynamics",
+    "garage",
     "garden",
     "hairball",
     "mushrooms",
