@@ -19,6 +19,27 @@ inline uint32_t spread3(uint32_t v) {
     return (v | v << 2) & 0x09249249u;
 }
 
+/// Spreads the lowest 16 bits to every second bit.
+inline uint32_t spread2(uint32_t v) {
+    v &= 0xffffu;
+    v = (v | v << 8) & 0x00ff00ffu;
+    v = (v | v << 4) & 0x0f0f0f0fu;
+    v = (v | v << 2) & 0x33333333u;
+    return (v | v << 1) & 0x55555555u;
+}
+/// Its inverse: gathers the bits on even places.
+inline uint32_t gather2(uint32_t v) {
+    v &= 0x55555555u;
+    v = (v | v >> 1) & 0x33333333u;
+    v = (v | v >> 2) & 0x0f0f0f0fu;
+    v = (v | v >> 4) & 0x00ff00ffu;
+    return (v | v >> 8) & 0xffffu;
+}
+
+/// [VisMap Eq. 10] Z-order number of a cell of a square map: x on the even bits, y on the odd ones. The cells
+/// of a quadtree's node are consecutive. `gather2` of the number and of half of it are x and y again.
+inline uint32_t morton2(uint32_t x, uint32_t y) { return spread2(x) | spread2(y) << 1; }
+
 /// Code of a cell in a grid of 1024³; x on the lowest bit.
 inline uint32_t morton3(uint32_t x, uint32_t y, uint32_t z) {
     return spread3(x) | spread3(y) << 1 | spread3(z) << 2;

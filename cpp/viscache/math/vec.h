@@ -56,5 +56,7 @@ inline float max_component(Vec3 a) { return std::max({a.x, a.y, a.z}); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 /// Rec. 709 luminance of linear RGB.
 inline float luminance(Rgb c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+/// The same in double, for sums over lights of very different strength.
+inline double luminance_in_double(Rgb c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 }  // namespace viscache

@@ -20,7 +20,8 @@ enum class Purpose : uint32_t {
     kBranch,
     kTest,
     kSurfacePoint,
-    kDirectionPattern
+    kDirectionPattern,
+    kProduct
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).

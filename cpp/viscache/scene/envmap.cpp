@@ -102,8 +102,6 @@ std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world,
     return texels;
 }
 
-double luminance_in_double(Rgb c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
-
 /// Integral of the image's luminance over the sphere: rows weighted by their exact solid angle.
 double source_power(const Image& image, Rgb scale) {
     double power = 0;

@@ -1,0 +1,46 @@
+#pragma once
+// Points of the unit square for warps through deep trees: to the last bit of a double, so that even a cell
+// of probability 1e-12 is drawn as often as it should.
+#include "viscache/sampling/low_discrepancy.h"
+#include "viscache/sampling/rng.h"
+
+namespace viscache {
+
+enum class PointSet {
+    kIndependent,  ///< uniform, every point by itself
+    kZeroTwo,      ///< (0,2)-sequence, Owen-scrambled; the digits past the 32nd are random
+};
+
+struct Point2 {
+    double x, y;  ///< in [0, 1)
+};
+
+/// The points of one pixel and pass.
+class PointStream {
+public:
+    PointStream(PointSet set, uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) : set_(set) {
+        Rng rng(seed, purpose, pixel, pass);
+        scramble_x_ = rng.next_u32(), scramble_y_ = rng.next_u32();
+        key_ = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
+    }
+    Point2 at(uint32_t i) const {
+        constexpr uint64_t kWeyl = 0x9E3779B97F4A7C15ull;
+        const uint64_t a = mix64(key_ + (2 * uint64_t(i) + 1) * kWeyl);
+        if (set_ == PointSet::kIndependent) {
+            const uint64_t b = mix64(key_ + (2 * uint64_t(i) + 2) * kWeyl);
+            return {to_unit_double(a), to_unit_double(b)};
+        }
+        const uint32_t x = owen_scramble_reversed(i, scramble_x_);
+        const uint32_t y = owen_scramble_reversed(sobol2_reversed(i), scramble_y_);
+        return {to_unit_double(uint64_t(x) << 32 | a >> 32), to_unit_double(uint64_t(y) << 32 | (a & ~0u))};
+    }
+
+private:
+    static double to_unit_double(uint64_t x) { return double(x >> 11) * 0x1p-53; }
+
+    PointSet set_;
+    uint32_t scramble_x_, scramble_y_;
+    uint64_t key_;
+};
+
+}  // namespace viscache

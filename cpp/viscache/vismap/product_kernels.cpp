@@ -1,0 +1,109 @@
+#include "viscache/vismap/product_kernels.h"
+
+#include <cmath>
+
+namespace viscache {
+namespace {
+
+#define VISCACHE_INLINE inline __attribute__((always_inline))
+
+VISCACHE_INLINE void diffuse_body(const LobeConstants& k, const float* x, const float* y, const float* z,
+                                  RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const float cos = c > 0 && g > 0 ? c : 0.f;
+        out.r[i] = k.diffuse.x * cos, out.g[i] = k.diffuse.y * cos, out.b[i] = k.diffuse.z * cos;
+    }
+}
+
+/// The terms of `eval_bsdf`, written without branches. With w·h = |w + o|/2 for the half vector h.
+VISCACHE_INLINE void glossy_body(const LobeConstants& k, const float* x, const float* y, const float* z,
+                                 RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const float o = (k.wo.x * x[i] + k.wo.y * y[i]) + k.wo.z * z[i];
+        const bool above = c > 0 && g > 0;
+        const float cos = above ? c : 1.f;  // anything harmless
+        const float l2 = 2 + 2 * o, sum2 = l2 > 1e-12f ? l2 : 1e-12f, sum = __builtin_sqrtf(sum2);
+        const float ch = (cos + k.cos_o) / sum, ch2 = ch < 1 ? ch * ch : 1.f;
+        const float t = (1 - ch2) + k.alpha2 * ch2;
+        const float d = k.alpha2 / (kPi * t * t);
+        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
+        const float lobe = d * k.outgoing * (2 * cos / (cos + root));
+        const float m = 1 - 0.5f * sum, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
+        const float e = 1 - cos, entry = (1 - e * e * e * e * e) * cos, on = above ? 1.f : 0.f;
+        out.r[i] = on * (k.diffuse.x * entry + (k.f0.x + (1 - k.f0.x) * m5) * lobe);
+        out.g[i] = on * (k.diffuse.y * entry + (k.f0.y + (1 - k.f0.y) * m5) * lobe);
+        out.b[i] = on * (k.diffuse.z * entry + (k.f0.z + (1 - k.f0.z) * m5) * lobe);
+    }
+}
+
+VISCACHE_INLINE void above_body(const LobeConstants& k, const float* x, const float* y, const float* z,
+                                const float* sine, uint8_t* above, size_t n) {
+    for (size_t i = 0; i < n; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        above[i] = uint8_t(int(c > -sine[i]) & int(g > -sine[i]));
+    }
+}
+
+template <size_t kSpan>
+VISCACHE_INLINE void scale_by(const float* b, const double* light, double* out, size_t n) {
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < kSpan; ++k) out[i * kSpan + k] = double(b[i]) * light[i * kSpan + k];
+}
+VISCACHE_INLINE void scale_body(const float* b, const double* light, double* out, size_t n, size_t span) {
+    if (span == 1) return scale_by<1>(b, light, out, n);
+    if (span == 4) return scale_by<4>(b, light, out, n);
+    scale_by<16>(b, light, out, n);
+}
+
+VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) {
+    for (size_t i = 0; i < n; ++i) parents[i] = (c[4 * i] + c[4 * i + 1]) + (c[4 * i + 2] + c[4 * i + 3]);
+}
+
+// One struct of static functions per instruction set. A macro, because a target attribute cannot be a
+// parameter.
+#define VISCACHE_PRODUCT_VARIANT(Name, TARGET)                                                             \
+    struct Name {                                                                                          \
+        TARGET static void diffuse(const LobeConstants& k, const float* x, const float* y, const float* z, \
+                                   RgbBlock& o) {                                                          \
+            diffuse_body(k, x, y, z, o);                                                                   \
+        }                                                                                                  \
+        TARGET static void glossy(const LobeConstants& k, const float* x, const float* y, const float* z,  \
+                                  RgbBlock& o) {                                                           \
+            glossy_body(k, x, y, z, o);                                                                    \
+        }                                                                                                  \
+        TARGET static void above(const LobeConstants& k, const float* x, const float* y, const float* z,   \
+                                 const float* s, uint8_t* a, size_t n) {                                   \
+            above_body(k, x, y, z, s, a, n);                                                               \
+        }                                                                                                  \
+        TARGET static void scale(const float* b, const double* l, double* o, size_t n, size_t s) {         \
+            scale_body(b, l, o, n, s);                                                                     \
+        }                                                                                                  \
+        TARGET static void sum_fours(const double* c, double* p, size_t n) { sum_fours_body(c, p, n); }    \
+        static constexpr ProductKernels kernels{diffuse, glossy, above, scale, sum_fours};                 \
+    };
+
+VISCACHE_PRODUCT_VARIANT(Portable, )
+#if VISCACHE_X86
+VISCACHE_PRODUCT_VARIANT(Avx2, VISCACHE_TARGET_AVX2)
+VISCACHE_PRODUCT_VARIANT(Avx512, VISCACHE_TARGET_AVX512)
+#endif
+
+#undef VISCACHE_PRODUCT_VARIANT
+#undef VISCACHE_INLINE
+
+}  // namespace
+
+const ProductKernels& product_kernels([[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return Avx512::kernels;
+    if (isa == Isa::kAvx2) return Avx2::kernels;
+#endif
+    return Portable::kernels;
+}
+
+}  // namespace viscache

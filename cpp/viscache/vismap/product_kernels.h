@@ -1,0 +1,43 @@
+#pragma once
+// The inner loops of product sampling, one variant per instruction set; all give the same bits.
+#include <cstddef>
+#include <cstdint>
+
+#include "viscache/math/isa.h"
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+/// Sixteen colours.
+struct RgbBlock {
+    alignas(64) float r[16];
+    alignas(64) float g[16];
+    alignas(64) float b[16];
+};
+
+/// Reflection at one point with everything that no incoming direction changes.
+struct LobeConstants {
+    Vec3 ns, ng, wo;
+    Rgb diffuse;  ///< diffuse part of f, under a lobe without its factor 1 − (1 − cos_i)⁵
+    Rgb f0;       ///< of the lobe
+    float cos_o = 0, alpha2 = 1;
+    float outgoing = 0;  ///< G1(cos_o)/(4 cos_o)
+};
+
+struct ProductKernels {
+    /// f·cos of a diffuse or a glossy surface for sixteen unit directions.
+    void (*diffuse)(const LobeConstants&, const float* x, const float* y, const float* z, RgbBlock& out);
+    void (*glossy)(const LobeConstants&, const float* x, const float* y, const float* z, RgbBlock& out);
+    /// above[i] = 1 where the cone around direction i reaches above both planes.
+    void (*above)(const LobeConstants&, const float* x, const float* y, const float* z, const float* sine,
+                  uint8_t* above, size_t n);
+    /// out[i] = b[i / span] · light[i] for n·span products; span is 1, 4 or 16.
+    void (*scale)(const float* b, const double* light, double* out, size_t n, size_t span);
+    /// Sums of fours: (a + b) + (c + d).
+    void (*sum_fours)(const double* children, double* parents, size_t parents_count);
+};
+
+const ProductKernels& product_kernels(Isa isa);
+inline const ProductKernels& product_kernels() { return product_kernels(active_isa()); }
+
+}  // namespace viscache

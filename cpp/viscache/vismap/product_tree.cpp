@@ -1,0 +1,247 @@
+#include "viscache/vismap/product_tree.h"
+
+#include <algorithm>
+
+#include "viscache/math/morton.h"
+#include "viscache/math/octahedral.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr uint32_t nodes_at(int level) { return uint32_t{1} << (2 * level); }
+
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+
+/// Chooses one of four masses for a point, which is stretched back over the square: rows by y, then columns
+/// by x. A mass of zero is never chosen.
+uint32_t pick(const double* mass, Point2& u) {
+    const auto choose = [](double first, double second, double& v) -> uint32_t {
+        const double t = v * (first + second);
+        if (t < first || !(second > 0)) return v = std::min(t / first, kBelowOne), 0;
+        return v = std::min((t - first) / second, kBelowOne), 1;
+    };
+    const uint32_t row = choose(mass[0] + mass[1], mass[2] + mass[3], u.y);
+    return 2 * row + choose(mass[2 * row], mass[2 * row + 1], u.x);
+}
+
+}  // namespace
+
+void ProductTree::build(const EnvironmentPyramid& light, const Reflection& reflection, int m) {
+    light_ = &light, m_ = m, dense_ = std::max(m, kBaseLevel), guided_ = false;
+    for (int l = 0; l <= dense_; ++l) mass_[size_t(l)].resize(nodes_at(l));
+    if (reflection.black() || !(light.total() > 0)) {
+        mass_[0][0] = 0, leaves_ = 0;
+        return;
+    }
+    sample_base(reflection);
+    refine(reflection);
+    raise_to_floor(reflection);
+    multiply();
+}
+
+ProductTree::Leaf ProductTree::base_leaf(uint32_t code) const {
+    return {{red_[code], green_[code], blue_[code]}, b_[code], spread_[code], children_[code]};
+}
+
+namespace {
+
+/// Mean and spread of the four samples of one leaf.
+struct LeafSamples {
+    Rgb mean;
+    float least, most;
+    LeafSamples(const RgbBlock& s, int quarter) {
+        float lum[4];
+        Rgb sum;
+        for (int k = 0; k < 4; ++k) {
+            const int i = 4 * quarter + k;
+            const Rgb c{s.r[i], s.g[i], s.b[i]};
+            sum += c, lum[k] = luminance(c);
+        }
+        mean = sum * 0.25f;
+        least = std::min(std::min(lum[0], lum[1]), std::min(lum[2], lum[3]));
+        most = std::max(std::max(lum[0], lum[1]), std::max(lum[2], lum[3]));
+    }
+};
+
+}  // namespace
+
+void ProductTree::sample_base(const Reflection& reflection) {
+    const size_t n = nodes_at(kBaseLevel);
+    touched_.resize(n), children_.assign(n, -1), deep_.clear(), leaves_ = int(n), greatest_ = 0;
+    b_.assign(n, 0), spread_.assign(n, 0);
+    red_.assign(n, 0), green_.assign(n, 0), blue_.assign(n, 0);
+    reflection.touched(kBaseLevel, 0, touched_);
+    RgbBlock block;
+    for (uint32_t first = 0; first < n; first += 4) {
+        if (!(touched_[first] | touched_[first + 1] | touched_[first + 2] | touched_[first + 3])) continue;
+        reflection.sample(kBaseLevel + kSampleLevels, 4 * first, block);
+        for (uint32_t k = 0; k < 4; ++k) {
+            const LeafSamples s(block, int(k));
+            const uint32_t z = first + k;
+            red_[z] = s.mean.x, green_[z] = s.mean.y, blue_[z] = s.mean.z;
+            b_[z] = luminance(s.mean), spread_[z] = s.most - s.least;
+            greatest_ = std::max(greatest_, b_[z]);
+        }
+    }
+}
+
+void ProductTree::refine(const Reflection& reflection) {
+    const double* light = light_->sums(kBaseLevel);
+    double total = 0;
+    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z) total += double(b_[z]) * light[z];
+    const double worth = kWorthSplitting * total;
+    const auto less = [](const Candidate& a, const Candidate& b) {
+        return a.error != b.error ? a.error < b.error : a.code > b.code;
+    };
+    heap_.clear();
+    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z)
+        if (const double e = double(spread_[z]) * light[z]; e > worth)
+            heap_.push_back({e, kBaseLevel, z, -1});
+    std::make_heap(heap_.begin(), heap_.end(), less);
+    for (int splits = 0; splits < kMostSplits && !heap_.empty(); ++splits) {
+        std::pop_heap(heap_.begin(), heap_.end(), less);
+        const Candidate c = heap_.back();
+        heap_.pop_back();
+        const size_t before = deep_.size();
+        split(reflection, c);
+        if (c.level + 1 == kDeepestLevel) continue;
+        for (uint32_t k = 0; k < 4; ++k) {
+            const uint32_t code = 4 * c.code + k;
+            const double e = double(deep_[before + k].spread) * light_->sums(c.level + 1)[code];
+            if (!(e > worth)) continue;
+            heap_.push_back({e, c.level + 1, code, int32_t(before + k)});
+            std::push_heap(heap_.begin(), heap_.end(), less);
+        }
+    }
+}
+
+void ProductTree::split(const Reflection& reflection, const Candidate& c) {
+    (c.index < 0 ? children_[c.code] : deep_[size_t(c.index)].children) = int32_t(deep_.size());
+    RgbBlock block;
+    reflection.sample(c.level + 1 + kSampleLevels, 16 * c.code, block);
+    for (int k = 0; k < 4; ++k) {
+        const LeafSamples s(block, k);
+        deep_.push_back({s.mean, luminance(s.mean), s.most - s.least, -1});
+        greatest_ = std::max(greatest_, deep_.back().b);
+    }
+    leaves_ += 3;
+}
+
+void ProductTree::raise_to_floor(const Reflection& reflection) {
+    // Where the samples saw nothing at all any positive number will do
+    const float floor = greatest_ > 0 ? kFloor * greatest_ : 1.f;
+    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z) {
+        const float add = touched_[z] && b_[z] < floor ? floor - b_[z] : 0.f;
+        if (add > 0) red_[z] += add, green_[z] += add, blue_[z] += add, b_[z] = floor;
+        if (children_[z] >= 0) raise_children(reflection, kBaseLevel, z, children_[z], floor);
+    }
+}
+
+void ProductTree::raise_children(const Reflection& reflection, int level, uint32_t code, int32_t first,
+                                 float floor) {
+    uint8_t touched[4];
+    reflection.touched(level + 1, 4 * code, touched);
+    for (uint32_t k = 0; k < 4; ++k) {
+        Leaf& leaf = deep_[size_t(first) + k];
+        if (touched[k] && leaf.b < floor) leaf.colour += Rgb{1, 1, 1} * (floor - leaf.b), leaf.b = floor;
+        if (leaf.children >= 0) raise_children(reflection, level + 1, 4 * code + k, leaf.children, floor);
+    }
+}
+
+/// Sum over the leaves below a node, in one order for the stored masses and for the warp.
+double ProductTree::mass(int level, uint32_t code, const Leaf& leaf) const {
+    if (leaf.children < 0) return double(leaf.b) * light_->sums(level)[code];
+    double m[4];
+    for (uint32_t k = 0; k < 4; ++k) m[k] = mass(level + 1, 4 * code + k, deep_[size_t(leaf.children) + k]);
+    return (m[0] + m[1]) + (m[2] + m[3]);
+}
+
+double ProductTree::colour_mass(int channel, int level, uint32_t code, const Leaf& leaf) const {
+    if (leaf.children < 0) return double(leaf.colour[channel]) * light_->colour_sums(channel, level)[code];
+    double m[4];
+    for (uint32_t k = 0; k < 4; ++k)
+        m[k] = colour_mass(channel, level + 1, 4 * code + k, deep_[size_t(leaf.children) + k]);
+    return (m[0] + m[1]) + (m[2] + m[3]);
+}
+
+/// Stored masses of a node whose leaves are split: at the dense level, from there or from above.
+void ProductTree::multiply_split(int level, uint32_t code, const Leaf& leaf) {
+    if (level == dense_ || leaf.children < 0) {
+        const int below = dense_ - level;
+        for (uint32_t z = code << (2 * below); z < (code + 1) << (2 * below); ++z) {
+            mass_[size_t(dense_)][z] = mass(dense_, z, leaf);
+            for (int c = 0; c < 3; ++c) dense_colour_[size_t(c)][z] = colour_mass(c, dense_, z, leaf);
+        }
+        return;
+    }
+    for (uint32_t k = 0; k < 4; ++k)
+        multiply_split(level + 1, 4 * code + k, deep_[size_t(leaf.children) + k]);
+}
+
+void ProductTree::multiply() {
+    const ProductKernels& kernels = product_kernels();
+    const size_t n = nodes_at(kBaseLevel), span = nodes_at(dense_ - kBaseLevel);
+    const std::array<const float*, 3> channels{red_.data(), green_.data(), blue_.data()};
+    kernels.scale(b_.data(), light_->sums(dense_), mass_[size_t(dense_)].data(), n, span);
+    for (int c = 0; c < 3; ++c) {
+        dense_colour_[size_t(c)].resize(nodes_at(dense_));
+        kernels.scale(channels[size_t(c)], light_->colour_sums(c, dense_), dense_colour_[size_t(c)].data(), n,
+                      span);
+    }
+    for (uint32_t z = 0; z < n; ++z)
+        if (children_[z] >= 0) multiply_split(kBaseLevel, z, base_leaf(z));
+    for (int l = dense_; l-- > 0;)
+        kernels.sum_fours(mass_[size_t(l) + 1].data(), mass_[size_t(l)].data(), nodes_at(l));
+    if (m_ == dense_) return;
+    for (int c = 0; c < 3; ++c) {
+        map_colour_[size_t(c)].resize(nodes_at(m_));
+        kernels.sum_fours(dense_colour_[size_t(c)].data(), map_colour_[size_t(c)].data(), nodes_at(m_));
+    }
+}
+
+void ProductTree::guide(std::span<const double> density) {
+    for (int l = 0; l <= m_; ++l) guided_mass_[size_t(l)].resize(nodes_at(l));
+    for (size_t z = 0; z < nodes_at(m_); ++z) guided_mass_[size_t(m_)][z] = mass_[size_t(m_)][z] * density[z];
+    for (int l = m_; l-- > 0;)
+        product_kernels().sum_fours(guided_mass_[size_t(l) + 1].data(), guided_mass_[size_t(l)].data(),
+                                    nodes_at(l));
+    guided_ = true;
+}
+
+ProductTree::Sample ProductTree::sample(Point2 u) const {
+    // Through the stored levels, the leaves below them, and the environment alone
+    uint32_t z = 0;
+    int level = 0;
+    for (; level < dense_; ++level) z = 4 * z + pick(&density(level + 1)[4 * z], u);
+    Leaf leaf = base_leaf(z >> (2 * (dense_ - kBaseLevel)));
+    for (int l = kBaseLevel; l < dense_ && leaf.children >= 0; ++l)
+        leaf = deep_[size_t(leaf.children) + (z >> (2 * (dense_ - l - 1)) & 3)];
+    for (; leaf.children >= 0; ++level) {
+        double m[4];
+        for (uint32_t k = 0; k < 4; ++k) m[k] = mass(level + 1, 4 * z + k, deep_[size_t(leaf.children) + k]);
+        const uint32_t k = pick(m, u);
+        z = 4 * z + k, leaf = deep_[size_t(leaf.children) + k];
+    }
+    for (; level < light_->levels(); ++level) z = 4 * z + pick(&light_->sums(level + 1)[4 * z], u);
+    const double cells = double(nodes_at(level) >> level);
+    const Vec2 p{float((gather2(z) + u.x) / cells), float((gather2(z >> 1) + u.y) / cells)};
+    return {z, equal_area_to_direction(p), leaf.b, leaf.colour};
+}
+
+std::vector<double> ProductTree::texel_masses() const {
+    std::vector<double> out(nodes_at(light_->levels()));
+    for (uint32_t z = 0; z < out.size(); ++z)
+        out[z] = double(leaf_of(z).b) * light_->sums(light_->levels())[z];
+    return out;
+}
+
+ProductTree::Leaf ProductTree::leaf_of(uint32_t texel) const {
+    int level = kBaseLevel;
+    const auto code = [&] { return texel >> (2 * (light_->levels() - level)); };
+    Leaf leaf = base_leaf(code());
+    while (leaf.children >= 0) ++level, leaf = deep_[size_t(leaf.children) + (code() & 3)];
+    return leaf;
+}
+
+}  // namespace viscache

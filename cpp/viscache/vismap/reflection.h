@@ -1,0 +1,35 @@
+#pragma once
+// Reflection as a function of the incoming direction, B = f·cos, sampled at the centres of quadtree nodes.
+#include <span>
+
+#include "viscache/scene/bsdf.h"
+#include "viscache/vismap/product_kernels.h"
+
+namespace viscache {
+
+/// What the tree of B̃ is built from. Levels and codes are those of node_directions.h.
+class Reflection {
+public:
+    virtual ~Reflection() = default;
+    /// B at the sixteen centres of `level` from node `first` on, a multiple of 16.
+    virtual void sample(int level, uint32_t first, RgbBlock& out) const = 0;
+    /// touched[i] = 1 where B may be greater than zero somewhere in node `first` + i.
+    virtual void touched(int level, uint32_t first, std::span<uint8_t> touched) const = 0;
+    /// Zero for every direction.
+    virtual bool black() const = 0;
+};
+
+/// Diffuse and glossy surfaces: `eval_bsdf`·cos up to float rounding, sixteen directions at a time.
+class SurfaceReflection final : public Reflection {
+public:
+    explicit SurfaceReflection(const ShadingPoint& point);
+    void sample(int level, uint32_t first, RgbBlock& out) const override;
+    void touched(int level, uint32_t first, std::span<uint8_t> touched) const override;
+    bool black() const override { return black_; }
+
+private:
+    LobeConstants lobe_;
+    bool black_, glossy_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,210 @@
+"""vismap/product_tree.h: directions in proportion to light × reflection."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from sampling.chi_square import p_value
+from viscache import _core
+from viscache._core.sampling import eval_bsdf
+from viscache._core.vismap import (
+    EnvironmentPyramid,
+    PointSet,
+    ProductTree,
+    morton2,
+    points,
+    reflection_at_nodes,
+)
+from vismap.worlds import coarser, cosine_lobe, directions, luminance, morton, sky, surface
+
+SURFACES = {
+    "diffuse": surface(),
+    "glossy": surface(glossy=True),
+    "sharp": surface(glossy=True, roughness=0.02),
+    "along an axis": surface((0, 0, 1), glossy=True),
+    "below the horizon": surface((0.1, 0.2, -1)),
+}
+
+
+def test_cells_are_numbered_along_the_z_order_curve() -> None:
+    first = [[morton2(x, y) for x in range(8)] for y in range(2)]
+    assert first == [[0, 1, 4, 5, 16, 17, 20, 21], [2, 3, 6, 7, 18, 19, 22, 23]]
+    for level in (3, 7):
+        edge = 2**level
+        order = [morton2(x, y) for y in range(edge) for x in range(edge)]
+        np.testing.assert_array_equal(np.argsort(order), morton(level))
+
+
+@pytest.mark.parametrize("edge", [1, 16, 128, 512])
+def test_sums_of_the_environment_are_those_of_numpy(edge: int) -> None:
+    pixels = sky(edge, sun=1e6) if edge > 8 else np.full((1, 1, 3), 0.7, np.float32)
+    pyramid = EnvironmentPyramid(pixels)
+    assert pyramid.levels == max(7, int(np.log2(edge)))
+    size = 2**pyramid.levels
+    fine = luminance(np.kron(pixels, np.ones((size // edge, size // edge, 1), np.float32)))
+    fine *= 4 * np.pi / size**2
+    for level in (0, 3, 5, pyramid.levels):
+        expected = coarser(fine, 2**level).ravel()[morton(level)]
+        np.testing.assert_allclose(pyramid.sums(level), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+@pytest.mark.parametrize("map_level", [4, 5, 6, 7])
+def test_probabilities_sum_to_one_at_every_level(name: str, map_level: int) -> None:
+    tree = ProductTree.of_surface(EnvironmentPyramid(sky(256, sun=1e6)), SURFACES[name], map_level)
+    masses = tree.texel_masses()
+    assert masses.sum() == pytest.approx(tree.total, rel=1e-12)
+    for level in range(tree.dense_level + 1):
+        expected = coarser(masses, 2**level).ravel()[morton(level)]
+        np.testing.assert_allclose(tree.masses(level), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_whatever_brings_light_can_be_drawn(name: str) -> None:
+    light = sky(256, sun=1e6)
+    tree = ProductTree.of_surface(EnvironmentPyramid(light), SURFACES[name])
+    edge, sub = 256, 4
+    fine = directions(edge * sub)
+    cosine = np.maximum(fine @ np.asarray(surface_normal(name)), 0)
+    b = luminance(eval_bsdf(SURFACES[name], fine.reshape(-1, 3))).reshape(cosine.shape) * cosine
+    brings = (coarser(b, edge) > 0) & (luminance(light) > 0)
+    assert brings.sum() > 1000
+    assert (tree.texel_masses()[brings] > 0).all()
+    b_tilde = luminance(tree.b_tilde())
+    assert b_tilde[brings].min() >= 0.9e-3 * b_tilde.max()
+
+
+def surface_normal(name: str) -> tuple[float, float, float]:
+    normal = {"along an axis": (0, 0, 1), "below the horizon": (0.1, 0.2, -1)}.get(
+        name, (0.3, -0.5, 0.81)
+    )
+    return tuple(np.asarray(normal) / np.linalg.norm(normal))
+
+
+def test_the_floor_is_what_keeps_the_horizon_reachable() -> None:
+    """Negative control: samples alone miss texels that a cosine reaches."""
+    tree = ProductTree.of_table(EnvironmentPyramid(sky(128)), horizon_table())
+    b = luminance(horizon_table())
+    b_tilde = luminance(tree.b_tilde())
+    at_floor = (b > 0) & (b_tilde < 1.1e-3 * b_tilde.max())
+    assert at_floor.sum() > 10
+    assert (tree.texel_masses()[(b > 0) & (luminance(sky(128)) > 0)] > 0).all()
+
+
+def horizon_table() -> np.ndarray:
+    """Bright above, and single faint texels below where all their neighbours are black."""
+    table = cosine_lobe(128)
+    black = luminance(table) == 0
+    table[black & (np.indices(black.shape).sum(0) % 5 == 0)] = 1e-6
+    return table
+
+
+@pytest.mark.parametrize("level", [6, 7, 8])
+@pytest.mark.parametrize("name", SURFACES)
+def test_reflection_sixteen_at_a_time_is_that_of_the_scene(name: str, level: int) -> None:
+    for first in range(0, 4**level, 16 * 4 ** (level - 4) // 5 // 16 * 16 or 16):
+        d, b = reflection_at_nodes(SURFACES[name], level, first)
+        cosine = np.maximum(d @ np.asarray(surface_normal(name)), 0)
+        expected = eval_bsdf(SURFACES[name], d) * cosine[:, None]
+        np.testing.assert_allclose(b, expected, rtol=2e-3, atol=1e-5)
+
+
+@pytest.mark.parametrize("kind", list(PointSet))
+@pytest.mark.parametrize("sun", [0.0, 1e4])
+def test_samples_are_as_frequent_as_their_masses(kind: PointSet, sun: float) -> None:
+    tree = ProductTree.of_surface(EnvironmentPyramid(sky(128, sun=sun)), SURFACES["glossy"])
+    n = 400_000
+    u = np.concatenate([points(kind, 40, pixel=i) for i in range(n // 40)])
+    texel, wi = tree.sample(u)
+    counts = np.bincount(texel, minlength=128 * 128)
+    masses = tree.texel_masses().ravel()
+    assert not counts[masses == 0].any()
+    expected = n * masses / tree.total
+    if kind is PointSet.INDEPENDENT:
+        assert p_value(counts, expected) > 1e-4
+        shifted = np.roll(expected, 1)
+        assert p_value(counts, shifted) < 1e-9, "the test must see masses in the wrong place"
+    else:  # more even than chance: the same mean, less spread
+        spread = ((counts - expected) ** 2 / np.maximum(expected, 1e-9))[expected > 5].mean()
+        assert spread < 1
+    cell = np.asarray(directions(128).reshape(-1, 3)[texel])
+    assert (wi * cell).sum(1).min() > np.cos(0.06), "a direction lies in its texel"
+
+
+def test_the_warp_keeps_strata() -> None:
+    """16 points of a (0, 2)-sequence fall into the four equal parts of the sphere evenly."""
+    light = np.ones((128, 128, 3), np.float32)
+    tree = ProductTree.of_table(EnvironmentPyramid(light), np.ones((128, 128, 3), np.float32))
+    texel, _ = tree.sample(points(PointSet.ZERO_TWO, 16, seed=5))
+    cells = (texel // 128 // 32) * 4 + texel % 128 // 32
+    assert sorted(cells) == list(range(16))
+
+
+def test_points_fill_their_strata() -> None:
+    for pixel in range(20):
+        u = points(PointSet.ZERO_TWO, 64, seed=3, pixel=pixel)
+        for rows in (1, 2, 4, 8, 16, 32, 64):
+            cell = (u[:, 0] * 64 // rows) * rows + u[:, 1] * rows // 1
+            assert len(np.unique(cell)) == 64
+    u = points(PointSet.INDEPENDENT, 20_000, seed=3)
+    assert abs(np.corrcoef(u.T)[0, 1]) < 0.03 and abs(u.mean() - 0.5) < 0.01
+    again = points(PointSet.ZERO_TWO, 64, seed=3, pass_=1)
+    assert not np.array_equal(again, points(PointSet.ZERO_TWO, 64, seed=3, pass_=2))
+
+
+def test_nothing_is_drawn_in_the_dark() -> None:
+    black = EnvironmentPyramid(np.zeros((128, 128, 3), np.float32))
+    tree = ProductTree.of_surface(black, SURFACES["diffuse"])
+    assert tree.total == 0
+    with pytest.raises(ValueError, match="total must be > 0"):
+        tree.sample(np.zeros((1, 2)))
+    light = EnvironmentPyramid(sky())
+    assert ProductTree.of_table(light, np.zeros((128, 128, 3), np.float32)).total == 0
+
+
+def test_bad_input_is_refused() -> None:
+    with pytest.raises(ValueError, match="power of two"):
+        EnvironmentPyramid(np.ones((100, 100, 3), np.float32))
+    for bad in (np.nan, np.inf, -1.0):
+        pixels = sky()
+        pixels[3, 4, 1] = bad
+        with pytest.raises(ValueError, match="finite and >= 0"):
+            EnvironmentPyramid(pixels)
+    light = EnvironmentPyramid(sky())
+    with pytest.raises(ValueError, match="map_level must be in"):
+        ProductTree.of_surface(light, SURFACES["diffuse"], 3)
+    tree = ProductTree.of_surface(light, SURFACES["diffuse"])
+    with pytest.raises(ValueError, match=r"u must be in \[0, 1\)"):
+        tree.sample(np.array([[0.5, 1.0]]))
+
+
+TREES = """
+import hashlib, sys
+sys.path[:0] = {path}
+from viscache._core.vismap import EnvironmentPyramid, ProductTree, PointSet, points
+from vismap.worlds import sky, surface
+made = hashlib.sha256()
+for m in (4, 5, 6):
+    for glossy in (False, True):
+        light = EnvironmentPyramid(sky(128, sun=1e5))
+        tree = ProductTree.of_surface(light, surface(glossy=glossy), m)
+        made.update(tree.texel_masses().tobytes())
+        made.update(tree.sample(points(PointSet.ZERO_TWO, 500))[0].tobytes())
+print(made.hexdigest())
+"""
+
+
+def test_every_instruction_set_gives_the_same_trees() -> None:
+    isas = ["portable", "avx2", "avx512"]
+    isas = isas[: isas.index(_core.best_isa()) + 1]
+    seen = {
+        subprocess.run(
+            [sys.executable, "-c", TREES.format(path=sys.path)],
+            env=os.environ | {"VISCACHE_ISA": isa}, capture_output=True, text=True, check=True,
+        ).stdout
+        for isa in isas
+    }  # fmt: skip
+    assert len(seen) == 1 and len(seen.pop()) > 60
