@@ -172,7 +172,7 @@ void bind_tree(py::module_& s) {
 
 void bind_vismap_product(py::module_& m) {
     py::module_ s = m.def_submodule("vismap", "Visibility maps and product sampling of the environment.");
-    py::native_enum<PointSet>(s, "PointSet", "enum.Enum", "Points of the square.")
+    py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
         .value("INDEPENDENT", PointSet::kIndependent)
         .value("ZERO_TWO", PointSet::kZeroTwo)
         .finalize();

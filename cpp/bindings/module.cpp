@@ -16,6 +16,7 @@ void bind_render(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_vismap_estimate(py::module_& m);
 void bind_vismap_product(py::module_& m);
 void bind_warp(py::module_& m);
 }  // namespace viscache::bindings
@@ -36,5 +37,6 @@ PYBIND11_MODULE(_core, m) {
     bind_eye_paths(m);
     bind_correlation_rows(m);
     bind_vismap_product(m);
+    bind_vismap_estimate(m);
     bind_warp(m);
 }

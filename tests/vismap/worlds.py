@@ -76,3 +76,53 @@ def cosine_lobe(edge: int, *, glossy: bool = True) -> npt.NDArray[np.float32]:
     lobe = np.maximum(d @ (mirrored / np.linalg.norm(mirrored)), 0) ** 40
     b = 0.5 / np.pi * cosine + (2.0 * lobe * (cosine > 0) if glossy else 0.0)
     return np.repeat(b[..., None], 3, axis=-1).astype(np.float32)
+
+
+def grown(maps: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Every set cell with its eight neighbours on the sphere; maps (n, M, M)."""
+    edge = maps.shape[1]
+    found = np.zeros_like(maps)
+    y, x = np.indices((edge, edge))
+    for dy in (-1, 0, 1):
+        for dx in (-1, 0, 1):
+            rows, columns = folded(y + dy, x + dx, edge)
+            found |= maps[:, rows, columns]
+    return found
+
+
+def folded(y: Ints, x: Ints, edge: int) -> tuple[Ints, Ints]:
+    """Where the square's borders continue."""
+    out = (x < 0) | (x >= edge)
+    x, y = (
+        np.where(x < 0, -1 - x, np.where(x >= edge, 2 * edge - 1 - x, x)),
+        np.where(out, edge - 1 - y, y),
+    )
+    out = (y < 0) | (y >= edge)
+    y, x = (
+        np.where(y < 0, -1 - y, np.where(y >= edge, 2 * edge - 1 - y, y)),
+        np.where(out, edge - 1 - x, x),
+    )
+    return y, x
+
+
+def dilations(maps: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.bool_]]:
+    """Grown by one cell, by a block of 2 × 2 and, from 64 × 64 cells on, by one of 4 × 4."""
+    n, edge, _ = maps.shape
+    levels = [maps]
+    for k in (2, 4) if edge >= 64 else (2,):
+        blocks = maps.reshape(n, edge // k, k, edge // k, k)
+        levels.append(blocks.any(axis=(2, 4)))
+    return [grown(level) for level in levels]
+
+
+def blended(maps: npt.NDArray[np.bool_], beta: Floats, edge: int) -> npt.NDArray[np.float64]:
+    """Σ β_i V_i over edge × edge texels."""
+    mean = np.tensordot(beta.astype(np.float64), maps.astype(np.float64), axes=1)
+    k = edge // maps.shape[1]
+    return np.kron(mean, np.ones((k, k)))
+
+
+def shares(n: int, seed: int = 0) -> npt.NDArray[np.float32]:
+    """Random β, greater than zero with sum one."""
+    beta = np.random.default_rng(seed).uniform(0.2, 1, n)
+    return (beta / beta.sum()).astype(np.float32)

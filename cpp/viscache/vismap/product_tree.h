@@ -39,6 +39,10 @@ public:
     int dense_level() const { return dense_; }
     /// ∫ λ·b over the nodes of a level up to `dense_level`.
     std::span<const double> masses(int level) const { return mass_[size_t(level)]; }
+    /// ∫ λ·b·D over the nodes of a level up to `map_level`: what samples are drawn by.
+    std::span<const double> density_masses(int level) const {
+        return (guided_ ? guided_mass_ : mass_)[size_t(level)];
+    }
     /// ∫ L·B̃ of one channel over the cells of maps.
     std::span<const double> cell_colours(int channel) const {
         return (m_ == dense_ ? dense_colour_ : map_colour_)[size_t(channel)];
@@ -47,6 +51,8 @@ public:
 
     /// Multiplies the density by D >= 0, constant in each cell of the maps, until the next `build`.
     void guide(std::span<const double> density);
+    void unguide() { guided_ = false; }
+    bool guided() const { return guided_; }
     /// One point of the square to one direction; total() must be > 0.
     Sample sample(Point2 u) const;
     /// λ·b of every texel, along the Morton curve; slow.

@@ -12,7 +12,7 @@ from . import aqvc
 from . import correlation
 from . import sampling
 from . import vismap
-__all__: list[str] = ['Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'vismap']
+__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'vismap']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -352,6 +352,25 @@ class Camera:
         ...
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class PointSet(enum.Enum):
+    """
+    Points of the square.
+    """
+    INDEPENDENT: typing.ClassVar[PointSet]
+    ZERO_TWO: typing.ClassVar[PointSet]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class AlphaMode(enum.Enum):
+    """
+    How the control variate's α is chosen.
+    """
+    FIXED: typing.ClassVar[AlphaMode]
+    LEAVE_ONE_OUT: typing.ClassVar[AlphaMode]
+    PREVIOUS_PASS: typing.ClassVar[AlphaMode]
+    @classmethod
+    def __new__(cls, value):
         ...
 def active_isa() -> str:
     """

@@ -1,0 +1,68 @@
+#pragma once
+// Control variates (VisMap Sec. 3): estimators, their variance, and coefficients α that keep them unbiased.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace viscache {
+
+using Rgbd = std::array<double, 3>;
+
+/// [VisMap Eq. 2] One channel of the estimate from N samples: f = L·B·V/p summed over them, g = L·B̃·Ṽ/p
+/// likewise, J = ∫ L·B̃·Ṽ. Unbiased for every α that does not depend on these samples.
+inline double control_variate_estimate(double sum_f, double sum_g, double j, double alpha, double n) {
+    return (sum_f - alpha * sum_g) / n + alpha * j;
+}
+
+/// The two random variables whose difference is averaged.
+struct ProductTerms {
+    double z, w;
+};
+/// [VisMap Eq. 3] Under p = (L·B̃/L_ns)·D the sample's light cancels: Z = (B/B̃)·V/D and W = Ṽ/D, and the
+/// estimate is (L_ns/N) Σ (Z − αW) + αJ. D = 1 is the paper's product sampling.
+inline ProductTerms product_terms(double b_over_b_tilde, double visible, double approximate, double d) {
+    return {b_over_b_tilde * visible / d, approximate / d};
+}
+
+/// [VisMap Eq. 4] Variance of Y = Z − αW.
+// Differs: the paper writes σ²_ZW for the covariance, which is not squared.
+inline double residual_variance(double var_z, double var_w, double covariance, double alpha) {
+    return var_z + alpha * alpha * var_w - 2 * alpha * covariance;
+}
+/// α of the least variance; 0 where W does not vary.
+inline double best_alpha(double var_w, double covariance) { return var_w > 0 ? covariance / var_w : 0; }
+/// [VisMap Eq. 5] Variance of Y at the best α.
+// Differs: the paper says that the variance falls "by up to" the factor 1 − ρ²; it falls to that share.
+inline double least_residual_variance(double var_z, double rho) { return var_z * (1 - rho * rho); }
+/// [VisMap Eq. 6] Correlation of Z and W; 0 where one does not vary.
+inline double correlation(double var_z, double var_w, double covariance) {
+    return var_z > 0 && var_w > 0 ? covariance / (std::sqrt(var_z) * std::sqrt(var_w)) : 0;
+}
+
+/// Below this variance of W there is nothing to subtract: α = 0.
+constexpr double kLeastVariance = 1e-12;
+constexpr double kMostAlpha = 1.5;
+/// Samples that an exactly known variance of W counts for, with α = 1.
+constexpr double kPriorSamples = 4;
+
+/// Sums over samples of (z, w), both less μ_W, for regressing Z on W.
+struct AlphaSums {
+    double n = 0, z = 0, w = 0, zw = 0, ww = 0;
+
+    void add(double zc, double wc) { ++n, z += zc, w += wc, zw += zc * wc, ww += wc * wc; }
+    void merge(const AlphaSums& b) { n += b.n, z += b.z, w += b.w, zw += b.zw, ww += b.ww; }
+    AlphaSums without(double zc, double wc) const {
+        return {n - 1, z - zc, w - wc, zw - zc * wc, ww - wc * wc};
+    }
+};
+
+/// α by regression on samples other than those it is used for. `var_w` is W's exact variance, which pulls
+/// towards one while the samples are few.
+inline double regressed_alpha(const AlphaSums& s, double var_w) {
+    if (!(var_w > kLeastVariance)) return 0;
+    const double prior = kPriorSamples * var_w, mean = s.n > 0 ? 1 / s.n : 0;
+    const double c = s.zw - s.z * s.w * mean, q = std::max(0.0, s.ww - s.w * s.w * mean);
+    return std::clamp((c + prior) / (q + prior), 0.0, kMostAlpha);
+}
+
+}  // namespace viscache
