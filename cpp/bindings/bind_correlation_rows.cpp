@@ -5,7 +5,7 @@
 #include "interrupt.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
-#include "viscache/correlation/visibility_rows.h"
+#include "viscache/visibility/visibility_rows.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/embree_caster.h"
@@ -76,8 +76,9 @@ py::tuple visibility_rows(const Scene& scene, const EmbreeCaster& caster, const 
     uint64_t rays = 0;
     run_interruptible(
         [&, rows = std::span(bits.mutable_data(), n * words)](Control& control) {
+            control.total = n;
             rays = viscache::visibility_rows(caster, scene.offset_extent(), input, rows, order, threads,
-                                             control);
+                                             control, &control.done);
         },
         progress);
     return py::make_tuple(bits, rays);

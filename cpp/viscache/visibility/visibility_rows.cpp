@@ -1,4 +1,4 @@
-#include "viscache/correlation/visibility_rows.h"
+#include "viscache/visibility/visibility_rows.h"
 
 #include <cstring>
 
@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kPointsPerBlock = 256;
+constexpr size_t kPointsPerBlock = 256, kFewestPointsPerBlock = 4;
 constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
 
 FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
@@ -83,23 +83,27 @@ private:
 }  // namespace
 
 uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& input, std::span<Word> rows,
-                         std::optional<PacketOrder> order, int threads, Control& control) {
+                         std::optional<PacketOrder> order, int threads, const Control& control,
+                         std::atomic<uint64_t>* done) {
     const FarEnds sky = far_ends(input.direction, input.t_max);
     const size_t words = row_words_for(sky.count), n = input.position.size();
     // Neighbours in space share packets, whatever the order of the rows
     const std::vector<uint32_t> along = morton_order(input.position);
-    std::vector<Worker> workers;
     threads = resolve_threads(threads);
-    for (int t = 0; t < threads; ++t) workers.emplace_back(caster, extent, sky, order, control);
-    control.total = n;
-    parallel_for((n + kPointsPerBlock - 1) / kPointsPerBlock, threads, [&](size_t block, int t) {
+    const size_t share = (n + size_t(threads) - 1) / size_t(threads);
+    const size_t per_block = std::clamp(share, kFewestPointsPerBlock, kPointsPerBlock);
+    const size_t blocks = (n + per_block - 1) / per_block;
+    std::vector<Worker> workers;
+    for (size_t t = 0; t < std::min(blocks, size_t(threads)); ++t)
+        workers.emplace_back(caster, extent, sky, order, control);
+    parallel_for(blocks, threads, [&](size_t block, int t) {
         control.check();
-        const size_t first = block * kPointsPerBlock, count = std::min(kPointsPerBlock, n - first);
+        const size_t first = block * per_block, count = std::min(per_block, n - first);
         const auto points = std::span(along).subspan(first, count);
         const BitMatrix& found = workers[size_t(t)].rows(input, points);
         for (size_t i = 0; i < count; ++i)
             std::memcpy(&rows[points[i] * words], found.row(i), words * sizeof(Word));
-        control.done += count;
+        if (done) *done += count;
     });
     uint64_t rays = 0;
     for (const Worker& worker : workers) rays += worker.rays();

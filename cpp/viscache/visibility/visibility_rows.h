@@ -21,8 +21,9 @@ struct RowInput {
 /// [VisMap Eq. 7] V(x, ω) over the whole sphere: bit k of row i is 1 if direction k lies above the plane of
 /// point i and its ray hits nothing; the lower hemisphere is 0 by definition and costs no ray. `rows` has
 /// row_words_for(directions) words a point; padding bits become 0. Packet order changes no bit; without one,
-/// each thread finds the faster. Returns the number of rays.
+/// each thread finds the faster. `done` counts the points on the way. Returns the number of rays.
 uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& input, std::span<Word> rows,
-                         std::optional<PacketOrder> order, int threads, Control& control);
+                         std::optional<PacketOrder> order, int threads, const Control& control,
+                         std::atomic<uint64_t>* done = nullptr);
 
 }  // namespace viscache
