@@ -51,4 +51,15 @@ inline Vec2 direction_to_equal_area(Vec3 d) {
     return {float(0.5 * u + 0.5), float(0.5 * v + 0.5)};
 }
 
+/// A cell of a map of size × size cells; may lie outside.
+struct MapCell {
+    int x, y;
+};
+/// The cell that an octahedral map continues with across its border.
+inline MapCell folded(MapCell c, int size) {
+    while (c.x < 0 || c.x >= size) c = {c.x < 0 ? -1 - c.x : 2 * size - 1 - c.x, size - 1 - c.y};
+    while (c.y < 0 || c.y >= size) c = {size - 1 - c.x, c.y < 0 ? -1 - c.y : 2 * size - 1 - c.y};
+    return c;
+}
+
 }  // namespace viscache

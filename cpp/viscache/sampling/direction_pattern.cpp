@@ -17,17 +17,6 @@ constexpr size_t kSamples = kSubCells * kSubCells;  // that stand for a cell's a
 constexpr int kReach = 2;         // cells around one's own in which the nearest direction is looked for
 constexpr float kMargin = 1e-3f;  // of a cell: rounding moves no direction into the next one
 
-struct Cell {
-    int x, y;
-};
-
-/// The cell that the map continues with across its border.
-Cell folded(Cell c, int size) {
-    while (c.x < 0 || c.x >= size) c = {c.x < 0 ? -1 - c.x : 2 * size - 1 - c.x, size - 1 - c.y};
-    while (c.y < 0 || c.y >= size) c = {size - 1 - c.x, c.y < 0 ? -1 - c.y : 2 * size - 1 - c.y};
-    return c;
-}
-
 /// Of the places that stand for the same direction across the borders, the one nearest to `to`.
 Vec2 unfolded(Vec2 p, Vec2 to) {
     const std::array<Vec2, 5> places{p, Vec2{-p.x, 1 - p.y}, Vec2{2 - p.x, 1 - p.y}, Vec2{1 - p.x, -p.y},
@@ -67,12 +56,12 @@ private:
             for (int x = 0; x < size_; ++x) move(y * size_ + x, {x, y});
     }
 
-    void assign_cell(Cell cell) {
+    void assign_cell(MapCell cell) {
         std::array<int, (2 * kReach + 1) * (2 * kReach + 1)> near;
         size_t n = 0;
         for (int dy = -kReach; dy <= kReach; ++dy)
             for (int dx = -kReach; dx <= kReach; ++dx) {
-                const Cell c = folded({cell.x + dx, cell.y + dy}, size_);
+                const MapCell c = folded({cell.x + dx, cell.y + dy}, size_);
                 near[n++] = c.y * size_ + c.x;
             }
         const size_t first = size_t(cell.y * size_ + cell.x) * kSamples;
@@ -85,7 +74,7 @@ private:
         }
     }
 
-    void move(int index, Cell cell) {
+    void move(int index, MapCell cell) {
         const Vec3 middle = normalize(sum_[size_t(index)]);
         if (middle == Vec3{}) return;
         const float n = float(size_);

@@ -21,7 +21,8 @@ enum class Purpose : uint32_t {
     kTest,
     kSurfacePoint,
     kDirectionPattern,
-    kProduct
+    kProduct,
+    kMapStartup
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).
