@@ -5,10 +5,10 @@
 #include "interrupt.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
-#include "viscache/visibility/visibility_rows.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/visibility_rows.h"
 
 namespace viscache::bindings {
 

@@ -178,7 +178,6 @@ void bind_vismap_product(py::module_& m) {
         .finalize();
     bind_pyramid(s);
     bind_tree(s);
-    s.def("morton2", &morton2, py::arg("x"), py::arg("y"), "Z-order number of a cell, x in the even bits.");
     s.def("points", &points, py::arg("set"), py::arg("count"), py::kw_only(), py::arg("seed") = 0,
           py::arg("pixel") = 0, py::arg("pass_") = 0,
           "Random or randomised (0, 2)-sequence points of the square, (count, 2).");

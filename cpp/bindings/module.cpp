@@ -17,6 +17,8 @@ void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
+void bind_vismap_cache(py::module_& m);
+void bind_vismap_cache_maps(py::module_& m);
 void bind_vismap_product(py::module_& m);
 void bind_warp(py::module_& m);
 }  // namespace viscache::bindings
@@ -38,5 +40,7 @@ PYBIND11_MODULE(_core, m) {
     bind_correlation_rows(m);
     bind_vismap_product(m);
     bind_vismap_estimate(m);
+    bind_vismap_cache_maps(m);
+    bind_vismap_cache(m);
     bind_warp(m);
 }

@@ -10,6 +10,7 @@ from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
 from viscache.visibility import Aqvc, Exact
+from viscache.vismap import MapSettings, VisibilityMapCache, cached_ambient_occlusion
 
 __version__ = "0.1.0"
 
@@ -21,11 +22,14 @@ __all__ = [
     "Exact",
     "Frame",
     "Intersection",
+    "MapSettings",
     "Scene",
     "SceneDescription",
     "SceneError",
+    "VisibilityMapCache",
     "Whitted",
     "__version__",
+    "cached_ambient_occlusion",
     "correlation",
     "load_scene",
     "look_at",

@@ -1,6 +1,6 @@
 # mypy: disable-error-code="misc, no-untyped-def, type-arg"
 """
-Visibility maps and product sampling of the environment.
+The visibility-map cache (VisMap).
 """
 from __future__ import annotations
 import collections.abc
@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['EnvironmentPyramid', 'PointEstimate', 'ProductTree', 'best_alpha', 'control_variate_estimate', 'correlation', 'least_residual_variance', 'morton2', 'points', 'product_terms', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'time_product']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'startup_points', 'time_product', 'wilson_lower']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -143,6 +143,130 @@ class PointEstimate:
         """
         ∫ L·B̃·Ṽ² of luminances.
         """
+class KdTree:
+    """
+    The records' tree; finds the m nearest within a radius.
+    """
+    def __init__(self) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    def build(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        ...
+    def insert(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], first_id: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def search(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], radius: typing.SupportsFloat | typing.SupportsIndex, m: typing.SupportsInt | typing.SupportsIndex) -> list[list[int]]:
+        """
+        Ids of every position, nearest first.
+        """
+    @property
+    def depth(self) -> int:
+        ...
+    @property
+    def oversized_leaves(self) -> int:
+        ...
+    @property
+    def rebuilds(self) -> int:
+        ...
+class CachePoints:
+    """
+    Points that ask a cache; d_max = 0 where there is no surface.
+    """
+    def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    def take(self, indices: typing.Annotated[numpy.typing.ArrayLike, numpy.int64]) -> CachePoints:
+        """
+        Some of the points, in this order.
+        """
+    @property
+    def d_max(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+    @property
+    def footprint(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+    @property
+    def normals(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+    @property
+    def positions(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+class PixelRules:
+    """
+    How far records are looked for; see viscache.MapSettings.
+    """
+    def __init__(self, reach: typing.SupportsFloat | typing.SupportsIndex, most_reach: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, least_cos: typing.SupportsFloat | typing.SupportsIndex = 0.05000000074505806) -> None:
+        ...
+class MapCacheParameters:
+    """
+    Parameters of the cache; see viscache.MapSettings.
+    """
+    def __init__(self, *, m: typing.SupportsInt | typing.SupportsIndex = 5, n_best: typing.SupportsInt | typing.SupportsIndex = 4, m_nearest: typing.SupportsInt | typing.SupportsIndex = 16, theta_max_rad: typing.SupportsFloat | typing.SupportsIndex = 0.5235987901687622, lambda_: typing.SupportsFloat | typing.SupportsIndex = 5.0, w_min: typing.SupportsFloat | typing.SupportsIndex = 0.30000001192092896, delta_max: typing.SupportsFloat | typing.SupportsIndex = 0.05999999865889549, r_min_px: typing.SupportsFloat | typing.SupportsIndex = 2.0, max_records: typing.SupportsInt | typing.SupportsIndex = 1048576, weight_test: str = 'full', filter: str = 'during', criterion: str = 'visibility') -> None:
+        ...
+class MapCache:
+    """
+    Records and their tree; see viscache.VisibilityMapCache.
+    """
+    def __init__(self, parameters: MapCacheParameters, seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    def add_records(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], last_used: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], ambient: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], nearest_hit: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        """
+        Takes records in without rays.
+        """
+    def bootstrap(self, scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+        """
+        A record at every point; what they say of each other.
+        """
+    def insert(self, scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, points: CachePoints, *, mode: str = 'batch', batch: typing.SupportsInt | typing.SupportsIndex = 4096, settle: bool = True, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
+        """
+        Records where they are needed; counts.
+        """
+    def mark_used(self, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        """
+        Records blended at the points count as used in the frame.
+        """
+    def records(self) -> dict:
+        """
+        Copies of everything stored, one row per record.
+        """
+    def remove(self, frame: typing.SupportsInt | typing.SupportsIndex, *, eps_max: typing.SupportsFloat | typing.SupportsIndex = 0.05000000074505806, min_rays: typing.SupportsInt | typing.SupportsIndex = 64, wilson: bool = False, k_worst: typing.SupportsInt | typing.SupportsIndex = 0, unused_frames: typing.SupportsInt | typing.SupportsIndex = 10) -> dict:
+        ...
+    def reset_tallies(self) -> None:
+        ...
+    def select(self, points: CachePoints, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+        """
+        What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.
+        """
+    def set_thresholds(self, w_min: typing.SupportsFloat | typing.SupportsIndex, delta_max: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def shade_ambient(self, points: CachePoints, width: typing.SupportsFloat | typing.SupportsIndex, weighted: bool, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+        """
+        Ambient visibility, records averaged, jump, each (N,).
+        """
+    def tally(self, rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], used: typing.Annotated[numpy.typing.ArrayLike, numpy.uint8], frame: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def depth(self) -> int:
+        ...
+    @property
+    def extra_bytes_per_record(self) -> int:
+        ...
+    @property
+    def oversized_leaves(self) -> int:
+        ...
+    @property
+    def pattern(self) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+    @property
+    def rebuilds(self) -> int:
+        ...
+def ambient_visibility(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, pattern: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
+    """
+    A of a map.
+    """
 def best_alpha(var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: typing.SupportsFloat | typing.SupportsIndex) -> float:
     ...
 def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
@@ -153,13 +277,49 @@ def correlation(var_z: typing.SupportsFloat | typing.SupportsIndex, var_w: typin
     """
     Eq. 6: ρ.
     """
+def dilated(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
+    """
+    V^level of a map.
+    """
+def gather2(v: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
+    """
+    The bits on even places.
+    """
+def geometric_weight(normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], to_record: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], d_max: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    """
+    w_g.
+    """
+def hierarchy(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
+    """
+    Words of the codes above a map.
+    """
 def least_residual_variance(var_z: typing.SupportsFloat | typing.SupportsIndex, rho: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     Eq. 5: variance at the best α.
     """
-def morton2(x: typing.SupportsInt | typing.SupportsIndex, y: typing.SupportsInt | typing.SupportsIndex) -> int:
+def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Z-order number of a cell, x in the even bits.
+    δ of rows of maps, (N,).
+    """
+def morton2(x: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
+    """
+    Z-order numbers of cells.
+    """
+def node_codes(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Codes of a level's nodes, (4^level,).
+    """
+def normal_angle(a: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], b: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
+    """
+    θ of unit normals, in radians.
+    """
+def normalized_weight(t: typing.SupportsFloat | typing.SupportsIndex, theta: typing.SupportsFloat | typing.SupportsIndex, theta_max: typing.SupportsFloat | typing.SupportsIndex, lambda_: typing.SupportsFloat | typing.SupportsIndex) -> float:
+    """
+    ŵ.
+    """
+def pixel_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, at: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+    """
+    First hits through one place of every pixel, row-major; misses; bad normals.
     """
 def points(set: viscache._core.PointSet, count: typing.SupportsInt | typing.SupportsIndex, *, seed: typing.SupportsInt | typing.SupportsIndex = 0, pixel: typing.SupportsInt | typing.SupportsIndex = 0, pass_: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -168,6 +328,18 @@ def points(set: viscache._core.PointSet, count: typing.SupportsInt | typing.Supp
 def product_terms(b_over_b_tilde: typing.SupportsFloat | typing.SupportsIndex, visible: typing.SupportsFloat | typing.SupportsIndex, approximate: typing.SupportsFloat | typing.SupportsIndex, d: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> tuple[float, float]:
     """
     Eq. 3: Z and W.
+    """
+def record_nbytes(m: typing.SupportsInt | typing.SupportsIndex) -> int:
+    """
+    Bytes of a record as the paper counts them.
+    """
+def record_pattern(m: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Directions of the cells in Z order, (4^m, 3).
+    """
+def record_weight(t: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], theta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], lambda_: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> typing.Any:
+    """
+    w of Eq. 9; t = d / d_max, θ in radians.
     """
 def reflection_at_nodes(shading: viscache._core.sampling.ShadingPoint, level: typing.SupportsInt | typing.SupportsIndex, first: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
     """
@@ -181,7 +353,15 @@ def residual_variance(var_z: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     """
     Eq. 4: variance of Z − αW.
     """
+def startup_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
+    """
+    First hits of n rays, stratified over the image; misses; bad normals.
+    """
 def time_product(light: EnvironmentPyramid, shading: collections.abc.Sequence[viscache._core.sampling.ShadingPoint], samples: typing.SupportsInt | typing.SupportsIndex, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> dict:
     """
     CPU seconds per tree and per sample over the shading points, and the mean number of leaves.
+    """
+def wilson_lower(misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
+    """
+    Lower end of the 95 % interval of a share.
     """

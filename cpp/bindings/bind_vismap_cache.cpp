@@ -1,0 +1,408 @@
+// The visibility-map cache: points that ask, insertion, look-up, temporal removal, ambient occlusion.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "interrupt.h"
+#include "viscache/scene/check.h"
+#include "viscache/visibility/check_rays.h"
+#include "viscache/visibility/embree_caster.h"
+#include "viscache/vismap/ambient.h"
+#include "viscache/vismap/insertion.h"
+#include "viscache/vismap/pixel_points.h"
+#include "viscache/vismap/temporal.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
+using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;
+using IdArray = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+
+/// A type of its own: a plain vector would become a list.
+struct Points : std::vector<CachePoint> {};
+
+template <class T, class Value>
+py::array_t<T> column(size_t n, Value value) {
+    py::array_t<T> a{py::ssize_t(n)};
+    T* to = a.mutable_data();
+    for (size_t i = 0; i < n; ++i) to[i] = T(value(i));
+    return a;
+}
+template <class Value>
+py::array_t<float> vectors(size_t n, Value value) {
+    std::vector<Vec3> v(n);
+    for (size_t i = 0; i < n; ++i) v[i] = value(i);
+    return from_vec3s(v);
+}
+
+// Points that ask
+
+void check_point(const CachePoint& p, size_t i) {
+    const std::string row = ", row " + std::to_string(i);
+    if (!is_finite(p.position) || !(max_abs(p.position) <= kMaxCoordinate))
+        throw py::value_error("positions must be finite and at most 1e16 in size" + row + " is not");
+    if (!(p.d_max >= 0) || !(p.d_max <= kMaxCoordinate))
+        throw py::value_error("d_max must be in [0, 1e16]" + row + " has " + std::to_string(p.d_max));
+    if (!(p.footprint >= 0) || !(p.footprint <= kMaxCoordinate))
+        throw py::value_error("footprint must be in [0, 1e16]" + row + " has " + std::to_string(p.footprint));
+    if (p.usable() && !(std::fabs(length2(p.normal) - 1) < 1e-3f))
+        throw py::value_error("normals must be unit vectors" + row + " has length " +
+                              std::to_string(length(p.normal)));
+}
+
+Points points_of(const FloatArray& positions, const FloatArray& normals, const FloatArray& d_max,
+                 const FloatArray& footprint) {
+    const Vec3 *p = rows3(positions, "positions"), *n = rows3(normals, "normals");
+    for (const auto& [name, size] : {std::pair{"normals", normals.shape(0)},
+                                     {"d_max", d_max.ndim() == 1 ? d_max.shape(0) : -1},
+                                     {"footprint", footprint.ndim() == 1 ? footprint.shape(0) : -1}})
+        if (size != positions.shape(0))
+            throw py::value_error(std::string(name) + " must have one row per position, " +
+                                  std::to_string(positions.shape(0)));
+    Points points;
+    for (py::ssize_t i = 0; i < positions.shape(0); ++i) {
+        points.push_back({p[i], n[i], d_max.at(i), footprint.at(i)});
+        check_point(points.back(), size_t(i));
+    }
+    return points;
+}
+
+Points taken(const Points& points, const IdArray& indices) {
+    if (indices.ndim() != 1)
+        throw py::value_error("indices must have shape (K,), got " + shape_text(indices));
+    Points some;
+    for (py::ssize_t i = 0; i < indices.shape(0); ++i) {
+        const int64_t k = indices.at(i);
+        if (k < 0 || k >= int64_t(points.size()))
+            throw py::value_error("indices must be in [0, " + std::to_string(points.size()) + "), got " +
+                                  std::to_string(k));
+        some.push_back(points[size_t(k)]);
+    }
+    return some;
+}
+
+void check_view(const Camera& camera, int width, int height, const PixelRules& rules) {
+    check_camera(camera);
+    if (width < 1 || height < 1 || int64_t(width) * height > 1 << 28)
+        throw py::value_error("size must be at least 1×1 and at most 2^28 pixels, got " +
+                              std::to_string(width) + "×" + std::to_string(height));
+    if (!(rules.reach > 0 && rules.reach <= 1e6f))
+        throw py::value_error("reach must be in (0, 1e6], got " + std::to_string(rules.reach));
+}
+
+py::tuple with_counts(PixelPoints found) {
+    return py::make_tuple(Points{std::move(found.points)}, found.misses, found.bad_normals);
+}
+
+void bind_points(py::module_& v) {
+    py::class_<Points>(v, "CachePoints", "Points that ask a cache; d_max = 0 where there is no surface.")
+        .def(py::init(&points_of), py::arg("positions"), py::arg("normals"), py::arg("d_max"),
+             py::arg("footprint"))
+        .def("__len__", [](const Points& p) { return p.size(); })
+        .def("take", &taken, py::arg("indices"), "Some of the points, in this order.")
+        .def_property_readonly(
+            "positions",
+            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].position; }); })
+        .def_property_readonly(
+            "normals",
+            [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].normal; }); })
+        .def_property_readonly(
+            "d_max",
+            [](const Points& p) { return column<float>(p.size(), [&](size_t i) { return p[i].d_max; }); })
+        .def_property_readonly("footprint", [](const Points& p) {
+            return column<float>(p.size(), [&](size_t i) { return p[i].footprint; });
+        });
+    py::class_<PixelRules>(v, "PixelRules", "How far records are looked for; see viscache.MapSettings.")
+        .def(py::init([](float reach, float most_reach, float least_cos) {
+                 return PixelRules{reach, most_reach, least_cos};
+             }),
+             py::arg("reach"), py::arg("most_reach") = PixelRules{}.most_reach,
+             py::arg("least_cos") = PixelRules{}.least_cos);
+    v.def(
+        "pixel_points",
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
+           std::array<float, 2> at, const PixelRules& rules, int threads) {
+            check_view(camera, width, height, rules);
+            PixelPoints found;
+            run_interruptible([&](Control& control) {
+                found = pixel_points(scene, caster, camera, width, height, {at[0], at[1]}, rules, threads,
+                                     control);
+            });
+            return with_counts(std::move(found));
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
+        py::arg("at"), py::arg("rules"), py::arg("threads") = 0,
+        "First hits through one place of every pixel, row-major; misses; bad normals.");
+    v.def(
+        "startup_points",
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
+           size_t n, uint64_t seed, const PixelRules& rules) {
+            check_view(camera, width, height, rules);
+            if (n < 1 || n > 1 << 24)
+                throw py::value_error("n must be in [1, 2^24], got " + std::to_string(n));
+            PixelPoints found;
+            run_interruptible([&](Control& control) {
+                found = startup_points(scene, caster, camera, width, height, n, seed, rules, control);
+            });
+            return with_counts(std::move(found));
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
+        py::arg("n"), py::arg("seed"), py::arg("rules"),
+        "First hits of n rays, stratified over the image; misses; bad normals.");
+}
+
+// The cache
+
+template <class Enum>
+Enum named(const std::string& name, const char* what, std::initializer_list<const char*> names) {
+    std::string all;
+    int i = 0;
+    for (const char* known : names) {
+        if (name == known) return Enum(i);
+        all += (i++ ? ", " : "") + std::string(known);
+    }
+    throw py::value_error(std::string(what) + " must be one of " + all + ", got " + name);
+}
+
+void bind_parameters(py::module_& v) {
+    using P = MapCacheParameters;
+    py::class_<P>(v, "MapCacheParameters", "Parameters of the cache; see viscache.MapSettings.")
+        .def(
+            py::init([](int m, int n_best, int m_nearest, float theta_max_rad, float lambda, float w_min,
+                        float delta_max, float r_min_px, uint32_t max_records, const std::string& weight_test,
+                        const std::string& filter, const std::string& criterion) {
+                P p{.m = m,
+                    .n_best = n_best,
+                    .m_nearest = m_nearest,
+                    .theta_max_rad = theta_max_rad,
+                    .lambda = lambda,
+                    .w_min = w_min,
+                    .delta_max = delta_max,
+                    .r_min_px = r_min_px,
+                    .max_records = max_records,
+                    .weight_test = named<WeightTest>(weight_test, "weight_test", {"full", "w_hat", "raw"}),
+                    .filter = named<SearchFilter>(filter, "filter", {"during", "after"}),
+                    .criterion = named<Criterion>(criterion, "criterion", {"visibility", "ambient"})};
+                p.validate();
+                return p;
+            }),
+            py::kw_only(), py::arg("m") = P{}.m, py::arg("n_best") = P{}.n_best,
+            py::arg("m_nearest") = P{}.m_nearest, py::arg("theta_max_rad") = P{}.theta_max_rad,
+            py::arg("lambda_") = P{}.lambda, py::arg("w_min") = P{}.w_min,
+            py::arg("delta_max") = P{}.delta_max, py::arg("r_min_px") = P{}.r_min_px,
+            py::arg("max_records") = P{}.max_records, py::arg("weight_test") = "full",
+            py::arg("filter") = "during", py::arg("criterion") = "visibility");
+}
+
+py::dict insert(MapCache& cache, const Scene& scene, const EmbreeCaster& caster, const Points& points,
+                const std::string& mode, size_t batch, bool settle, uint32_t frame, int threads,
+                const py::object& progress) {
+    if (batch < 1) throw py::value_error("batch must be >= 1, got 0");
+    const InsertionOptions options{named<InsertionMode>(mode, "mode", {"batch", "locked"}), batch, settle,
+                                   frame, threads};
+    const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
+                              cache.parameters().criterion == Criterion::kAmbient);
+    InsertionStats s;
+    run_interruptible(
+        [&](Control& control) { s = insert_where_needed(cache, tracer, points, options, control); },
+        progress);
+    py::dict d;
+    d["points"] = s.points, d["unusable"] = s.unusable, d["passes"] = s.passes, d["lookups"] = s.lookups;
+    d["inserted"] = s.inserted(), d["no_candidate"] = s.no_candidate, d["weight"] = s.weight;
+    d["difference"] = s.difference, d["suppressed"] = s.suppressed, d["duplicates"] = s.duplicates;
+    d["refused"] = s.refused, d["rays"] = s.rays;
+    return d;
+}
+
+py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const EmbreeCaster& caster,
+                         const Points& points, uint32_t frame, int threads) {
+    const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
+                              cache.parameters().criterion == Criterion::kAmbient);
+    BootstrapStatistics s;
+    run_interruptible(
+        [&](Control& control) { s = bootstrap(cache, tracer, points, frame, threads, control); });
+    py::dict d;
+    d["difference"] = column<float>(s.difference.size(), [&](size_t i) { return s.difference[i]; });
+    d["tested"] = column<float>(s.tested.size(), [&](size_t i) { return s.tested[i]; });
+    d["unusable"] = s.unusable, d["duplicates"] = s.duplicates, d["rays"] = s.rays;
+    return d;
+}
+
+py::dict select_points(const MapCache& cache, const Points& points, int threads) {
+    const auto n = py::ssize_t(points.size()), best = py::ssize_t(cache.parameters().n_best);
+    py::array_t<int64_t> ids({n, best});
+    py::array_t<float> beta({n, best}), tested(n), nearest(n), difference(n);
+    py::array_t<uint8_t> verdict(n);
+    py::array_t<int32_t> candidates(n);
+    int64_t* id = ids.mutable_data();
+    float *share = beta.mutable_data(), *t = tested.mutable_data(), *near = nearest.mutable_data(),
+          *delta = difference.mutable_data();
+    uint8_t* v = verdict.mutable_data();
+    int32_t* c = candidates.mutable_data();
+    run_interruptible([&](Control& control) {
+        std::fill_n(id, n * best, -1), std::fill_n(share, n * best, 0.f);
+        parallel_for((points.size() + 63) / 64, threads, [&](size_t chunk, int) {
+            control.check();
+            for (size_t i = chunk * 64; i < std::min(points.size(), chunk * 64 + 64); ++i) {
+                const Selection s = points[i].usable() ? cache.select(points[i]) : Selection{};
+                const BlendedMaps maps = cache.blend(s);
+                for (int k = 0; k < maps.count; ++k) {
+                    id[i * size_t(best) + size_t(k)] = s.best[size_t(k)].id;
+                    share[i * size_t(best) + size_t(k)] = maps.beta[k];
+                }
+                t[i] = s.tested, near[i] = s.nearest, c[i] = s.candidates;
+                delta[i] = cache.mean_difference(s);
+                v[i] = points[i].usable() ? uint8_t(cache.judge(points[i], s)) : uint8_t(Verdict::kServed);
+            }
+        });
+    });
+    py::dict d;
+    d["ids"] = ids, d["beta"] = beta, d["tested"] = tested, d["nearest"] = nearest;
+    d["candidates"] = candidates, d["difference"] = difference, d["verdict"] = verdict;
+    return d;
+}
+
+py::dict records_dict(const MapCache& cache) {
+    const RecordPool& r = cache.records();
+    const size_t n = r.size(), words = map_words(r.m());
+    py::array_t<Word> bits({n, words});
+    for (uint32_t i = 0; i < n; ++i) std::memcpy(bits.mutable_data(i, 0), r.bits(i), words * sizeof(Word));
+    const auto head = [&](size_t i) -> const RecordHead& { return r.head(uint32_t(i)); };
+    py::dict d;
+    d["positions"] = vectors(n, [&](size_t i) { return head(i).position; });
+    d["normals"] = vectors(n, [&](size_t i) { return head(i).normal; });
+    d["bits"] = bits;
+    d["rays"] = column<uint32_t>(n, [&](size_t i) { return head(i).rays; });
+    d["misses"] = column<uint32_t>(n, [&](size_t i) { return head(i).misses; });
+    d["last_used"] = column<uint32_t>(n, [&](size_t i) { return head(i).last_used; });
+    d["ambient"] = column<float>(n, [&](size_t i) { return r.ambient(uint32_t(i)).visibility; });
+    d["nearest_hit"] = column<float>(n, [&](size_t i) { return r.ambient(uint32_t(i)).nearest_hit; });
+    return d;
+}
+
+void add_records(MapCache& cache, const FloatArray& positions, const FloatArray& normals,
+                 const WordArray& bits, const UintArray& rays, const UintArray& misses,
+                 const UintArray& last_used, const FloatArray& ambient, const FloatArray& nearest_hit) {
+    const Vec3 *p = rows3(positions, "positions"), *n = rows3(normals, "normals");
+    require_rows(bits, py::ssize_t(map_words(cache.parameters().m)), "bits");
+    const py::ssize_t count = positions.shape(0);
+    const std::pair<const char*, const py::array*> columns[] = {
+        {"rays", &rays},       {"misses", &misses},           {"last_used", &last_used},
+        {"ambient", &ambient}, {"nearest_hit", &nearest_hit}, {"normals", &normals},
+        {"bits", &bits}};
+    for (const auto& [name, a] : columns)
+        if (a->ndim() < 1 || a->shape(0) != count)
+            throw py::value_error(std::string(name) + " must have one row per position, " +
+                                  std::to_string(count) + ", got " + shape_text(*a));
+    for (py::ssize_t i = 0; i < count; ++i) check_point({p[i], n[i], 1, 0}, size_t(i));
+    if (cache.size() + size_t(count) > cache.parameters().max_records)
+        throw py::value_error("the cache must hold at most max_records records, " +
+                              std::to_string(cache.parameters().max_records) + ", got " +
+                              std::to_string(cache.size() + size_t(count)));
+    for (py::ssize_t i = 0; i < count; ++i)
+        cache.add({p[i], n[i], rays.at(i), misses.at(i), last_used.at(i)}, bits.data(i, 0),
+                  {ambient.at(i), nearest_hit.at(i)});
+}
+
+void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, const ByteArray& used,
+           uint32_t frame) {
+    RecordTally t(cache.size());
+    for (const auto& [name, a] :
+         {std::pair<const char*, const py::array*>{"rays", &rays}, {"misses", &misses}, {"used", &used}})
+        if (a->ndim() != 1 || size_t(a->shape(0)) != cache.size())
+            throw py::value_error(std::string(name) + " must have one entry per record, " +
+                                  std::to_string(cache.size()) + ", got " + shape_text(*a));
+    for (size_t i = 0; i < cache.size(); ++i) {
+        const auto k = py::ssize_t(i);
+        if (misses.at(k) > rays.at(k))
+            throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
+                                  std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));
+        t.rays[i] = rays.at(k), t.misses[i] = misses.at(k), t.used[i] = used.at(k) != 0;
+    }
+    add_tally(cache, t, frame);
+}
+
+py::dict remove(MapCache& cache, uint32_t frame, float eps_max, uint32_t min_rays, bool wilson,
+                uint32_t k_worst, uint32_t unused_frames) {
+    const RemovalStats s = remove_records(cache, {eps_max, min_rays, wilson, k_worst, unused_frames}, frame);
+    py::dict d;
+    d["wrong"] = s.wrong, d["unused"] = s.unused, d["rays"] = s.rays, d["misses"] = s.misses;
+    return d;
+}
+
+py::tuple shade_points(const MapCache& cache, const Points& points, float width, bool weighted, int threads) {
+    if (!(width > 0 && width <= 1e6f))
+        throw py::value_error("width must be in (0, 1e6], got " + std::to_string(width));
+    const auto n = py::ssize_t(points.size());
+    py::array_t<float> visibility(n), jump(n);
+    py::array_t<int32_t> records(n);
+    float *a = visibility.mutable_data(), *j = jump.mutable_data();
+    int32_t* r = records.mutable_data();
+    run_interruptible([&](Control& control) {
+        parallel_for((points.size() + 255) / 256, threads, [&](size_t chunk, int) {
+            control.check();
+            for (size_t i = chunk * 256; i < std::min(points.size(), chunk * 256 + 256); ++i) {
+                AmbientShade s;
+                if (points[i].usable()) s = shade_ambient(cache, points[i], {width, weighted});
+                a[i] = s.visibility, j[i] = s.jump, r[i] = s.records;
+            }
+        });
+    });
+    return py::make_tuple(visibility, records, jump);
+}
+
+}  // namespace
+
+void bind_vismap_cache(py::module_& m) {
+    py::module_ v = m.def_submodule("vismap", "The visibility-map cache (VisMap).");
+    bind_points(v);
+    bind_parameters(v);
+    py::class_<MapCache>(v, "MapCache", "Records and their tree; see viscache.VisibilityMapCache.")
+        .def(py::init([](const MapCacheParameters& p, uint64_t seed) {
+                 p.validate();
+                 return std::make_unique<MapCache>(p, record_pattern(p.m, seed));
+             }),
+             py::arg("parameters"), py::arg("seed"))
+        .def("__len__", &MapCache::size)
+        .def_property_readonly(
+            "pattern", [](const MapCache& c) { return from_vec3s({c.pattern().begin(), c.pattern().end()}); })
+        .def_property_readonly("rebuilds", [](const MapCache& c) { return c.tree().rebuilds(); })
+        .def_property_readonly("depth", [](const MapCache& c) { return c.tree().depth(); })
+        .def_property_readonly("oversized_leaves",
+                               [](const MapCache& c) { return c.tree().oversized_leaves(); })
+        .def_property_readonly("extra_bytes_per_record",
+                               [](const MapCache& c) { return c.records().extra_bytes_per_record(); })
+        .def("set_thresholds", &MapCache::set_thresholds, py::arg("w_min"), py::arg("delta_max"))
+        .def("bootstrap", &bootstrap_cache, py::arg("scene"), py::arg("caster"), py::arg("points"),
+             py::arg("frame") = 0, py::arg("threads") = 0,
+             "A record at every point; what they say of each other.")
+        .def("insert", &insert, py::arg("scene"), py::arg("caster"), py::arg("points"), py::kw_only(),
+             py::arg("mode") = "batch", py::arg("batch") = InsertionOptions{}.batch, py::arg("settle") = true,
+             py::arg("frame") = 0, py::arg("threads") = 0, py::arg("progress") = py::none(),
+             "Records where they are needed; counts.")
+        .def("select", &select_points, py::arg("points"), py::arg("threads") = 0,
+             "What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.")
+        .def("records", &records_dict, "Copies of everything stored, one row per record.")
+        .def("add_records", &add_records, py::arg("positions"), py::arg("normals"), py::arg("bits"),
+             py::arg("rays"), py::arg("misses"), py::arg("last_used"), py::arg("ambient"),
+             py::arg("nearest_hit"), "Takes records in without rays.")
+        .def(
+            "mark_used",
+            [](MapCache& cache, const Points& points, uint32_t frame, int threads) {
+                run_interruptible(
+                    [&](Control& control) { mark_used(cache, points, frame, threads, control); });
+            },
+            py::arg("points"), py::arg("frame"), py::arg("threads") = 0,
+            "Records blended at the points count as used in the frame.")
+        .def("tally", &tally, py::arg("rays"), py::arg("misses"), py::arg("used"), py::arg("frame"))
+        .def("remove", &remove, py::arg("frame"), py::kw_only(), py::arg("eps_max") = RemovalRules{}.eps_max,
+             py::arg("min_rays") = RemovalRules{}.min_rays, py::arg("wilson") = RemovalRules{}.wilson,
+             py::arg("k_worst") = RemovalRules{}.k_worst,
+             py::arg("unused_frames") = RemovalRules{}.unused_frames)
+        .def("reset_tallies", &reset_tallies)
+        .def("shade_ambient", &shade_points, py::arg("points"), py::arg("width"), py::arg("weighted"),
+             py::arg("threads") = 0, "Ambient visibility, records averaged, jump, each (N,).");
+}
+
+}  // namespace viscache::bindings

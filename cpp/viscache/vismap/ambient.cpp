@@ -1,0 +1,30 @@
+#include "viscache/vismap/ambient.h"
+
+#include <cmath>
+
+namespace viscache {
+
+AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const AmbientRules& rules) {
+    const MapCacheParameters& p = cache.parameters();
+    NearestSet set(p.m_nearest, point.d_max);
+    const auto found = cache.candidates(point, set);
+    const NormalizedWeight normalized(p.theta_max_rad, p.lambda);
+    const double sigma = double(rules.width) * double(point.d_max);
+    double sum = 0, total = 0, gaussian = 0;
+    for (const NearestSet::Found& f : found) {
+        const double d = std::sqrt(double(f.distance2));
+        gaussian = std::exp(-0.5 * d * d / (sigma * sigma));
+        double weight = gaussian;
+        if (rules.weighted)
+            weight *= double(normalized(float(d) / point.d_max, normal_angle(point.normal, f.normal)) *
+                             geometric_weight(point.normal, f.to_record, float(d), point.d_max));
+        sum += weight * double(cache.records().ambient(f.id).visibility), total += weight;
+    }
+    AmbientShade shade;
+    if (!(total > 0)) return shade;
+    shade.visibility = float(sum / total), shade.records = int(found.size());
+    shade.jump = int(found.size()) == p.m_nearest ? float(gaussian) : 0.f;
+    return shade;
+}
+
+}  // namespace viscache

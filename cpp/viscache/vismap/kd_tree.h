@@ -1,0 +1,140 @@
+#pragma once
+// A kd-tree over the records' positions that grows one record at a time.
+//
+// What a search finds does not depend on the tree's shape: of records at equal distance the lower id counts
+// as nearer. Nothing here locks.
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+struct TreePoint {
+    Vec3 position, normal;
+    uint32_t id = 0;
+};
+
+/// The nearest of a search so far, at most m of them; a heap with the farthest on top.
+class NearestSet {
+public:
+    static constexpr int kMost = 64;
+    struct Found {
+        float distance2;
+        uint32_t id;
+        Vec3 to_record, normal;  ///< from the point searched for; of the record
+        bool operator<(const Found& o) const {
+            return distance2 != o.distance2 ? distance2 < o.distance2 : id < o.id;
+        }
+    };
+
+    /// Searches within `radius`, which itself is outside.
+    NearestSet(int m, float radius) : m_(m), radius2_(radius * radius) {}
+
+    /// What lies farther than the root of this can not become part of the set.
+    float reach2() const { return size_ < m_ ? radius2_ : found_[0].distance2; }
+    void offer(const Found& f) {
+        if (!(f.distance2 < radius2_)) return;
+        if (size_ == m_) {
+            if (!(f < found_[0])) return;
+            std::pop_heap(found_.begin(), found_.begin() + size_--);
+        }
+        found_[size_t(size_++)] = f;
+        std::push_heap(found_.begin(), found_.begin() + size_);
+    }
+    /// Nearest first; ends the search.
+    std::span<const Found> sorted() {
+        std::sort_heap(found_.begin(), found_.begin() + size_);
+        return {found_.data(), size_t(size_)};
+    }
+    /// The same without those for which `drop` holds.
+    template <class Drop>
+    std::span<const Found> sorted_without(Drop drop) {
+        sorted();
+        const auto end = std::remove_if(found_.begin(), found_.begin() + size_, drop);
+        size_ = int(end - found_.begin());
+        return {found_.data(), size_t(size_)};
+    }
+
+private:
+    int m_, size_ = 0;
+    float radius2_;
+    std::array<Found, kMost> found_;
+};
+
+class KdTree {
+public:
+    static constexpr size_t kLeafSize = 4;
+
+    size_t size() const { return size_; }
+    size_t rebuilds() const { return rebuilds_; }
+    int depth() const { return depth_; }
+    /// Leaves with more than kLeafSize points, all in one place.
+    size_t oversized_leaves() const { return oversized_; }
+
+    void clear();
+    /// Replaces all points and balances the tree.
+    void build(std::vector<TreePoint> points);
+    /// Adds a point to the leaf that encloses it, and splits the leaf at the median of its longest axis where
+    /// it gets too large. Rebuilds the tree once it holds 1.5 times what it held at the last rebuild, or is
+    /// deeper than 2 log2(size) + 8.
+    void insert(const TreePoint& point);
+    /// Offers every point within reach that accept(TreePoint) lets pass.
+    template <class Accept>
+    void search(Vec3 position, Accept accept, NearestSet& nearest) const {
+        if (size_) search(0, position, accept, nearest);
+    }
+
+private:
+    struct Node {
+        float split = 0;
+        int axis = kLeaf;
+        uint32_t first = 0;  ///< left child, the right one follows; of a leaf its first block
+    };
+    /// Points of a leaf; a leaf that cannot be split has several blocks.
+    struct Block {
+        std::array<TreePoint, kLeafSize> points;
+        uint32_t count = 0, next = kNone;
+    };
+    struct Cut {
+        int axis;
+        float split;  ///< left of it: smaller coordinates
+    };
+    static constexpr int kLeaf = -1;
+    static constexpr uint32_t kNone = 0xffffffffu;
+
+    static bool find_cut(std::span<TreePoint> points, Cut& cut);
+    void build_node(uint32_t node, std::span<TreePoint> points, int depth);
+    void fill_leaf(uint32_t node, std::span<const TreePoint> points);
+    std::vector<TreePoint> leaf_points(uint32_t node) const;
+    std::vector<TreePoint> all_points() const;
+
+    template <class Accept>
+    void search(uint32_t index, Vec3 x, Accept accept, NearestSet& nearest) const {
+        const Node& node = nodes_[index];
+        if (node.axis == kLeaf) {
+            for (uint32_t b = node.first; b != kNone; b = blocks_[b].next)
+                for (uint32_t i = 0; i < blocks_[b].count; ++i) {
+                    const TreePoint& p = blocks_[b].points[i];
+                    const Vec3 to = p.position - x;
+                    const float d2 = length2(to);
+                    if (d2 <= nearest.reach2() && accept(p)) nearest.offer({d2, p.id, to, p.normal});
+                }
+            return;
+        }
+        // Rounding keeps order, so no point beyond the plane is nearer than the plane, in floats too
+        const float beyond = x[node.axis] - node.split;
+        const uint32_t near = node.first + (beyond >= 0);
+        search(near, x, accept, nearest);
+        if (beyond * beyond <= nearest.reach2()) search(2 * node.first + 1 - near, x, accept, nearest);
+    }
+
+    std::vector<Node> nodes_;
+    std::vector<Block> blocks_;
+    size_t size_ = 0, built_size_ = 0, rebuilds_ = 0, oversized_ = 0;
+    int depth_ = 0, built_depth_ = 0;
+};
+
+}  // namespace viscache

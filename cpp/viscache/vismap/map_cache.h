@@ -1,0 +1,124 @@
+#pragma once
+// The records of a scene, and what they say about a point.
+#include <array>
+#include <optional>
+#include <shared_mutex>
+
+#include "viscache/vismap/blended_maps.h"
+#include "viscache/vismap/kd_tree.h"
+#include "viscache/vismap/map_difference.h"
+#include "viscache/vismap/record_pool.h"
+#include "viscache/vismap/weights.h"
+
+namespace viscache {
+
+constexpr uint32_t kNoRecord = 0xffffffffu;
+
+/// Which weight is held against w_min.
+enum class WeightTest {
+    kFull,        ///< w_g·ŵ, as blending uses it
+    kNormalized,  ///< ŵ
+    kRaw,         ///< w of Eq. 9
+};
+enum class SearchFilter {
+    kDuring,  ///< the m nearest of those with similar normals
+    kAfter,   ///< of the m nearest, those with similar normals
+};
+/// What records are inserted for.
+enum class Criterion {
+    kVisibility,  ///< blending: weight and mean difference
+    kAmbient,     ///< ambient occlusion: weight and the distance of the nearest hit
+};
+
+struct MapCacheParameters {
+    int m = 5;           ///< maps have 2^m × 2^m cells
+    int n_best = 4;      ///< records that are blended
+    int m_nearest = 16;  ///< of which they are chosen
+    float theta_max_rad = 30 * kPi / 180;
+    float lambda = 5;  ///< of Eq. 9
+    float w_min = 0.3f, delta_max = 0.06f;
+    float r_min_px = 2;  ///< nearer records, in footprints, silence the test of the mean difference
+    uint32_t max_records = 1u << 20;
+    WeightTest weight_test = WeightTest::kFull;
+    SearchFilter filter = SearchFilter::kDuring;
+    Criterion criterion = Criterion::kVisibility;
+
+    /// Throws std::invalid_argument that says what must hold.
+    void validate() const;
+};
+
+/// A point that asks. d_max and the footprint come from the pixel's projected area.
+struct CachePoint {
+    Vec3 position, normal;
+    float d_max = 0;      ///< how far records are looked for; 0 = nothing was hit here
+    float footprint = 0;  ///< root of the pixel's area projected onto the surface
+
+    bool usable() const { return d_max > 0; }
+};
+
+/// What a look-up found.
+struct Selection {
+    struct Chosen {
+        uint32_t id;
+        float weight;  ///< w_g·ŵ
+    };
+    std::array<Chosen, kMaxBlended> best;  ///< heaviest first
+    int count = 0;
+    int candidates = 0;         ///< records in reach with similar normals, at most m_nearest
+    float tested = 0;           ///< the greatest of the weights held against w_min
+    float nearest = kInfinity;  ///< distance of the nearest candidate
+};
+
+/// Why a point gets a record, or none.
+enum class Verdict { kServed, kSuppressed, kDuplicate, kNoCandidate, kWeight, kDifference };
+inline bool wants_record(Verdict v) { return v >= Verdict::kNoCandidate; }
+
+class MapCache {
+public:
+    /// `pattern`: the direction of every cell, in Z order (record_pattern).
+    MapCache(const MapCacheParameters& parameters, std::vector<Vec3> pattern);
+
+    const MapCacheParameters& parameters() const { return parameters_; }
+    void set_thresholds(float w_min, float delta_max);
+    std::span<const Vec3> pattern() const { return pattern_; }
+    const RecordPool& records() const { return records_; }
+    RecordPool& records() { return records_; }
+    const KdTree& tree() const { return tree_; }
+    size_t size() const { return records_.size(); }
+    bool full() const { return size() >= parameters_.max_records; }
+
+    /// The records in reach with similar normals, nearest first.
+    std::span<const NearestSet::Found> candidates(const CachePoint& point, NearestSet& set) const;
+    /// The best of them by weight; `without` is left out.
+    Selection select(const CachePoint& point, uint32_t without = kNoRecord) const;
+    /// δ̄: the mean of Eq. 11 over the pairs of the chosen; 0 of less than two.
+    float mean_difference(const Selection& s) const;
+    /// The insertion test.
+    Verdict judge(const CachePoint& point, const Selection& s) const;
+    /// The maps that speak for a point; none where no record is in reach or all weigh nothing.
+    BlendedMaps blend(const Selection& s) const;
+
+    /// Whether a record with the point's normal stands at it, within 1e-6 of d_max and of the unit.
+    bool has_duplicate(const CachePoint& point) const;
+    /// Takes a record in; its id.
+    uint32_t add(const RecordHead& head, const Word* bits, const AmbientRecord& ambient);
+    /// Keeps these records, ids increasing, and numbers them anew in order.
+    void keep(const std::vector<uint32_t>& ids);
+
+    /// For those who look up and add on several threads at once: readers share it, `add` needs it alone.
+    std::shared_mutex& mutex() const { return mutex_; }
+
+private:
+    float tested_weight(const NearestSet::Found& f, float raw, float normalized, float full) const;
+
+    MapCacheParameters parameters_;
+    std::vector<Vec3> pattern_;
+    RecordPool records_;
+    KdTree tree_;
+    NormalizedWeight normalized_;
+    float cos_theta_max_;
+    CountDifferences count_differences_;
+    mutable std::shared_mutex mutex_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,95 @@
+#include "viscache/vismap/pixel_points.h"
+
+#include <cmath>
+
+#include "viscache/sampling/rng.h"
+#include "viscache/scene/film_camera.h"
+
+namespace viscache {
+
+namespace {
+
+class FirstHitFinder {
+public:
+    FirstHitFinder(const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
+                   const PixelRules& rules)
+        : scene_(scene), caster_(caster), film_(camera, width, height), rules_(rules) {}
+
+    /// Points of film places in pixels.
+    PixelPoints find(std::span<const Vec2> places) const {
+        std::vector<Ray> rays;
+        for (Vec2 p : places)
+            rays.push_back({film_.camera.origin, 0, normalize(film_.direction(p.x, p.y)), kInfinity});
+        std::vector<Hit> hits(rays.size());
+        caster_.intersect(rays, hits);
+        PixelPoints out;
+        for (size_t i = 0; i < rays.size(); ++i) out.points.push_back(point(rays[i], hits[i], out));
+        return out;
+    }
+
+private:
+    CachePoint point(const Ray& ray, const Hit& hit, PixelPoints& out) const {
+        if (!hit.valid() || scene_.sphere_light_of(hit.mesh) >= 0) {
+            ++out.misses;
+            return {};
+        }
+        const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
+        const SurfacePoint s = scene_.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+        const float cos_surface = std::fabs(dot(s.ng, ray.d));
+        if (!(length2(s.ng) > 0.5f) || !is_finite(s.ng) || !is_finite(s.position)) {
+            ++out.bad_normals;
+            return {};
+        }
+        const float cos_film = dot(ray.d, film_.camera.forward);
+        const float solid_angle = film_.pixel_area() * cos_film * cos_film * cos_film;
+        const float footprint = hit.t * std::sqrt(solid_angle / std::max(cos_surface, rules_.least_cos));
+        const float d_max = std::min(rules_.reach * float(film_.width) * footprint,
+                                     rules_.most_reach * scene_.offset_extent());
+        return {s.position, dot(s.ng, ray.d) > 0 ? -s.ng : s.ng, d_max, footprint};
+    }
+
+    const Scene& scene_;
+    const RayCaster& caster_;
+    FilmCamera film_;
+    PixelRules rules_;
+};
+
+}  // namespace
+
+PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
+                         int height, Vec2 at, const PixelRules& rules, int threads, const Control& control) {
+    const FirstHitFinder finder(scene, caster, camera, width, height, rules);
+    PixelPoints all;
+    all.points.resize(size_t(width) * size_t(height));
+    std::vector<PixelPoints> rows(static_cast<size_t>(height));
+    parallel_for(size_t(height), threads, [&](size_t y, int) {
+        control.check();
+        std::vector<Vec2> places;
+        for (int x = 0; x < width; ++x) places.push_back({float(x) + at.x, float(y) + at.y});
+        rows[y] = finder.find(places);
+        std::copy(rows[y].points.begin(), rows[y].points.end(),
+                  all.points.begin() + std::ptrdiff_t(y * size_t(width)));
+        rows[y].points.clear();
+    });
+    for (const PixelPoints& row : rows) all.misses += row.misses, all.bad_normals += row.bad_normals;
+    return all;
+}
+
+PixelPoints startup_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
+                           int height, size_t n, uint64_t seed, const PixelRules& rules,
+                           const Control& control) {
+    control.check();
+    // Cells as square as their number allows; cell k of n lies in row k / columns
+    const auto rows = size_t(std::max(1.0, std::round(std::sqrt(double(n) * height / width))));
+    const size_t columns = (n + rows - 1) / rows, used_rows = (n + columns - 1) / columns;
+    std::vector<Vec2> places;
+    for (size_t k = 0; k < n; ++k) {
+        const size_t row = k / columns, in_row = std::min(columns, n - row * columns);
+        const Vec2 jitter = Rng(seed, Purpose::kMapStartup, k, 0).next2();
+        places.push_back({(float(k % columns) + jitter.x) * float(width) / float(in_row),
+                          (float(row) + jitter.y) * float(height) / float(used_rows)});
+    }
+    return FirstHitFinder(scene, caster, camera, width, height, rules).find(places);
+}
+
+}  // namespace viscache

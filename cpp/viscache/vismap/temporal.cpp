@@ -1,0 +1,113 @@
+#include "viscache/vismap/temporal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace viscache {
+
+namespace {
+
+float share_wrong(const RecordHead& h) { return h.rays ? float(h.misses) / float(h.rays) : 0.f; }
+
+/// The records with the highest shares of wrong answers; the older ones of equals.
+std::vector<uint8_t> worst(const RecordPool& records, const RemovalRules& rules) {
+    std::vector<uint32_t> candidates;
+    for (uint32_t id = 0; id < records.size(); ++id)
+        if (records.head(id).rays >= std::max(1u, rules.min_rays) && records.head(id).misses)
+            candidates.push_back(id);
+    const size_t k = std::min<size_t>(rules.k_worst, candidates.size());
+    std::stable_sort(candidates.begin(), candidates.end(), [&](uint32_t a, uint32_t b) {
+        const RecordHead &x = records.head(a), &y = records.head(b);
+        return uint64_t(x.misses) * y.rays > uint64_t(y.misses) * x.rays;
+    });
+    std::vector<uint8_t> removed(records.size());
+    for (size_t i = 0; i < k; ++i) removed[candidates[i]] = 1;
+    return removed;
+}
+
+bool too_often_wrong(const RecordHead& h, const RemovalRules& rules) {
+    if (h.rays < std::max(1u, rules.min_rays)) return false;
+    return (rules.wilson ? wilson_lower(h.misses, h.rays) : share_wrong(h)) > rules.eps_max;
+}
+
+}  // namespace
+
+void RecordTally::merge(const RecordTally& other) {
+    for (size_t i = 0; i < rays.size(); ++i) {
+        rays[i] += other.rays[i], misses[i] += other.misses[i];
+        used[i] |= other.used[i];
+    }
+}
+
+void add_tally(MapCache& cache, const RecordTally& tally, uint32_t frame) {
+    RecordPool& records = cache.records();
+    if (tally.rays.size() != records.size())
+        throw std::invalid_argument("tally must have one entry per record, " +
+                                    std::to_string(records.size()) + ", got " +
+                                    std::to_string(tally.rays.size()));
+    for (uint32_t id = 0; id < records.size(); ++id) {
+        RecordHead& h = records.head(id);
+        uint64_t rays = uint64_t(h.rays) + tally.rays[id], misses = uint64_t(h.misses) + tally.misses[id];
+        // Counters that would overflow are halved: the share stays
+        while (rays > 0xffffffffu) rays /= 2, misses /= 2;
+        h.rays = uint32_t(rays), h.misses = uint32_t(misses);
+        if (tally.used[id]) h.last_used = frame;
+    }
+}
+
+void mark_used(MapCache& cache, std::span<const CachePoint> points, uint32_t frame, int threads,
+               const Control& control) {
+    constexpr size_t kPointsPerChunk = 256;
+    threads = resolve_threads(threads);
+    std::vector<std::vector<uint8_t>> used(static_cast<size_t>(threads));
+    parallel_for((points.size() + kPointsPerChunk - 1) / kPointsPerChunk, threads, [&](size_t chunk, int t) {
+        control.check();
+        std::vector<uint8_t>& own = used[size_t(t)];
+        own.resize(cache.size());
+        const size_t first = chunk * kPointsPerChunk;
+        for (const CachePoint& p : points.subspan(first, std::min(kPointsPerChunk, points.size() - first))) {
+            if (!p.usable()) continue;
+            const Selection s = cache.select(p);
+            for (int i = 0; i < s.count; ++i) own[s.best[size_t(i)].id] |= s.best[size_t(i)].weight > 0;
+        }
+    });
+    for (const std::vector<uint8_t>& own : used)
+        for (uint32_t id = 0; id < own.size(); ++id)
+            if (own[id]) cache.records().head(id).last_used = frame;
+}
+
+RemovalStats remove_records(MapCache& cache, const RemovalRules& rules, uint32_t frame) {
+    const RecordPool& records = cache.records();
+    RemovalStats stats;
+    const std::vector<uint8_t> is_worst = rules.k_worst ? worst(records, rules) : std::vector<uint8_t>{};
+    std::vector<uint32_t> kept;
+    for (uint32_t id = 0; id < records.size(); ++id) {
+        const RecordHead& h = records.head(id);
+        stats.rays += h.rays, stats.misses += h.misses;
+        const bool wrong = rules.k_worst ? is_worst[id] : too_often_wrong(h, rules);
+        const bool unused =
+            rules.unused_frames && frame >= h.last_used && frame - h.last_used >= rules.unused_frames;
+        stats.wrong += wrong, stats.unused += !wrong && unused;
+        if (!wrong && !unused) kept.push_back(id);
+    }
+    if (kept.size() != records.size()) cache.keep(kept);
+    return stats;
+}
+
+void reset_tallies(MapCache& cache) {
+    for (uint32_t id = 0; id < cache.size(); ++id)
+        cache.records().head(id).rays = cache.records().head(id).misses = 0;
+}
+
+float wilson_lower(uint32_t misses, uint32_t rays) {
+    if (!misses) return 0;
+    constexpr double z = 1.959963984540054;
+    const double n = rays, p = misses / n;
+    const double centre = p + z * z / (2 * n);
+    const double spread = z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+    return float(std::max(0.0, (centre - spread) / (1 + z * z / n)));
+}
+
+}  // namespace viscache

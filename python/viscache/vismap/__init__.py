@@ -1,0 +1,14 @@
+"""The visibility-map cache (Clarberg, Akenine-Möller 2008)."""
+
+from viscache.vismap.ambient import cached_ambient_occlusion
+from viscache.vismap.cache import Lookup, Records, UpdateReport, VisibilityMapCache
+from viscache.vismap.settings import MapSettings
+
+__all__ = [
+    "Lookup",
+    "MapSettings",
+    "Records",
+    "UpdateReport",
+    "VisibilityMapCache",
+    "cached_ambient_occlusion",
+]

@@ -1,0 +1,466 @@
+"""The records of a scene: made where a camera looks, looked up anywhere, kept over frames."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.cameras import find_camera
+from viscache.checks import checked_points, checked_threads, is_whole, require
+from viscache.progress import progress_bar
+from viscache.scene import Scene
+from viscache.vismap import cache_file
+from viscache.vismap.orders import pixel_order
+from viscache.vismap.settings import MapSettings
+
+__all__ = ["Lookup", "Records", "UpdateReport", "VisibilityMapCache"]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Progress: TypeAlias = bool | Callable[[int, int], None]
+
+MAX_PIXELS = 1 << 28
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Records:
+    """Copies of what the cache holds, one row per record."""
+
+    positions: Floats
+    """(N, 3)"""
+    normals: Floats
+    """(N, 3), unit."""
+    bits: npt.NDArray[np.uint64]
+    """(N, 4^m / 64): cell z, in Z order (Eq. 10), is bit z % 64 of word z // 64; 1 = free."""
+    rays: npt.NDArray[np.uint32]
+    """(N,) exact rays the record was compared with."""
+    misses: npt.NDArray[np.uint32]
+    """(N,) of these, where its map was wrong."""
+    last_used: npt.NDArray[np.uint32]
+    """(N,) frame."""
+    ambient: Floats
+    """(N,) A of Eq. 12, divided by π."""
+    nearest_hit: Floats
+    """(N,) R; inf where nothing is hit, or with criterion "visibility"."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Lookup:
+    """What is blended at N points: Ṽ(x, ω) = Σ β_i V_i(ω) (Eq. 8)."""
+
+    ids: npt.NDArray[np.int64]
+    """(N, n_best) records, heaviest first; −1 where there are fewer."""
+    beta: Floats
+    """(N, n_best) their shares, which sum to 1, or to 0 where there is no approximation."""
+    candidates: npt.NDArray[np.int32]
+    """(N,) records in reach with similar normals, at most m_nearest."""
+    weight: Floats
+    """(N,) the greatest weight, as held against w_min."""
+    difference: Floats
+    """(N,) mean difference of the blended maps (Eq. 11); 0 of fewer than two."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class UpdateReport:
+    """What an update did."""
+
+    frame: int
+    inserted: int
+    """New records: startup + no_candidate + weight + difference."""
+    startup: int
+    no_candidate: int
+    """Inserted because no record was in reach."""
+    weight: int
+    """Inserted because none weighed as much as w_min."""
+    difference: int
+    """Inserted because the blended maps differed by more than delta_max."""
+    suppressed: int
+    """Pixels whose maps differ too much but where a record is too near for another."""
+    duplicates: int
+    """Pixels, or start-up rays, where a record with the same normal stands already."""
+    refused: int
+    """Pixels that wanted a record when max_records were there."""
+    rays: int
+    """Rays traced for the new records."""
+    lookups: int
+    passes: int
+    pixels: int
+    misses: int
+    """Pixels that see no surface."""
+    bad_normals: int
+    """Pixels whose triangle has no normal: never served, never given a record."""
+
+
+class VisibilityMapCache:
+    """Records of a scene (paper: Section 5).
+
+    Parameters
+    ----------
+    scene : Scene
+    settings : MapSettings, optional
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_startup=100))
+    >>> report = cache.update(size=(64, 40))
+    >>> len(cache) == report.inserted, report.startup <= 100
+    (True, True)
+    """
+
+    def __init__(self, scene: Scene, settings: MapSettings | None = None) -> None:
+        settings = settings or MapSettings()
+        require(isinstance(scene, Scene), "scene must be a Scene", scene)
+        require(isinstance(settings, MapSettings), "settings must be a MapSettings", settings)
+        self.scene = scene
+        self.settings = settings
+        self._core = _core.vismap.MapCache(settings.core(), settings.seed)
+        self._lock = threading.RLock()
+        #: Number of the current frame; `end_frame` counts on.
+        self.frame = 0
+        #: Whether the start-up records were made.
+        self.started = False
+        #: Rays traced for all records so far, removed ones too.
+        self.rays = 0
+        #: (w_min, delta_max) in use; with preset "auto" known after the start-up.
+        self.thresholds = settings.thresholds()
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the records as the paper counts them: map, hierarchy, 36 bytes besides."""
+        return len(self) * _core.vismap.record_nbytes(self.settings.m)
+
+    @property
+    def extra_nbytes(self) -> int:
+        """Bytes of dilated maps and ambient values, which the paper does not have."""
+        return len(self) * self._core.extra_bytes_per_record
+
+    @property
+    def directions(self) -> Floats:
+        """(4^m, 3) directions of the cells' rays, in Z order."""
+        return self._core.pattern
+
+    def records(self) -> Records:
+        """Everything stored."""
+        with self._lock:
+            return Records(**self._core.records())
+
+    # Making records
+
+    def update(
+        self,
+        camera: str | int | _core.Camera | None = None,
+        *,
+        size: tuple[int, int] | None = None,
+        scene: Scene | None = None,
+        at: tuple[float, float] = (0.5, 0.5),
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> UpdateReport:
+        """Give records to the pixels of an image that want one.
+
+        The first update makes the start-up records before.
+
+        Parameters
+        ----------
+        camera : str, int or Camera, optional
+            As `viscache.render` takes it.
+        size : (width, height), optional
+            Pixels; the camera's own by default.
+        scene : Scene, optional
+            What the scene has become, in an animation. Old records stay as they are; the exact
+            rays that are compared with them find out which are wrong.
+        at : (x, y) in [0, 1)
+            The place of every pixel that looks.
+        threads : int >= 1, optional
+            All cores by default.
+        progress : bool or callable
+            Gets (done, total) pixels of a pass.
+
+        Raises
+        ------
+        ValueError
+            A parameter out of range.
+        KeyboardInterrupt
+            Within half a second of Ctrl-C; whole records are kept.
+        """
+        if scene is not None:
+            require(isinstance(scene, Scene), "scene must be a Scene", scene)
+            self.scene = scene
+        view = find_camera(self.scene, camera)
+        width, height = checked_size(size or (view.width, view.height))
+        cores = checked_threads(threads)
+        with self._lock:
+            startup: dict[str, Any] = {"inserted": 0, "duplicates": 0, "rays": 0}
+            if not self.started:
+                startup = self._start(view, width, height, cores)
+            points, misses, bad_normals = self._pixels(view, width, height, at, cores)
+            order = pixel_order(self.settings.order, width, height)
+            with progress_bar(progress, unit="pixel") as report:
+                found = self._core.insert(
+                    self.scene._core, self.scene.caster(), points.take(order), frame=self.frame,
+                    mode=self.settings.mode, batch=self.settings.batch,
+                    settle=self.settings.settle, threads=cores, progress=report,
+                )  # fmt: skip
+            self.rays += found["rays"]
+            self._core.mark_used(points, self.frame, cores)
+        return UpdateReport(
+            frame=self.frame,
+            startup=startup["inserted"],
+            inserted=startup["inserted"] + found["inserted"],
+            duplicates=startup["duplicates"] + found["duplicates"],
+            rays=startup["rays"] + found["rays"],
+            pixels=width * height,
+            misses=misses,
+            bad_normals=bad_normals,
+            **{name: found[name] for name in (
+                "no_candidate", "weight", "difference", "suppressed", "refused", "lookups", "passes"
+            )},
+        )  # fmt: skip
+
+    def _pixels(
+        self, view: _core.Camera, width: int, height: int, at: tuple[float, float], threads: int
+    ) -> tuple[_core.vismap.CachePoints, int, int]:
+        inside = len(at) == 2 and all(0 <= v < 1 for v in at)
+        require(inside, "at must be two numbers in [0, 1)", at)
+        rules = _core.vismap.PixelRules(self.settings.d_max)
+        return _core.vismap.pixel_points(
+            self.scene._core, self.scene.caster(), view, width, height, at, rules, threads
+        )
+
+    def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, Any]:
+        points, _, _ = _core.vismap.startup_points(
+            self.scene._core, self.scene.caster(), view, width, height, self.settings.n_startup,
+            self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
+        )  # fmt: skip
+        before = len(self)
+        found = self._core.bootstrap(
+            self.scene._core, self.scene.caster(), points, self.frame, threads
+        )
+        self.started = True
+        self.rays += found["rays"]
+        self.thresholds = self.settings.thresholds(found)
+        self._core.set_thresholds(*self.thresholds)
+        return {
+            "inserted": len(self) - before,
+            "duplicates": found["duplicates"],
+            "rays": found["rays"],
+        }
+
+    # Asking
+
+    def lookup(
+        self,
+        positions: npt.ArrayLike,
+        normals: npt.ArrayLike,
+        d_max: npt.ArrayLike,
+        *,
+        threads: int | None = None,
+    ) -> Lookup:
+        """The records that speak for points on surfaces.
+
+        Parameters
+        ----------
+        positions, normals : (N, 3) float
+            Normals unit, on the side that asks.
+        d_max : float or (N,) float, >= 0
+            How far records are looked for, in scene units; 0: there is no point.
+
+        Raises
+        ------
+        ValueError
+            Wrong shapes, positions that are not finite, normals that are not unit.
+        """
+        points = cache_points(positions, normals, d_max)
+        with self._lock:
+            found = self._core.select(points, checked_threads(threads))
+        return Lookup(
+            ids=found["ids"], beta=found["beta"], candidates=found["candidates"],
+            weight=found["tested"], difference=found["difference"],
+        )  # fmt: skip
+
+    def visibility(self, lookup: Lookup, directions: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """Ṽ of looked-up points in K directions: (N, K), in [0, 1]; 0 without an approximation.
+
+        Parameters
+        ----------
+        lookup : Lookup
+        directions : (K, 3) float
+            Unit vectors in world space.
+        """
+        cells = self.cells(directions)
+        require(cells.ndim == 1, "directions must have shape (K, 3)", (*cells.shape, 3))
+        said = self._said(lookup, np.broadcast_to(cells, (len(lookup.ids), len(cells))))
+        return np.asarray(np.einsum("nik,ni->nk", said, lookup.beta, dtype=np.float32))
+
+    def cells(self, directions: npt.ArrayLike) -> npt.NDArray[np.int64]:
+        """The map's cells of unit directions (..., 3): Z-order numbers (...)."""
+        given = checked_points(directions, "directions")
+        require(given.ndim >= 1 and given.shape[-1] == 3, "directions must have shape (..., 3)",
+                given.shape)  # fmt: skip
+        edge = 1 << self.settings.m
+        at = _core.sampling.direction_to_equal_area(given.reshape(-1, 3))
+        x, y = np.minimum((at * edge).astype(np.uint32), edge - 1).T
+        return np.asarray(_core.vismap.morton2(x, y), np.int64).reshape(given.shape[:-1])
+
+    def _said(self, lookup: Lookup, cells: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """(N, n_best, K): what each record says in the point's cells (N, K)."""
+        bits = self.records().bits
+        rows = np.maximum(lookup.ids, 0)[:, :, None]
+        at = cells[:, None, :]
+        words = bits[rows, at // 64] if len(bits) else np.zeros(np.broadcast(rows, at).shape, "u8")
+        found: npt.NDArray[np.bool_] = (words >> (at % 64).astype(np.uint64) & np.uint64(1)) > 0
+        return found & (lookup.ids >= 0)[:, :, None]
+
+    # Over the frames of an animation
+
+    def compare(
+        self, lookup: Lookup, directions: npt.ArrayLike, visible: npt.ArrayLike
+    ) -> tuple[int, int]:
+        """Count how often the blended records were wrong about exact rays.
+
+        Parameters
+        ----------
+        lookup : Lookup
+            Of N points, since the last insertion or removal.
+        directions : (N, K, 3) float
+            Unit directions of exact rays.
+        visible : (N, K) bool
+            What the rays found.
+
+        Returns
+        -------
+        (rays, misses)
+            Of this call, counted per record.
+        """
+        seen = np.asarray(visible, dtype=bool)
+        cells = self.cells(directions)
+        expected = (len(lookup.ids), cells.shape[-1] if cells.ndim else 0)
+        require(cells.shape == expected, "directions must have shape (N, K, 3)", (*cells.shape, 3))
+        require(seen.shape == expected, f"visible must have shape {expected}", seen.shape)
+        with self._lock:
+            wrong = self._said(lookup, cells) != seen[:, None, :]
+            speaks = lookup.beta > 0
+            ids = lookup.ids[speaks]
+            require(bool((ids < len(self)).all()), "lookup must be of the records now there",
+                    "others")  # fmt: skip
+            rays = np.bincount(ids, minlength=len(self)) * expected[1]
+            misses = np.bincount(ids, wrong.sum(axis=2)[speaks], minlength=len(self))
+            used = (rays > 0).astype(np.uint8)
+            self._core.tally(rays.astype(np.uint32), misses.astype(np.uint32), used, self.frame)
+        return int(rays.sum()), int(misses.sum())
+
+    def end_frame(self) -> dict[str, int]:
+        """Remove records by the settings' rule and those unused, and count the frame on.
+
+        Returns
+        -------
+        dict
+            "wrong" and "unused": removed records; "rays" and "misses" counted before.
+        """
+        s = self.settings
+        with self._lock:
+            found = self._core.remove(
+                self.frame, unused_frames=s.unused_frames, wilson=s.removal == "wilson",
+                k_worst=s.k_worst if s.removal == "worst" else 0,
+                eps_max=2.0 if s.removal == "none" else s.eps_max, min_rays=s.min_rays,
+            )  # fmt: skip
+            self.frame += 1
+        return {name: int(value) for name, value in found.items()}
+
+    def reset_errors(self) -> None:
+        """Forget the counts of rays and misses, as after a change of the geometry."""
+        with self._lock:
+            self._core.reset_tallies()
+
+    # Files
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the cache into a file that `load` accepts for the same scene.
+
+        The file appears whole or not.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written.
+        """
+        with self._lock:
+            state = cache_file.State(
+                scene_hash=self.scene.content_hash, settings=self.settings.parameters(),
+                directions=self.directions, frame=self.frame, started=self.started,
+                rays=self.rays, thresholds=self.thresholds, records=self._core.records(),
+            )  # fmt: skip
+        cache_file.write(path, state)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], scene: Scene) -> VisibilityMapCache:
+        """Read a cache back.
+
+        Parameters
+        ----------
+        path : path
+        scene : Scene
+            The scene it was made in.
+
+        Raises
+        ------
+        ValueError
+            Not a cache, a damaged one, one of another version, or of another scene; the message
+            says which.
+        OSError
+            The file cannot be read.
+        """
+        require(isinstance(scene, Scene), "scene must be a Scene", scene)
+        state = cache_file.read(path, scene.content_hash)
+        cache = cls(scene, MapSettings(**state.settings))
+        fit = np.array_equal(cache.directions, state.directions)
+        require(fit, f"{path}: the directions must be those of the settings", "others")
+        cache.frame, cache.started, cache.rays = state.frame, state.started, state.rays
+        cache.thresholds = state.thresholds
+        cache._core.set_thresholds(*state.thresholds)
+        cache._core.add_records(**state.records)
+        return cache
+
+    def __repr__(self) -> str:
+        edge = 1 << self.settings.m
+        return (
+            f"<viscache.VisibilityMapCache: {len(self):,} records of {edge}×{edge}, "
+            f"{self.nbytes:,} bytes>"
+        )
+
+
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """A size of an image in pixels."""
+    pair = len(size) == 2 and all(is_whole(v) for v in size)
+    require(pair, "size must be (width, height)", size)
+    width, height = (int(v) for v in size)
+    fits = width >= 1 and height >= 1 and width * height <= MAX_PIXELS
+    require(fits, "size must be at least 1×1 and at most 2^28 pixels", size)
+    return width, height
+
+
+def cache_points(
+    positions: npt.ArrayLike, normals: npt.ArrayLike, d_max: npt.ArrayLike
+) -> _core.vismap.CachePoints:
+    """Points that ask, as the core takes them."""
+    places = checked_points(positions, "positions")
+    rows = places.ndim == 2 and places.shape[1] == 3
+    require(rows, "positions must have shape (N, 3)", places.shape)
+    count = len(places)
+    reach = checked_points(d_max, "d_max")
+    fits = np.ndim(d_max) == 0 or reach.shape == (count,)
+    require(fits, f"d_max must be one or {count} numbers", reach.shape)
+    reach = np.ascontiguousarray(np.broadcast_to(reach, (count,)))
+    none = np.zeros(count, np.float32)
+    return _core.vismap.CachePoints(places, checked_points(normals, "normals"), reach, none)

@@ -1,0 +1,124 @@
+"""Files of visibility-map caches."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.checks import require
+from viscache.provenance import version
+
+__all__ = ["State", "read", "write"]
+
+FORMAT = "viscache visibility-map cache"
+#: Of the file's layout and of what its bits mean; another one is refused.
+FORMAT_VERSION = 1
+
+
+#: What a file that is no archive of arrays, or a damaged one, makes its readers raise.
+DAMAGED = (
+    ValueError, KeyError, EOFError, TypeError, AttributeError, NotImplementedError, RuntimeError,
+    OSError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class State:
+    """What a file holds."""
+
+    scene_hash: str
+    settings: dict[str, Any]
+    directions: npt.NDArray[np.float32]
+    frame: int
+    started: bool
+    rays: int
+    thresholds: tuple[float, float]
+    records: dict[str, npt.NDArray[Any]]
+
+
+def digest(head: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
+    """Hash of scene, settings, version and content."""
+    h = hashlib.sha256(json.dumps(head, sort_keys=True).encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        h.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        h.update(array.tobytes())
+    return h.hexdigest()
+
+
+def write(path: str | os.PathLike[str], state: State) -> None:
+    """Write a file; it appears whole or not."""
+    head = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "viscache": version(),
+        "scene_hash": state.scene_hash,
+        "settings": state.settings,
+        "frame": state.frame,
+        "started": state.started,
+        "rays": state.rays,
+        "thresholds": list(state.thresholds),
+    }
+    arrays = {"directions": state.directions, **state.records}
+    text = json.dumps(head | {"digest": digest(head, arrays)})
+    target = Path(path)
+    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with partial.open("wb") as file:
+            np.savez_compressed(file, head=np.array(text), **arrays)  # type: ignore[arg-type]
+        partial.replace(target)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise OSError(f"cannot write {target}: {error}") from error
+
+
+def read(path: str | os.PathLike[str], scene_hash: str) -> State:
+    """Read a file of the scene with this hash.
+
+    Raises
+    ------
+    ValueError
+        Not a cache, a damaged one, one of another version, or of another scene.
+    OSError
+        The file cannot be read.
+    """
+    head, arrays = _opened(path)
+    found = head.get("format_version")
+    require(found == FORMAT_VERSION, f"{path}: the cache's version must be {FORMAT_VERSION}", found)
+    scene = head.get("scene_hash")
+    require(scene == scene_hash,
+            f"{path}: the cache must be of the scene given, whose hash is {scene_hash}",
+            f"a cache of the scene {scene}")  # fmt: skip
+    claimed = head.pop("digest", None)
+    require(claimed == digest(head, arrays), f"{path}: the cache must be undamaged",
+            "content that its digest does not fit")  # fmt: skip
+    w_min, delta_max = head["thresholds"]
+    return State(
+        scene_hash=scene_hash, settings=head["settings"], directions=arrays.pop("directions"),
+        frame=head["frame"], started=head["started"], rays=head["rays"],
+        thresholds=(w_min, delta_max), records=arrays,
+    )  # fmt: skip
+
+
+def _opened(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:
+    """Head and arrays of any file that looks like a cache."""
+    content = io.BytesIO(Path(path).read_bytes())
+    try:
+        with np.load(content, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        head = json.loads(str(arrays.pop("head")))
+    except DAMAGED as error:
+        raise ValueError(f"{path}: must be a file of VisibilityMapCache.save: {error}") from error
+    known = isinstance(head, dict) and head.get("format") == FORMAT
+    require(known, f"{path}: must be a file of VisibilityMapCache.save", head)
+    return head, arrays

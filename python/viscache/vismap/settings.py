@@ -1,0 +1,193 @@
+"""Settings of the visibility-map cache."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.checks import check_types, require
+
+__all__ = ["PRESETS", "MapSettings", "automatic_thresholds"]
+
+#: Thresholds of the presets; the paper has three of them and prints no numbers.
+PRESETS: dict[str, dict[str, float]] = {
+    "low": {"w_min": 0.2, "delta_max": 0.10},
+    "medium": {"w_min": 0.3, "delta_max": 0.06},
+    "high": {"w_min": 0.4, "delta_max": 0.04},
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class MapSettings:
+    """How records are made, found, inserted and removed (paper: Section 5, Table 1).
+
+    Parameters
+    ----------
+    preset : {"low", "medium", "high", "auto"}
+        Gives `w_min` and `delta_max` where they are None. "auto": from what the start-up records
+        say about each other (`automatic_thresholds`).
+    m : int in [4, 7]
+        M: maps have 2^m x 2^m cells; 76, 172, 572, 2172 bytes a record.
+    n_startup : int >= 1
+        Records of the start-up, at first hits spread over the image.
+    d_max : float > 0
+        How far records are looked for, in widths of the image with pixels as large as they appear
+        at the point; never more than a tenth of the scene's diagonal.
+    theta_max_deg : float in (0, 180]
+        Normals of records that are used differ by less.
+    n_best : int in [1, 8]
+        Records that are blended.
+    m_nearest : int in [n_best, 64]
+        Records among which they are chosen.
+    lam : float >= 0
+        λ of Eq. 9.
+    w_min : float in [0, 1], optional
+        A point gets a record if none in reach weighs as much.
+    delta_max : float in [0, 1], optional
+        A point gets a record if the blended maps differ more on average (Eq. 11).
+    r_min_px : float >= 0
+        No record for differing maps where one stands nearer, in footprints of a pixel.
+    max_records : int in [1, 2^26]
+        The cache takes no more.
+    weight_test : {"full", "w_hat", "raw"}
+        What is held against `w_min`: w_g·ŵ, ŵ, or w of Eq. 9.
+    filter : {"during", "after"}
+        Similar normals are asked for while the nearest are searched, or of the nearest found.
+    criterion : {"visibility", "ambient"}
+        "ambient": records for ambient occlusion, more of them where a surface is near; maps may
+        differ. Their rays look for the nearest hit.
+    mode : {"batch", "locked"}
+        "batch": the same records for any number of threads. "locked": the paper's read-write lock.
+    batch : int >= 1
+        Pixels that are looked up together.
+    settle : bool
+        Pass over the image until no pixel wants a record; False: once, as the paper does.
+    order : {"scanline", "hilbert", "coarse_to_fine"}
+        In which order pixels may insert.
+    removal : {"rate", "wilson", "worst", "none"}
+        At the end of a frame, remove records whose share of wrong answers exceeds `eps_max`; the
+        lower end of whose 95 % interval does; the `k_worst` with the greatest shares; or none.
+    eps_max : float in [0, 1]
+        ε_max, as a share.
+    min_rays : int >= 0
+        Records that were compared with fewer rays stay.
+    k_worst : int >= 0
+    unused_frames : int >= 0
+        Records that no pixel used for so many frames are removed; 0 = never.
+    seed : int >= 0
+        Of the directions of the maps and of the start-up rays.
+    """
+
+    preset: Literal["low", "medium", "high", "auto"] = "medium"
+    m: int = 5
+    n_startup: int = 1000
+    d_max: float = 0.05
+    theta_max_deg: float = 30.0
+    n_best: int = 4
+    m_nearest: int = 16
+    lam: float = 5.0
+    w_min: float | None = None
+    delta_max: float | None = None
+    r_min_px: float = 2.0
+    max_records: int = 1 << 20
+    weight_test: Literal["full", "w_hat", "raw"] = "full"
+    filter: Literal["during", "after"] = "during"
+    criterion: Literal["visibility", "ambient"] = "visibility"
+    mode: Literal["batch", "locked"] = "batch"
+    batch: int = 4096
+    settle: bool = True
+    order: Literal["scanline", "hilbert", "coarse_to_fine"] = "scanline"
+    removal: Literal["rate", "wilson", "worst", "none"] = "rate"
+    eps_max: float = 0.05
+    min_rays: int = 64
+    k_worst: int = 0
+    unused_frames: int = 10
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        most = (1 << 32) - 1
+        for name, low, high in (
+            ("m", 4, 7), ("n_startup", 1, 1 << 24), ("n_best", 1, 8), ("batch", 1, 1 << 30),
+            ("m_nearest", self.n_best, 64), ("max_records", 1, 1 << 26), ("min_rays", 0, most),
+            ("k_worst", 0, most), ("unused_frames", 0, most), ("seed", 0, (1 << 64) - 1),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            require(low <= value <= high, f"{name} must be in [{low}, {high}]", value)
+        require(0 < self.d_max <= 1000, "d_max must be in (0, 1000]", self.d_max)
+        require(self.removal != "worst" or self.k_worst > 0,
+                'k_worst must be > 0 with removal="worst"', self.k_worst)  # fmt: skip
+        require(0 <= self.eps_max <= 1, "eps_max must be in [0, 1]", self.eps_max)
+        self.core()
+
+    def core(self) -> _core.vismap.MapCacheParameters:
+        """The C++ struct; thresholds that the start-up gives are still the preset "medium"'s.
+
+        Raises
+        ------
+        ValueError
+            A value out of range.
+        """
+        preset = PRESETS.get(self.preset, PRESETS["medium"])
+        return _core.vismap.MapCacheParameters(
+            m=self.m, n_best=self.n_best, m_nearest=self.m_nearest,
+            theta_max_rad=math.radians(self.theta_max_deg), lambda_=self.lam,
+            w_min=preset["w_min"] if self.w_min is None else self.w_min,
+            delta_max=preset["delta_max"] if self.delta_max is None else self.delta_max,
+            r_min_px=self.r_min_px, max_records=self.max_records, weight_test=self.weight_test,
+            filter=self.filter, criterion=self.criterion,
+        )  # fmt: skip
+
+    def thresholds(self, startup: Mapping[str, Any] | None = None) -> tuple[float, float]:
+        """(w_min, delta_max) as given, by the preset, or by the start-up's statistics."""
+        given = self.w_min, self.delta_max
+        if self.preset == "auto" and startup is not None:
+            chosen = automatic_thresholds(startup["tested"], startup["difference"])
+        else:
+            preset = PRESETS.get(self.preset, PRESETS["medium"])
+            chosen = preset["w_min"], preset["delta_max"]
+        w_min, delta_max = (c if g is None else g for g, c in zip(given, chosen, strict=True))
+        return w_min, delta_max
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values, JSON-able."""
+        return asdict(self)
+
+
+def automatic_thresholds(
+    tested: npt.NDArray[np.float32], difference: npt.NDArray[np.float32]
+) -> tuple[float, float]:
+    """Starting values of w_min and delta_max from the start-up, which the paper leaves open.
+
+    Each start-up record is looked up without itself. The quarter of the image where the others
+    weigh least, or disagree most, is to be refined, within the range of the presets: `w_min` is
+    the lower quartile of the greatest weights, `delta_max` the upper quartile of the mean
+    differences.
+
+    Parameters
+    ----------
+    tested : (N,) float
+        Greatest weight of another record; 0 where none is in reach.
+    difference : (N,) float
+        Mean difference of the maps that would be blended; NaN of fewer than two.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> automatic_thresholds(np.full(9, 0.25), np.full(9, 0.07))
+    (0.25, 0.07)
+    """
+    low, high = PRESETS["low"], PRESETS["high"]
+    known = difference[np.isfinite(difference)]
+    weight = float(np.quantile(tested, 0.25)) if len(tested) else low["w_min"]
+    delta = float(np.quantile(known, 0.75)) if len(known) else low["delta_max"]
+    return (
+        min(max(weight, low["w_min"]), high["w_min"]),
+        min(max(delta, high["delta_max"]), low["delta_max"]),
+    )

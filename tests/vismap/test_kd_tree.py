@@ -1,0 +1,109 @@
+"""The records' tree finds what brute force finds, whatever its shape."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from viscache import _core
+
+Array = npt.NDArray[Any]
+N = 10_000
+
+
+def clouds() -> dict[str, Array]:
+    random = np.random.default_rng(5)
+    line = np.zeros((N, 3))
+    line[:, 1] = np.linspace(0, 1, N)
+    return {
+        "random": random.random((N, 3)),
+        "collinear": line,
+        "grid": random.integers(0, 12, (N, 3)) / 12,
+        "duplicates": random.random((50, 3))[random.integers(0, 50, N)],
+        "clusters": random.random((20, 3)).repeat(N // 20, 0) + random.normal(0, 1e-4, (N, 3)),
+        "halving": np.stack([0.5 ** (np.arange(N) % 120), np.zeros(N), np.zeros(N)], 1),
+        "far away": random.random((N, 3)) + 1e5,
+    }
+
+
+def nearest(points: Array, at: Array, radius: float, m: int) -> list[int]:
+    """In float32, term by term; ties by id."""
+    to = points - at
+    d2 = (to[:, 0] * to[:, 0] + to[:, 1] * to[:, 1]) + to[:, 2] * to[:, 2]
+    inside = np.flatnonzero(d2 < np.float32(radius) * np.float32(radius))
+    order = np.lexsort((inside, d2[inside]))
+    return [int(i) for i in inside[order[:m]]]
+
+
+def check(tree: Any, points: Array, queries: Array, radius: float) -> None:
+    for m in (1, 4, 16, 64):
+        found = tree.search(queries, radius, m)
+        assert found == [nearest(points, q, radius, m) for q in queries]
+
+
+@pytest.mark.parametrize("kind", clouds())
+def test_searches_find_what_brute_force_finds(kind: str) -> None:
+    points = clouds()[kind].astype(np.float32)
+    queries = np.concatenate([points[:: N // 20], points[:5] + np.float32(0.01)])
+    radii = (0.03, 0.3, 3.0)
+    grown = _core.vismap.KdTree()
+    for first in range(0, N, 500):
+        grown.insert(points[first : first + 500], first)
+        if first in (0, 500, 3000):  # while it grows
+            so_far = points[: first + 500]
+            check(grown, so_far, queries[:5], 0.2)
+    balanced = _core.vismap.KdTree()
+    balanced.build(points)
+    assert len(grown) == len(balanced) == N
+    for radius in radii:
+        check(grown, points, queries, radius)
+        check(balanced, points, queries, radius)
+
+
+def test_the_tree_is_rebuilt_now_and_then_and_stays_shallow() -> None:
+    tree = _core.vismap.KdTree()
+    line = np.zeros((4000, 3), np.float32)
+    line[:, 0] = np.arange(4000)  # the worst order for a tree that only grows
+    for i in range(4000):
+        tree.insert(line[i : i + 1], i)
+        assert tree.depth <= 2 * len(tree).bit_length() + 9
+    assert 10 <= tree.rebuilds <= 200
+    balanced = _core.vismap.KdTree()
+    balanced.build(line)
+    assert balanced.depth <= 11
+
+
+def test_leaves_that_cannot_be_split_are_counted() -> None:
+    tree = _core.vismap.KdTree()
+    same = np.full((9, 3), 0.25, np.float32)
+    tree.insert(same[:4], 0)
+    assert tree.oversized_leaves == 0
+    tree.insert(same[4:], 4)
+    assert tree.oversized_leaves == 1
+    assert tree.search(same[:1], 1.0, 16) == [list(range(9))]
+    tree.insert(np.array([[0.5, 0.25, 0.25]], np.float32), 9)
+    assert tree.oversized_leaves == 1
+    assert tree.search(same[:1], 1.0, 16) == [list(range(10))]
+
+
+def test_an_empty_tree_finds_nothing_and_points_at_the_radius_are_outside() -> None:
+    tree = _core.vismap.KdTree()
+    origin = np.zeros((1, 3), np.float32)
+    assert tree.search(origin, 1.0, 4) == [[]]
+    tree.insert(np.array([[1, 0, 0], [0.5, 0, 0]], np.float32), 0)
+    assert tree.search(origin, 1.0, 4) == [[1]]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32), st.integers(1, 200), st.integers(1, 5), st.floats(0.01, 2))
+def test_coarse_coordinates_with_many_ties(seed: int, n: int, levels: int, radius: float) -> None:
+    random = np.random.default_rng(seed)
+    points = (random.integers(0, levels, (n, 3)) / levels).astype(np.float32)
+    tree = _core.vismap.KdTree()
+    tree.insert(points, 0)
+    check(tree, points, points[:10], radius)

@@ -1,0 +1,333 @@
+"""The cache: right records, right look-ups, in the same places whatever the machine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from correlation.scenes import above, convex, unpacked
+from reference import vismap_records as reference
+from render.test_interrupt import LIMIT, quickest_stop
+from viscache import _core
+from viscache.vismap.orders import pixel_order
+from viscache.vismap.settings import PRESETS, automatic_thresholds
+from vismap.scenes import SIZE, clutter, clutter_arrays, made, pixels, same, view
+
+Array = npt.NDArray[Any]
+SERVED, SUPPRESSED, DUPLICATE = 0, 1, 2  # verdicts; the others want a record
+
+
+def spawned(scene: vc.Scene, positions: Array, normals: Array) -> Array:
+    """Where rays start (visibility/query.h)."""
+    size = np.maximum(np.abs(positions).max(1), np.float32(scene._core.offset_extent))
+    return np.asarray(positions + normals * (np.float32(8 * 2.0**-23) * size)[:, None])
+
+
+@pytest.mark.parametrize("criterion", ["visibility", "ambient"])
+@pytest.mark.parametrize("m", [4, 5, 6])
+def test_records_say_what_single_rays_say_and_cost_half_a_sphere(m: int, criterion: str) -> None:
+    cache, report = made(m=m, criterion=criterion, n_startup=20, size=(12, 8))
+    r, scene = cache.records(), cache.scene
+    wanted = above(r.normals, cache.directions)
+    i, k = np.nonzero(wanted)
+    expected = np.zeros_like(wanted)
+    origins = spawned(scene, r.positions, r.normals)
+    expected[i, k] = ~scene.occluded(origins[i], cache.directions[k])
+    np.testing.assert_array_equal(unpacked(r.bits, 4**m), expected)
+    assert report.rays == cache.rays == wanted.sum()
+    assert 0.1 < expected.sum() / wanted.sum() < 0.9
+    assert cache.nbytes == len(cache) * {4: 76, 5: 172, 6: 572}[m]
+
+
+def test_startup_records_are_first_hits_spread_over_the_image() -> None:
+    cache, report = made(n_startup=200, w_min=0.0, delta_max=1.0)
+    assert 100 < report.startup <= 200
+    r, camera = cache.records(), view()
+    eye = np.array(camera.origin)
+    to = r.positions - eye
+    hits = cache.scene.intersect(np.tile(eye, (len(to), 1)), to)
+    # The ray towards a record meets it first, from the side of its normal
+    np.testing.assert_allclose(hits.t, 1, atol=1e-4)
+    assert ((to * r.normals).sum(1) < 0).all()
+    other, _ = made(n_startup=200, w_min=0.0, delta_max=1.0, seed=1)
+    assert not np.array_equal(other.records().positions[:50], r.positions[:50])
+
+
+@pytest.mark.parametrize("n_best", [1, 4, 8])
+def test_lookups_choose_and_weigh_as_the_paper_says(n_best: int) -> None:
+    cache, _ = made(n_best=n_best, m_nearest=64, n_startup=150)
+    points, r = pixels(cache), cache.records()
+    x, n, d_max = points.positions, points.normals, points.d_max
+    found = cache.lookup(x, n, d_max)
+    compared = 0
+    for i in np.flatnonzero(d_max > 0)[::7]:
+        w = reference.full_weights(
+            x[i].astype(float), n[i], r.positions, r.normals, float(d_max[i]), np.radians(30)
+        )
+        candidates = np.flatnonzero(~np.isnan(w))
+        if len(candidates) > 60:  # of more, only the nearest are looked at
+            continue
+        assert found.candidates[i] == len(candidates)
+        best = candidates[np.argsort(-w[candidates], kind="stable")][:n_best]
+        chosen = found.ids[i][found.beta[i] > 0]
+        np.testing.assert_allclose(w[chosen], w[best][: len(chosen)], atol=2e-5)
+        expected = w[best] / w[best].sum()
+        np.testing.assert_allclose(found.beta[i][: len(chosen)], expected[: len(chosen)], atol=1e-4)
+        assert found.beta[i].sum() == pytest.approx(1, abs=1e-5)
+        assert found.weight[i] == pytest.approx(w[best[0]], abs=2e-5)
+        compared += 1
+    assert compared > 100
+
+
+def test_blended_visibility_is_the_weighted_mean_of_the_maps() -> None:
+    cache, _ = made()
+    points, r = pixels(cache), cache.records()
+    there = np.flatnonzero(points.d_max > 0)[:40]
+    found = cache.lookup(*(a[there] for a in (points.positions, points.normals, points.d_max)))
+    blended = cache.visibility(found, cache.directions)
+    maps = unpacked(r.bits, 1024).astype(float)
+    expected = (maps[found.ids] * found.beta[:, :, None]).sum(axis=1)
+    np.testing.assert_allclose(blended, expected, atol=1e-6)
+    assert blended.min() >= 0 and blended.max() <= 1 + 1e-6 and 0.05 < blended.mean() < 0.95
+
+
+def test_differences_are_means_over_pairs_of_the_chosen() -> None:
+    cache, _ = made()
+    points = pixels(cache)
+    found = cache.lookup(points.positions, points.normals, points.d_max)
+    maps = unpacked(cache.records().bits, 1024)
+    full = np.flatnonzero((found.ids >= 0).all(axis=1))[:50]
+    for i in full:
+        chosen = maps[found.ids[i]]
+        pairs = [(chosen[a] != chosen[b]).mean() for a in range(4) for b in range(a)]
+        assert found.difference[i] == pytest.approx(np.mean(pairs), abs=1e-6)
+    assert len(full) == 50 and found.difference[full].max() > 0.02
+
+
+@pytest.mark.parametrize("criterion", ["visibility", "ambient"])
+@pytest.mark.parametrize("order", ["scanline", "coarse_to_fine"])
+def test_the_records_are_the_same_for_any_number_of_threads(order: str, criterion: str) -> None:
+    first: Any = None
+    for threads in (1, 2, 5):
+        cache = vc.VisibilityMapCache(
+            clutter(), vc.MapSettings(n_startup=60, order=order, criterion=criterion, batch=300)
+        )
+        report = cache.update(view(), size=SIZE, threads=threads)
+        if first is None:
+            first = cache, report
+        assert same(cache, first[0]) and report == first[1]
+    assert first[1].passes > 1
+
+
+def test_settled_images_want_no_more_records() -> None:
+    cache, report = made(r_min_px=0.5)
+    assert report.weight > 0 and report.difference > 0 and report.no_candidate > 0
+    by_reason = report.startup + report.no_candidate + report.weight + report.difference
+    assert report.inserted == by_reason
+    verdicts = cache._core.select(pixels(cache))["verdict"]
+    assert set(np.unique(verdicts)) <= {SERVED, SUPPRESSED, DUPLICATE}
+    assert (verdicts == SUPPRESSED).sum() == report.suppressed
+    again = cache.update(view(), size=SIZE)
+    assert (again.inserted, again.rays, again.passes) == (0, 0, 1)
+
+
+def test_one_pass_stops_before_the_image_is_settled() -> None:
+    cache, report = made(r_min_px=0.5, settle=False)
+    assert report.passes == 1
+    verdicts = cache._core.select(pixels(cache))["verdict"]
+    assert (verdicts > DUPLICATE).any()
+
+
+def test_lower_thresholds_make_more_records() -> None:
+    def count(**settings: Any) -> dict[str, int]:
+        report = made(r_min_px=0.5, **settings)[1]
+        return {"weight": report.weight, "difference": report.difference, "all": report.inserted}
+
+    lax, strict = count(w_min=0.1, delta_max=1.0), count(w_min=0.7, delta_max=1.0)
+    assert lax["difference"] == strict["difference"] == 0
+    assert strict["weight"] > 1.5 * lax["weight"]
+    coarse, fine = count(w_min=0.1, delta_max=0.1), count(w_min=0.1, delta_max=0.02)
+    assert fine["difference"] > 1.5 * coarse["difference"] > 0
+    assert count(preset="high")["all"] > count(preset="medium")["all"] > count(preset="low")["all"]
+
+
+def test_near_records_silence_the_test_of_differences() -> None:
+    free, close = made(r_min_px=0.0, delta_max=0.0)[1], made(r_min_px=3.0, delta_max=0.0)[1]
+    assert free.suppressed == 0 and free.duplicates > 0
+    assert close.suppressed > 0 and close.duplicates == 0
+    assert close.difference < 0.5 * free.difference
+    apart = made(r_min_px=1e5, delta_max=0.0)[1]
+    assert apart.difference == 0 and apart.suppressed > 0
+
+
+def test_every_weight_test_means_its_own_weight() -> None:
+    ball, camera = convex(vertices=2000), vc.look_at((0, 0, 4), (0, 0, 0), fov_deg=36)
+    by_test = {
+        test: made(ball, camera=camera, weight_test=test, w_min=0.69, delta_max=1.0)[1].weight
+        for test in ("full", "w_hat", "raw")
+    }
+    assert by_test["full"] > by_test["w_hat"] > by_test["raw"] == 0  # w of Eq. 9 is at least 0.694
+
+
+def test_a_filter_after_the_search_finds_fewer() -> None:
+    points = pixels(made()[0])
+    during, after = (
+        made(n_startup=300, w_min=0.0, delta_max=1.0, filter=f, m_nearest=6)[0]._core.select(points)
+        for f in ("during", "after")
+    )
+    assert during["candidates"].max() == after["candidates"].max() == 6
+    assert during["candidates"].sum() > 1.1 * after["candidates"].sum()
+
+
+def test_a_full_cache_takes_no_more() -> None:
+    cache, report = made(max_records=70)
+    assert len(cache) == report.inserted == 70 and report.refused > 0
+    assert made(max_records=5)[1].inserted == 5
+
+
+def test_pixels_without_a_surface_or_a_normal_get_nothing() -> None:
+    vertices, triangles = clutter_arrays()
+    sky = vc.look_at((0, 5, 0), (0, 9, 0.1))
+    cache, report = made(vc.Scene.from_arrays(vertices, triangles), camera=sky)
+    assert (report.misses, report.inserted, len(cache)) == (SIZE[0] * SIZE[1], 0, 0)
+    found = cache.lookup([[0, 0, 0]], [[0, 1, 0]], 0.5)
+    assert found.ids.tolist() == [[-1] * 4] and not found.beta.any()
+    assert not cache.visibility(found, [[0, 1, 0]]).any()
+    nowhere = cache.lookup([[0, 0, 0]], [[0, 0, 0]], 0.0)
+    assert nowhere.candidates.tolist() == [0]
+
+
+def test_records_of_a_plane_see_half_and_in_a_closed_room_nothing() -> None:
+    corners = [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]]
+    plane = vc.Scene.from_arrays(corners, [[0, 2, 1], [0, 3, 2]])
+    cache, _ = made(plane)
+    r = cache.records()
+    np.testing.assert_array_equal(unpacked(r.bits, 1024), above(r.normals, cache.directions))
+    # All there is to see, and yet the root is "in part": the lower half counts as blocked
+    assert _core.vismap.node_codes(r.bits[0], 5, 0).tolist() == [1]
+    room = vc.scenes.room(triangles=2000)
+    inside, report = made(room, camera=room.cameras[0], n_startup=50)
+    assert report.bad_normals == 0
+    assert inside.records().bits.any(axis=1).mean() < 0.5
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("power", [-13, 10, 17])
+def test_scaled_scenes_get_records_at_the_same_pixels(power: int) -> None:
+    scale = 2.0**power
+    cache, report = made()
+    other, scaled = made(clutter(scale=scale), camera=view(scale))
+    assert scaled == report
+    a, b = cache.records(), other.records()
+    np.testing.assert_array_equal(b.positions, a.positions * np.float32(scale))
+    np.testing.assert_array_equal(b.bits, a.bits)
+
+
+@pytest.mark.extreme
+def test_scenes_far_from_the_origin_are_served() -> None:
+    shift = 1e5
+    scene, camera = clutter(scale=100.0, shift=shift), view(100.0, shift)
+    cache, report = made(scene, camera=camera)
+    assert report.inserted > 60
+    verdicts = cache._core.select(pixels(cache, camera=camera))["verdict"]
+    assert (verdicts <= DUPLICATE).all()
+    near, _ = made()
+    assert 0.5 < len(cache) / len(near) < 2
+
+
+def test_locked_insertion_serves_every_pixel() -> None:
+    cache = vc.VisibilityMapCache(clutter(), vc.MapSettings(n_startup=60, mode="locked"))
+    report = cache.update(view(), size=SIZE, threads=4)
+    verdicts = cache._core.select(pixels(cache))["verdict"]
+    assert (verdicts <= DUPLICATE).all() and len(cache) == report.inserted > 60
+    r = cache.records()
+    found = cache.lookup(r.positions, r.normals, 1e-3)
+    assert (found.candidates > 0).all()
+    batch = made()[0]
+    assert 0.7 < len(cache) / len(batch) < 1.4
+
+
+@pytest.mark.parametrize("order", ["scanline", "hilbert", "coarse_to_fine"])
+@pytest.mark.parametrize("size", [(1, 1), (7, 5), (16, 16), (3, 40)])
+def test_orders_hold_every_pixel_once(order: str, size: tuple[int, int]) -> None:
+    found = pixel_order(order, *size)
+    assert sorted(found.tolist()) == list(range(size[0] * size[1]))
+
+
+def test_orders_go_as_they_say() -> None:
+    y, x = np.divmod(pixel_order("hilbert", 16, 16), 16)
+    assert (np.abs(np.diff(x)) + np.abs(np.diff(y)) == 1).all()
+    y, x = np.divmod(pixel_order("coarse_to_fine", 16, 16), 16)
+    for k in (1, 2, 3, 4):
+        first = slice(0, 4**k)
+        assert len(set(zip(x[first] * 2**k // 16, y[first] * 2**k // 16, strict=True))) == 4**k
+
+
+def test_automatic_thresholds_stay_within_the_presets_and_follow_the_scene() -> None:
+    nothing = np.array([], np.float32)
+    assert automatic_thresholds(nothing, nothing) == (0.2, 0.10)
+    assert automatic_thresholds(np.ones(4), np.zeros(4)) == (0.4, 0.04)
+    assert automatic_thresholds(np.zeros(4), np.full(4, np.nan)) == (0.2, 0.10)
+    easy = vc.Scene.from_arrays([[-9, 0, -9], [9, 0, -9], [9, 0, 9]], [[0, 2, 1]])
+    cache, _ = made(easy, preset="auto", camera=vc.look_at((3, 4, -3), (3, 0, -3.1)))
+    assert cache.thresholds[1] == PRESETS["high"]["delta_max"]
+    hard, _ = made(clutter(n=400), preset="auto")
+    assert hard.thresholds[1] > cache.thresholds[1]
+    given, _ = made(preset="auto", w_min=0.33)
+    assert given.thresholds[0] == 0.33
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"m": 3}, r"m must be in \[4, 7\], got 3"),
+        ({"m": 8}, r"m must be in \[4, 7\], got 8"),
+        ({"d_max": 0.0}, r"d_max must be in \(0, 1000\], got 0.0"),
+        ({"d_max": float("nan")}, "d_max must be a finite number, got nan"),
+        ({"n_best": 9}, r"n_best must be in \[1, 8\]"),
+        ({"m_nearest": 3}, r"m_nearest must be in \[4, 64\], got 3"),
+        ({"theta_max_deg": 0.0}, r"theta_max must be in \(0, 180\] degrees"),
+        ({"w_min": -0.1}, r"w_min must be in \[0, 1\]"),
+        ({"delta_max": 1.5}, r"delta_max must be in \[0, 1\]"),
+        ({"removal": "worst"}, 'k_worst must be > 0 with removal="worst", got 0'),
+        ({"weight_test": "half"}, "weight_test must be one of"),
+        ({"batch": 0}, "batch must be in"),
+    ],
+)
+def test_settings_out_of_range_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        vc.MapSettings(**settings)
+
+
+@pytest.mark.extreme
+def test_points_that_cannot_be_are_refused_by_name() -> None:
+    cache, _ = made(n_startup=5)
+    up = [[0.0, 1.0, 0.0]]
+    for position in ([np.nan, 0, 0], [np.inf, 0, 0], [1e17, 0, 0]):
+        with pytest.raises(ValueError, match="positions must be finite and at most 1e16"):
+            cache.lookup([position], up, 1.0)
+    for normal in ([0, 0, 0], [0, 2, 0], [np.nan, 0, 0]):
+        with pytest.raises(ValueError, match="normals must be unit vectors, row 0"):
+            cache.lookup([[0, 0, 0]], [normal], 1.0)
+    for reach in (-1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match=r"d_max must be in \[0, 1e16\], row 0"):
+            cache.lookup([[0, 0, 0]], up, reach)
+    with pytest.raises(ValueError, match="d_max must be one or 1 numbers"):
+        cache.lookup([[0, 0, 0]], up, [1.0, 2.0])
+    with pytest.raises(ValueError, match=r"positions must have shape \(N, 3\)"):
+        cache.lookup([0, 0, 0], up, 1.0)
+    with pytest.raises(ValueError, match="size must be at least 1×1"):
+        cache.update(size=(0, 5))
+    with pytest.raises(ValueError, match=r"at must be two numbers in \[0, 1\)"):
+        cache.update(size=(4, 4), at=(1.0, 0.5))
+
+
+@pytest.mark.parametrize("mode", ["batch", "locked"])
+def test_ctrl_c_ends_an_update_soon(mode: str) -> None:
+    settings = f"vc.MapSettings(m=7, delta_max=0.0, d_max=0.02, r_min_px=0.0, mode={mode!r})"
+    call = f"vc.VisibilityMapCache(scene, {settings}).update(size=(1600, 1200))"
+    assert quickest_stop(call, 2.5) < LIMIT
