@@ -10,7 +10,10 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscache.figures.outcome import Outcome, text
+from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_correlation import figure3, figure4
+from viscache.figures.vismap_records import figure8, figure12, table2
+from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
 from viscache.settings import NotThereYetError, nearest
@@ -59,7 +62,7 @@ FIGURES: dict[str, FigureInfo] = {
         vlf_fig8="images with ambient occlusion",
         vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
         **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
-        vismap_fig1="importance sampling of one, two and three factors",
+        vismap_fig1="an occluded glossy surface, with and without the control variate",
     ),
     "vismap-fig3": FigureInfo(
         description="correlation over distance and angle in one scene, with slices",
@@ -68,14 +71,18 @@ FIGURES: dict[str, FigureInfo] = {
     "vismap-fig4": FigureInfo(
         description="correlation in four scenes, with maps of the scenes", function=figure4
     ),
+    "vismap-fig5": FigureInfo(description="the weighting function", function=figure5),
+    "vismap-fig8": FigureInfo(description="positions of the records", function=figure8),
+    "vismap-fig10": FigureInfo(
+        description="ambient occlusion, reference and cached", function=figure10
+    ),
+    "vismap-fig12": FigureInfo(description="records in the garden scene", function=figure12),
+    "vismap-tab2": FigureInfo(
+        description="records, resolutions and rays per pixel of three scenes", function=table2
+    ),
     **_later(
-        vismap_fig5="the weighting function",
-        vismap_fig8="positions of the records",
-        vismap_fig10="ambient occlusion, reference and cached",
         vismap_fig11="the control variate's integral as a preview",
-        vismap_fig12="records in the garden scene",
         vismap_fig13="equal-time comparison",
-        vismap_tab2="records, resolutions and rays per pixel of three scenes",
         vismap_tab3="variance ratios and overhead over the number of samples",
         vismap_sweep="variance, rays and bytes over the cache's parameters",
         vismap_temporal="records and misses over the frames of a moving scene",

@@ -1,0 +1,84 @@
+"""Figure 10 of the visibility-map paper: ambient occlusion by rays, and from records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_printed as printed
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_pictures import draw_image
+from viscache.frame import Frame
+from viscache.integrators import AmbientOcclusion
+from viscache.render import render
+from viscache.scenes import build
+from viscache.vismap import cached_ambient_occlusion
+
+#: Under the open sky, of as many triangles as the paper's scene, in pictures that take minutes.
+SCENE, QUICK_SCENE = f"courtyard?triangles={printed.AO_TRIANGLES}", "courtyard?triangles=30000"
+SIZE, QUICK_SIZE = (640, 480), (96, 72)
+QUICK_RAYS = 256
+
+
+def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Rays and time of both, and the error of the cached picture."""
+    outcome = Outcome()
+    scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
+    n_rays = QUICK_RAYS if quick else printed.AO_RAYS
+    cached = cached_ambient_occlusion(scene, size=size, spp=printed.AO_SAMPLES)
+    exact = render(scene, AmbientOcclusion(n_samples=n_rays), size=size, spp=printed.AO_SAMPLES,
+                   progress=progress)  # fmt: skip
+    outcome.rows += _rows(exact, cached, n_rays, quick)
+    path = folder / "vismap-fig10.png"
+    _picture(exact, cached).savefig(path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
+    """A quick picture has too few pixels to share its records: its gains have no bands."""
+    error = np.abs(_visible(cached) - _visible(exact))
+    per_point = cached.counters["rays_per_point"]
+    times = [frame.timings["total_s"] for frame in (exact, cached)]
+    return [
+        Row(what="mean of the reference", measured=float(_visible(exact).mean()),
+            band=bands.AO_MEAN),
+        Row(what="rays per shading point with the cache", printed=printed.AO_CACHE_RAYS,
+            measured=per_point, note=f"{cached.counters['records']} records"),
+        Row(what="rays per shading point, reference over cache",
+            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS, measured=n_rays / per_point,
+            band=None if quick else bands.AO_RAYS),
+        Row(what="time of the reference [s]", printed=printed.AO_SECONDS, measured=times[0]),
+        Row(what="time with the cache [s]", printed=printed.AO_CACHE_SECONDS, measured=times[1]),
+        Row(what="time, reference over cache",
+            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS, measured=times[0] / times[1],
+            band=None if quick else bands.AO_TIME),
+        Row(what="root mean squared error", measured=float(np.sqrt((error**2).mean())),
+            band=None if quick else bands.AO_RMSE),
+        Row(what="95th percentile of the error", measured=float(np.quantile(error, 0.95))),
+        Row(what="points without a record in reach", measured=float(cached.counters["unserved"]),
+            note="they are black"),
+    ]  # fmt: skip
+
+
+def _visible(frame: Frame) -> Any:
+    """Ambient visibility (H, W); places of a pixel that see no surface count as 0 in both."""
+    over_hits = "ambient" not in frame.layers  # a cached picture's mean is over surfaces alone
+    return (frame.image * (frame.layers["coverage"] if over_hits else 1.0))[:, :, 0].astype(float)
+
+
+def _picture(exact: Frame, cached: Frame) -> Any:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13.0, 3.6), layout="constrained")
+    axes = figure.subplots(1, 3)
+    draw_image(axes[0], exact.image, "by rays", exposure=1.0)
+    draw_image(axes[1], cached.image, "from records", exposure=1.0)
+    shown = axes[2].imshow(_visible(cached) - _visible(exact), cmap="RdBu", vmin=-0.1, vmax=0.1)
+    axes[2].set_title("difference", fontsize=9)
+    axes[2].set_axis_off()
+    figure.colorbar(shown, ax=axes[2], shrink=0.8)
+    return figure

@@ -1,0 +1,57 @@
+"""Figure 5 of the visibility-map paper: the weight of a record over distance and angle."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscache import _core
+from viscache.figures import vismap_cache_bands as bands
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_printed import STEEPNESS, THETA_MAX_DEG
+
+#: Share of d_max at which the slope is taken.
+STEP = 1e-3
+
+
+def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """w of Eq. 9 over the limits of the search, from above left and from below right."""
+    far, tilted = 1.0, math.radians(THETA_MAX_DEG)
+    slope = (_weight(STEP, 0.0) - _weight(0.0, 0.0)) / STEP
+    outcome = Outcome(
+        rows=[
+            Row(what="least weight, at d_max and 30 deg", printed="about 0.7",
+                measured=_weight(far, tilted), band=bands.LEAST_WEIGHT),
+            Row(what="weight at d_max and 0 deg", measured=_weight(far, 0.0),
+                band=bands.EDGE_WEIGHT),
+            Row(what="weight at 0 and 30 deg", measured=_weight(0.0, tilted),
+                band=bands.EDGE_WEIGHT),
+            Row(what="first slope over d / d_max", measured=slope, band=bands.FIRST_SLOPE),
+        ]
+    )  # fmt: skip
+    path = folder / "vismap-fig5.png"
+    _picture().savefig(path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def _weight(t: Any, theta: Any) -> Any:
+    return _core.vismap.record_weight(t, theta, STEEPNESS)
+
+
+def _picture() -> Any:
+    from matplotlib.figure import Figure
+
+    t, theta = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, THETA_MAX_DEG, 31))
+    weight = _weight(t, np.radians(theta))
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    for column, azimuth in ((1, -125), (2, -35)):
+        axes: Any = figure.add_subplot(1, 2, column, projection="3d")
+        axes.plot_surface(t, theta, weight, cmap="cividis", vmin=0.6, vmax=1.0, lw=0)
+        axes.set(xlabel="distance $d/d_{max}$", ylabel=r"normal difference $\theta$ [°]",
+                 zlim=(0.6, 1.0))  # fmt: skip
+        axes.view_init(elev=25, azim=azimuth)
+    return figure

@@ -1,0 +1,55 @@
+"""Figures of the visibility cache: dots where records are, and quick runs of each."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import cli
+from viscache.figures.vismap_pictures import project
+
+
+def test_points_are_drawn_where_the_camera_sees_them() -> None:
+    camera = vc.look_at((1, 2, 3), (1, 2, -4), fov_deg=90)
+    points = np.array([[1, 2, 0], [4, 2, 0], [1, 5, 0], [1, 2, 5]], float)
+    pixels = project(camera, (200, 100), points)
+    np.testing.assert_allclose(pixels[:3], [[100, 50], [150, 50], [100, 0]], atol=1e-5)
+    assert np.isnan(pixels[3]).all(), "behind the camera"
+
+
+def test_figure_5_needs_no_scene_and_holds_its_bands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["reproduce", "vismap-fig5", "-o", str(tmp_path), "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    assert [row["holds"] for row in got["rows"]] == [True] * 4
+    assert (tmp_path / "vismap-fig5.png").read_bytes()[:4] == b"\x89PNG"
+
+
+#: Rows with a band, and pictures, of a quick run.
+QUICK = {
+    "vismap-tab2": (4 + 3, []),
+    "vismap-fig8": (2, ["vismap-fig8.png"]),
+    "vismap-fig10": (1, ["vismap-fig10.png"]),
+    "vismap-fig12": (1, ["vismap-fig12-garden1.png", "vismap-fig12-dynamics.png"]),
+}
+
+
+@pytest.mark.figure
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_run_measures_every_row_and_draws(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
+    got = json.loads(capsys.readouterr().out)
+    assert status == (0 if got["holds"] else 1)
+    n_banded, pictures = QUICK[name]
+    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
+    assert all(row["measured"] is not None for row in got["rows"])
+    for picture in pictures:
+        assert (tmp_path / picture).read_bytes()[:4] == b"\x89PNG"
