@@ -14,8 +14,16 @@ from viscache import _core, bench, cli
 from viscache.bench import common, peers, ray_sets
 from viscache.settings import NotThereYetError
 
-SMALL = ("rays", "frames", "aqvc-frame", "aqvc-lookup", "memory", "correlation")
-LATER = ("vlf-build", "vlf-ao", "vismap-variance", "sweep", "peers")
+SMALL = (
+    "rays",
+    "frames",
+    "aqvc-frame",
+    "aqvc-lookup",
+    "memory",
+    "correlation",
+    "vismap-variance",
+)
+LATER = ("vlf-build", "vlf-ao", "sweep", "peers")
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")
 

@@ -13,6 +13,7 @@ from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.rays import rays
+from viscache.bench.vismap_variance import vismap_variance
 from viscache.settings import NotThereYetError, nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
@@ -61,7 +62,10 @@ BENCHES: dict[str, BenchInfo] = {
     ),
     "vlf-build": BenchInfo(description="building visibility fields"),
     "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
-    "vismap-variance": BenchInfo(description="variance with visibility maps at equal time"),
+    "vismap-variance": BenchInfo(
+        description="variance with visibility maps at equal samples against product sampling",
+        function=vismap_variance,
+    ),
     "sweep": BenchInfo(description="overhead of a sweep outside rendering and metrics"),
     "peers": BenchInfo(description="caches of other renderers at equal time"),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,37 @@ from viscache._core import sampling
 from viscache.cameras import find_camera
 from viscache.checks import require
 from viscache.scene import Scene
-from viscache.tonemap import LUMINANCE
+from viscache.tonemap import LUMINANCE as WEIGHTS
 
-__all__ = ["blocked_share"]
+__all__ = [
+    "Hits",
+    "blocked_share",
+    "drawn_texels",
+    "environment_texels",
+    "first_hits",
+    "reflected",
+]
 
 Array = npt.NDArray[np.float64]
+LUMINANCE = np.array(WEIGHTS)
 LEAVE = 1e-5  # of the scene's size: rays start this far from the surface
+CONSTANT_EDGE = 128  # texels along the edge of a constant environment; maps have as many at most
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Hits:
+    """What N rays from a camera see first."""
+
+    positions: Array
+    """(N, 3)"""
+    normals: Array
+    """(N, 3), geometric, on the camera's side."""
+    towards: Array
+    """(N, 3) unit, to the camera."""
+    starts: Array
+    """(N, 3) where shadow rays start: off the surface."""
+    materials: npt.NDArray[np.int64]
+    """(N,) index of the material; -1 where there is no surface."""
 
 
 def blocked_share(
@@ -38,8 +64,8 @@ def blocked_share(
     Parameters
     ----------
     scene : Scene
-        Lit by one environment image and nothing else; flat-shaded meshes, not instanced, of diffuse
-        and glossy materials without textures.
+        Lit by its environment alone; flat-shaded meshes, not instanced, of diffuse and glossy
+        materials without textures.
     camera : str, int or Camera, optional
         The scene's first by default.
     size : (width, height)
@@ -52,73 +78,100 @@ def blocked_share(
     (H, W) float64
         In [0, 1]; NaN where a pixel sees no surface, or one that no light could reach.
     """
-    directions, radiance = _environment(scene)
-    position, normal, view, material = _first_hits(scene, find_camera(scene, camera), size)
-    materials = _core.scene_materials(scene._core)
+    directions, texels = environment_texels(scene)
+    radiance = texels.reshape(-1, 3).astype(float)
+    hits = first_hits(scene, find_camera(scene, camera), size)
     rng = np.random.Generator(np.random.PCG64(seed))
-    start = position + normal * LEAVE * np.ptp(scene.bounds, axis=0).max()
     share = np.full(size[0] * size[1], np.nan)
-    for pixel in np.flatnonzero(material >= 0):
-        weight = _reflected(materials[material[pixel]], normal[pixel], view[pixel], directions)
-        total = np.cumsum((weight * radiance) @ np.array(LUMINANCE))
-        if total[-1] > 0:
-            stratified = (np.arange(samples) + rng.random(samples)) / samples
-            drawn = directions[np.searchsorted(total, stratified * total[-1], side="right")]
-            origins = np.broadcast_to(start[pixel], drawn.shape)
+    for pixel in np.flatnonzero(hits.materials >= 0):
+        product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE
+        if product.sum() > 0:
+            drawn = directions[drawn_texels(product, samples, rng)]
+            origins = np.broadcast_to(hits.starts[pixel], drawn.shape)
             share[pixel] = scene.occluded(origins, drawn).mean()
     return share.reshape(size[1], size[0])
 
 
-def _environment(scene: Scene) -> tuple[Array, Array]:
-    """Middles (T, 3) of the environment's texels and their radiance (T, 3)."""
+def drawn_texels(density: Array, samples: int, rng: np.random.Generator) -> npt.NDArray[np.int64]:
+    """Texels (samples,) drawn from a density (T,) that is not all zero, stratified."""
+    total = np.cumsum(density)
+    at = (np.arange(samples) + rng.random(samples)) / samples * total[-1]
+    return np.asarray(np.minimum(np.searchsorted(total, at, side="right"), len(density) - 1))
+
+
+def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
+    """Middles (R², 3) of the environment's texels, row by row, and their radiance (R, R, 3).
+
+    Raises
+    ------
+    ValueError
+        The scene has other lights, or images besides that of its environment.
+    """
     kinds = [light["kind"] for light in scene.lights]
-    require(kinds == ["environment"], "scene must be lit by one environment image", kinds)
-    pixels = _core.description_of(scene._core).image_pixels(0)
-    texels = sampling.EnvironmentMap.from_latlong(pixels).pixels
+    alone = kinds in (["environment"], ["constant"])
+    require(alone, "scene must be lit by its environment alone", kinds)
+    scale = np.array(scene.lights[0]["scale"], np.float32)
+    if kinds == ["constant"]:
+        texels = np.ones((CONSTANT_EDGE, CONSTANT_EDGE, 3), np.float32)
+    else:
+        description = _core.description_of(scene._core)
+        n_images = len(description.images)
+        require(n_images == 1, "scene must have one image, its environment", n_images)
+        texels = sampling.EnvironmentMap.from_latlong(description.image_pixels(0)).pixels
     middle = (np.arange(len(texels)) + 0.5) / len(texels)
     square = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
     directions = sampling.equal_area_to_direction(square.astype(np.float32))
-    return directions.astype(float), texels.reshape(-1, 3).astype(float)
+    return directions.astype(float), np.ascontiguousarray(texels * scale)
 
 
-def _first_hits(
-    scene: Scene, camera: _core.Camera, size: tuple[int, int]
-) -> tuple[Array, Array, Array, npt.NDArray[np.int64]]:
-    """Position, normal turned to the camera and direction to it (N, 3); material, -1 for none."""
+def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hits:
+    """First hits through the middles of the pixels, row by row."""
+    origin, ray = np.array(camera.origin), _pixel_rays(camera, size)
+    hit = scene.intersect(np.broadcast_to(origin, ray.shape), ray)
+    meshes = scene.meshes()
+    corners = np.concatenate([m["vertices"][m["triangles"]] for m in meshes]).astype(float)
+    owner = np.repeat([m["material"] for m in meshes], [len(m["triangles"]) for m in meshes])
+    a, b, c = corners[hit.triangle].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals *= -np.sign((normals * ray).sum(1, keepdims=True))
+    found = hit.triangle >= 0
+    positions = origin + ray * np.where(found, hit.t, 0)[:, None]
+    return Hits(
+        positions=positions,
+        normals=normals,
+        towards=-ray,
+        starts=positions + normals * LEAVE * np.ptp(scene.bounds, axis=0).max(),
+        materials=np.where(found, owner[hit.triangle], -1),
+    )
+
+
+def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions: Array) -> Array:
+    """B = BRDF·cos (T, 3) at one of the hits, of light from unit directions (T, 3)."""
+    material = _core.scene_materials(scene._core)[hits.materials[index]]
+    cosine = directions @ hits.normals[index]
+    above = cosine > 0
+    normal = tuple(hits.normals[index].tolist())
+    point = sampling.ShadingPoint(
+        material["kind"], tuple(hits.towards[index].tolist()), ns=normal, ng=normal,
+        base=material["base_color"], specular=material["specular"],
+        roughness=material["roughness"])  # fmt: skip
+    out = np.zeros_like(directions)
+    out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))
+    return np.asarray(out * np.maximum(cosine, 0)[:, None])
+
+
+def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:
+    """Unit directions (H·W, 3) through the middles of the pixels."""
     width, height = size
     x = (np.arange(width) + 0.5) / width * 2 - 1
     y = 1 - (np.arange(height) + 0.5) / height * 2
     reach = math.tan(camera.fov_rad / 2)
     across, upwards = (reach, reach * height / width) if camera.fov_is_horizontal else (
         reach * width / height, reach)  # fmt: skip
-    ray = (
+    ray: Array = (
         np.array(camera.forward)
         + (across * x)[None, :, None] * np.array(camera.right)
         + (upwards * y)[:, None, None] * np.array(camera.up)
     ).reshape(-1, 3)
-    ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-    origin = np.array(camera.origin)
-    hit = scene.intersect(np.broadcast_to(origin, ray.shape), ray)
-    meshes = scene.meshes()
-    corners = np.concatenate([m["vertices"][m["triangles"]] for m in meshes]).astype(float)
-    owner = np.repeat([m["material"] for m in meshes], [len(m["triangles"]) for m in meshes])
-    a, b, c = corners[hit.triangle].transpose(1, 0, 2)
-    normal = np.cross(b - a, c - a)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    normal *= -np.sign((normal * ray).sum(1, keepdims=True))
-    found = hit.triangle >= 0
-    position = origin + ray * np.where(found, hit.t, 0)[:, None]
-    return position, normal, -ray, np.where(found, owner[hit.triangle], -1)
-
-
-def _reflected(material: dict[str, Any], normal: Array, view: Array, towards: Array) -> Array:
-    """BRDF · cos (T, 3) of light from the directions `towards` (T, 3)."""
-    cosine = towards @ normal
-    above = cosine > 0
-    unit = tuple(normal.tolist())
-    point = sampling.ShadingPoint(
-        material["kind"], tuple(view.tolist()), ns=unit, ng=unit, base=material["base_color"],
-        specular=material["specular"], roughness=material["roughness"])  # fmt: skip
-    out = np.zeros_like(towards)
-    out[above] = sampling.eval_bsdf(point, towards[above].astype(np.float32))
-    return out * np.maximum(cosine, 0)[:, None]
+    return np.asarray(ray / np.linalg.norm(ray, axis=1, keepdims=True))
