@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
+from viscache.figures.vismap_animation import Frame, _rows, crate_and_garage, swinging_camera
 from viscache.figures.vismap_pictures import project
 
 
@@ -30,11 +32,32 @@ def test_figure_5_needs_no_scene_and_holds_its_bands(
     assert (tmp_path / "vismap-fig5.png").read_bytes()[:4] == b"\x89PNG"
 
 
+def frames(ratios: list[float]) -> list[Frame]:
+    one = Frame(records=9, inserted=2, wrong=1, unused=0, miss_share=0.01, ratio=0.0)
+    return [replace(one, ratio=ratio) for ratio in ratios]
+
+
+def test_an_animation_whose_variance_creeps_up_does_not_hold_its_band() -> None:
+    steady = _rows(frames([0.3, 0.5] * 30))
+    assert steady[0].measured == pytest.approx(1) and steady[0].holds
+    creeping = _rows(frames(list(np.linspace(0.3, 0.9, 60))))
+    assert creeping[0].holds is False
+    assert steady[1].note == "120 inserted, 60 removed"
+
+
+def test_the_crate_of_the_animation_moves_and_the_camera_swings() -> None:
+    first, last = (crate_and_garage(t) for t in (0.0, 1.0))
+    assert first.triangles == last.triangles and first.content_hash != last.content_hash
+    assert swinging_camera(0.25).origin[2] - swinging_camera(0.75).origin[2] == pytest.approx(2.8)
+
+
 #: Rows with a band, and pictures, of a quick run.
 QUICK = {
     "vismap-tab2": (4 + 3, []),
     "vismap-fig8": (2, ["vismap-fig8.png"]),
     "vismap-fig10": (1, ["vismap-fig10.png"]),
+    "vismap-sweep": (2, ["vismap-sweep.png"]),
+    "vismap-temporal": (2, ["vismap-temporal.png"]),
     "vismap-fig12": (1, ["vismap-fig12-garden1.png", "vismap-fig12-dynamics.png"]),
 }
 

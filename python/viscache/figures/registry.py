@@ -11,8 +11,10 @@ from typing import Any, TypeAlias
 
 from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
+from viscache.figures.vismap_animation import temporal
 from viscache.figures.vismap_correlation import figure3, figure4
 from viscache.figures.vismap_records import figure8, figure12, table2
+from viscache.figures.vismap_sweep import sweep
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
@@ -84,8 +86,12 @@ FIGURES: dict[str, FigureInfo] = {
         vismap_fig11="the control variate's integral as a preview",
         vismap_fig13="equal-time comparison",
         vismap_tab3="variance ratios and overhead over the number of samples",
-        vismap_sweep="variance, rays and bytes over the cache's parameters",
-        vismap_temporal="records and misses over the frames of a moving scene",
+    ),
+    "vismap-sweep": FigureInfo(
+        description="variance, rays and bytes over the cache's parameters", function=sweep
+    ),
+    "vismap-temporal": FigureInfo(
+        description="records and misses over the frames of a moving scene", function=temporal
     ),
 }
 

@@ -118,5 +118,5 @@ MORE_RECORDS_HELP = Band(0.0, 1.0, "expected: records nearer by are better appro
 #: New records in the second frame of a scene in which nothing moves.
 NOTHING_NEW = Band(0, 0, "expected: every look-up of the first frame succeeds again")
 
-#: Largest variance ratio of frames 11 to 60 over the mean of the first ten.
+#: Largest mean variance ratio of ten frames in a row over that of the first ten.
 RATIO_STAYS = Band(0.0, 1.25, "Sec. 5.3: removal keeps the cache from deteriorating")

@@ -1,0 +1,178 @@
+"""The visibility cache over the frames of an animation: records, misses and variance (ours).
+
+The paper shows this in a video. A camera swings through the garage while a crate slides across its
+floor, into the light and out of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.cameras import look_at
+from viscache.figures import vismap_cache_bands as bands
+from viscache.figures.outcome import Outcome, Row
+from viscache.plots import COLORS
+from viscache.progress import progress_bar
+from viscache.scene import Scene
+from viscache.scenes import SCENES
+from viscache.scenes.light_product import (
+    LUMINANCE,
+    drawn_texels,
+    environment_texels,
+    first_hits,
+    reflected,
+)
+from viscache.scenes.shapes import place, soft_box
+from viscache.variance import variance_ratio
+from viscache.vismap import MapSettings, VisibilityMapCache
+from viscache.vismap.simulation import Way, simulate
+
+#: Frames, pixels of the pictures and of those that are estimated.
+FRAMES, SIZE, PIXELS = 60, (320, 240), 64
+QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS = 20, (80, 60), 12
+TRIANGLES = 60_000
+#: Light-product rays per compared pixel, and how many pixels are compared.
+RAYS, COMPARED = 64, 256
+PRODUCT, PAPER = Way(), Way(alpha=1.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Frame:
+    """What happened in one frame."""
+
+    records: int
+    inserted: int
+    wrong: int
+    """Records removed for their errors."""
+    unused: int
+    miss_share: float
+    ratio: float
+
+
+def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Records, misses and variance ratio per frame."""
+    outcome = Outcome()
+    size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
+    outcome.rows.append(
+        Row(what="records inserted in a second frame in which nothing moves",
+            measured=_inserted_again(size), band=bands.NOTHING_NEW)
+    )  # fmt: skip
+    frames: list[Frame] = []
+    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    with progress_bar(progress, unit="frame") as report:
+        for k in range(n_frames):
+            frames.append(_frame(cache, k / n_frames, size, QUICK_PIXELS if quick else PIXELS))
+            if report is not None:
+                report(k + 1, n_frames)
+    outcome.rows += _rows(frames)
+    path = folder / "vismap-temporal.png"
+    _picture(frames).savefig(path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def crate_and_garage(t: float) -> Scene:
+    """The garage with a crate that slides from the camera's left to its right, t in [0, 1]."""
+    b = SCENES["garage"].builder(triangles=TRIANGLES)
+    vertices, triangles = soft_box((0.9, 0.9, 0.9), (6, 6, 6), power=14, bulge=0.05).mesh(1.0)
+    at = place([9.6, 0.46, 6.6 - 5.0 * t], yaw=60.0 * t)
+    b.add_mesh(vertices @ at[:3, :3].T + at[:3, 3], triangles, b.diffuse("crate", (0.6, 0.5, 0.3)))
+    return Scene.from_description(b.description)
+
+
+def swinging_camera(t: float) -> _core.Camera:
+    """Swings to and fro before the gate, once."""
+    swing = math.sin(2 * math.pi * t)
+    return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
+
+
+def _inserted_again(size: tuple[int, int]) -> int:
+    cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
+    cache.update(swinging_camera(0.0), size=size)
+    return cache.update(swinging_camera(0.0), size=size).inserted
+
+
+def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: int) -> Frame:
+    """Update, estimate, compare the records with exact rays, remove."""
+    view, scene = swinging_camera(t), crate_and_garage(t)
+    report = cache.update(view, size=size, scene=scene)
+    made = simulate(cache, [PRODUCT, PAPER], [10], camera=view, size=size, n_pixels=pixels,
+                    replicates=32, seed=cache.frame).estimates  # fmt: skip
+    rays, misses = _compare(cache, view, size)
+    removed = cache.end_frame()
+    left = variance_ratio([r[None, :, None] for r in made[PAPER, 10]],
+                          [r[None, :, None] for r in made[PRODUCT, 10]])  # fmt: skip
+    return Frame(records=len(cache), inserted=report.inserted, wrong=removed["wrong"],
+                 unused=removed["unused"], miss_share=misses / max(rays, 1),
+                 ratio=left.ratio)  # fmt: skip
+
+
+def _compare(
+    cache: VisibilityMapCache, view: _core.Camera, size: tuple[int, int]
+) -> tuple[int, int]:
+    """Count how often the records are wrong about exact light-product rays of random pixels."""
+    scene = cache.scene
+    directions, texels = environment_texels(scene)
+    radiance = texels.reshape(-1, 3).astype(float)
+    hits = first_hits(scene, view, size)
+    rules = _core.vismap.PixelRules(cache.settings.d_max)
+    asking, _, _ = _core.vismap.pixel_points(
+        scene._core, scene.caster(), view, *size, (0.5, 0.5), rules
+    )
+    rng = np.random.Generator(np.random.PCG64(cache.frame))
+    there = np.flatnonzero((asking.d_max > 0) & (hits.materials >= 0))
+    chosen, drawn = [], []
+    for pixel in rng.permutation(there)[:COMPARED]:
+        product = (reflected(scene, hits, pixel, directions) * radiance) @ LUMINANCE
+        if product.sum() > 0:
+            chosen.append(pixel)
+            drawn.append(directions[drawn_texels(product, RAYS, rng)])
+    towards = np.stack(drawn)
+    starts = np.repeat(hits.starts[chosen][:, None], RAYS, axis=1)
+    visible = ~scene.occluded(starts.reshape(-1, 3), towards.reshape(-1, 3))
+    lookup = cache.lookup(asking.positions[chosen], asking.normals[chosen], asking.d_max[chosen])
+    return cache.compare(lookup, towards, visible.reshape(len(chosen), RAYS))
+
+
+def _rows(frames: list[Frame]) -> list[Row]:
+    ratios = np.array([f.ratio for f in frames])
+    first = ratios[:10].mean()
+    later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
+    removed = sum(f.wrong + f.unused for f in frames)
+    return [
+        Row(what="largest mean variance ratio of ten frames over that of the first ten",
+            measured=float(later.max() / first), band=bands.RATIO_STAYS,
+            note=f"first ten frames {first:.3f}, product sampling 1"),
+        Row(what="records at the end", measured=frames[-1].records,
+            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed"),
+        Row(what="share of wrong answers, mean of the last ten frames",
+            measured=float(np.mean([f.miss_share for f in frames[-10:]]))),
+    ]  # fmt: skip
+
+
+def _picture(frames: list[Frame]) -> Any:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12.0, 3.4), layout="constrained")
+    axes: Any = figure.subplots(1, 3)
+    number: npt.NDArray[np.int64] = np.arange(len(frames))
+    axes[0].plot(number, [f.records for f in frames], color=COLORS[0], label="there")
+    axes[0].plot(number, [f.inserted for f in frames], color=COLORS[1], label="new")
+    axes[0].plot(number, [f.wrong + f.unused for f in frames], color=COLORS[2], label="removed")
+    axes[0].set(yscale="symlog", ylabel="records")
+    axes[0].legend(frameon=False, fontsize=8)
+    axes[1].plot(number, [100 * f.miss_share for f in frames], color=COLORS[0])
+    axes[1].set(ylabel="wrong answers [%]")
+    axes[2].plot(number, [f.ratio for f in frames], color=COLORS[0])
+    axes[2].set(ylabel="variance left, 10 samples")
+    for each in axes:
+        each.set_xlabel("frame")
+        each.set_ylim(bottom=0)
+    return figure
