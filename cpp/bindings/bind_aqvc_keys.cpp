@@ -142,7 +142,7 @@ void bind_aqvc_keys(py::module_& m) {
         [](const FloatArray& w) {
             py::array_t<double> uv({w.shape(0), py::ssize_t(2)});
             for (py::ssize_t i = 0; i < w.shape(0); ++i) {
-                const auto [u, v] = octahedral_square(rows3(w, "w")[i]);
+                const auto [u, v] = octahedral_square<double>(rows3(w, "w")[i]);
                 uv.mutable_at(i, 0) = u, uv.mutable_at(i, 1) = v;
             }
             return uv;

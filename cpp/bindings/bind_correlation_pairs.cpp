@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "interrupt.h"
+#include "isa_argument.h"
 #include "viscache/correlation/neighbourhood.h"
 
 namespace viscache::bindings {
@@ -11,13 +12,6 @@ namespace {
 
 using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
 using IntArray = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
-
-Isa isa_of(const std::optional<std::string>& name) {
-    if (!name) return active_isa();
-    for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
-        if (isa_name(isa) == *name && isa <= best_isa()) return isa;
-    throw py::value_error("isa must be portable, avx2 or avx512, and this CPU must have it, got " + *name);
-}
 
 PairDomain domain_of(const std::string& name) {
     if (name == "sphere") return PairDomain::kSphere;

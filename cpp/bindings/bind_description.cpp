@@ -1,15 +1,11 @@
 // SceneDescription: what loaders and Python say about a scene before it is frozen.
 #include <pybind11/native_enum.h>
-#include <pybind11/stl.h>
 
-#include "arrays.h"
-#include "viscache/scene/description.h"
+#include "described.h"
 
 namespace viscache::bindings {
 
 namespace {
-
-using Float3 = std::array<float, 3>;
 
 Affine affine_from(const DoubleArray& a) {
     if (a.ndim() != 2 || a.shape(1) != 4 || (a.shape(0) != 3 && a.shape(0) != 4))
@@ -41,23 +37,14 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
 }
 
 int add_image(SceneDescription& d, const FloatArray& pixels) {
-    if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
-        throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
-    Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
-    image.channels = int(pixels.shape(2));
-    image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
-    d.images.push_back(std::move(image));
+    d.images.push_back(image_from(pixels));
     return int(d.images.size()) - 1;
 }
 
 void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
-    SceneDescription one;
-    add_image(one, pixels);
-    Image& image = d.images.at(index);
-    image.width = one.images[0].width, image.height = one.images[0].height,
-    image.channels = one.images[0].channels;
-    image.pixels = std::move(one.images[0].pixels);
+    Image &image = d.images.at(index), given = image_from(pixels);
+    image.width = given.width, image.height = given.height, image.channels = given.channels;
+    image.pixels = std::move(given.pixels);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Environment maps and BSDFs, applied to rows.
-#include <pybind11/stl.h>
-
+#include "described.h"
 #include "rows.h"
 #include "viscache/scene/bsdf.h"
 #include "viscache/scene/envmap.h"
@@ -9,16 +8,9 @@ namespace viscache::bindings {
 
 namespace {
 
-using Float3 = std::array<float, 3>;
-
 EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
-                                const std::optional<DoubleArray>& to_world, int resolution) {
-    if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
-        throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
-    Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
-    image.channels = int(pixels.shape(2));
-    image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
+                                const std::optional<DoubleArray>& to_world, int resolution, int threads) {
+    const Image image = image_from(pixels);
     Affine rotation;
     if (to_world) {
         require_rows(*to_world, 3, "to_world");
@@ -28,7 +20,7 @@ EnvironmentMap environment_from(const FloatArray& pixels, Float3 scale,
             for (int j = 0; j < 3; ++j) rotation.m[i][j] = to_world->at(i, j);
     }
     const py::gil_scoped_release release;
-    return EnvironmentMap::from_latlong(image, vec3(scale), rotation, resolution);
+    return EnvironmentMap::from_latlong(image, vec3(scale), rotation, resolution, threads);
 }
 
 void bind_environment(py::module_& s) {
@@ -38,7 +30,7 @@ void bind_environment(py::module_& s) {
             py::arg("radiance"))
         .def_static("from_latlong", &environment_from, py::arg("pixels"), py::kw_only(),
                     py::arg("scale") = Float3{1, 1, 1}, py::arg("to_world") = py::none(),
-                    py::arg("resolution") = 0,
+                    py::arg("resolution") = 0, py::arg("threads") = 0,
                     "Resample a lat-long image (H, W, C); to_world (3, 3) rotates the map into the world.")
         .def(
             "eval",

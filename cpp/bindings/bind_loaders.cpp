@@ -1,7 +1,5 @@
 // Scene files, and read-only views of a SceneDescription for tests and `info`.
-#include <pybind11/stl.h>
-
-#include "arrays.h"
+#include "described.h"
 #include "viscache/scene/load.h"
 
 namespace viscache::bindings {
@@ -24,24 +22,16 @@ py::list mesh_list(const SceneDescription& d) {
 
 py::dict mesh_arrays(const SceneDescription& d, size_t index) {
     const Mesh& m = d.meshes.at(index);
-    py::array_t<uint32_t> triangles({py::ssize_t(m.triangles.size()), py::ssize_t(3)});
-    if (!m.triangles.empty())
-        std::memcpy(triangles.mutable_data(), m.triangles.data(), m.triangles.size() * sizeof(Vec3u));
     py::array_t<float> uvs({py::ssize_t(m.uvs.size()), py::ssize_t(2)});
     if (!m.uvs.empty()) std::memcpy(uvs.mutable_data(), m.uvs.data(), m.uvs.size() * sizeof(Vec2));
-    return py::dict(py::arg("vertices") = from_vec3s(m.vertices), py::arg("triangles") = triangles,
+    return py::dict(py::arg("vertices") = from_vec3s(m.vertices),
+                    py::arg("triangles") = from_triangles(m.triangles),
                     py::arg("normals") = from_vec3s(m.normals), py::arg("uvs") = uvs);
 }
 
 py::list material_list(const SceneDescription& d) {
     py::list out;
-    for (const Material& m : d.materials)
-        out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
-                            py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
-                            py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
-                            py::arg("base_texture") = m.base_texture,
-                            py::arg("alpha_texture") = m.alpha_texture,
-                            py::arg("alpha_cutoff") = m.alpha_cutoff));
+    for (const Material& m : d.materials) out.append(material_dict(m));
     return out;
 }
 
@@ -55,41 +45,6 @@ py::list camera_list(const SceneDescription& d) {
                             py::arg("horizontal") = c.fov_is_horizontal, py::arg("width") = c.width,
                             py::arg("height") = c.height));
     return out;
-}
-
-py::list affine_rows(const Affine& t) {
-    py::list rows;
-    for (const auto& row : t.m) rows.append(py::cast(row));
-    return rows;
-}
-
-py::list light_list(const SceneDescription& d) {
-    py::list out;
-    for (const PointLight& l : d.point_lights)
-        out.append(py::dict(py::arg("kind") = "point", py::arg("position") = array3(l.position),
-                            py::arg("intensity") = array3(l.intensity)));
-    for (const DirectionalLight& l : d.directional_lights)
-        out.append(py::dict(py::arg("kind") = "directional", py::arg("direction") = array3(l.direction),
-                            py::arg("irradiance") = array3(l.irradiance)));
-    for (const SphereLight& l : d.sphere_lights)
-        out.append(py::dict(py::arg("kind") = "sphere", py::arg("center") = array3(l.center),
-                            py::arg("radius") = l.radius, py::arg("radiance") = array3(l.radiance)));
-    for (size_t i = 0; i < d.meshes.size(); ++i)
-        if (max_component(d.meshes[i].emission) > 0)
-            out.append(py::dict(py::arg("kind") = "area", py::arg("mesh") = i,
-                                py::arg("radiance") = array3(d.meshes[i].emission)));
-    if (d.environment)
-        out.append(py::dict(py::arg("kind") = "environment", py::arg("scale") = array3(d.environment->scale),
-                            py::arg("image") = d.environment->image,
-                            py::arg("to_world") = affine_rows(d.environment->to_world)));
-    return out;
-}
-
-py::array_t<float> image_pixels(const SceneDescription& d, size_t index) {
-    const Image& i = d.images.at(index);
-    py::array_t<float> a({py::ssize_t(i.height), py::ssize_t(i.width), py::ssize_t(i.channels)});
-    if (!i.pixels.empty()) std::memcpy(a.mutable_data(), i.pixels.data(), i.pixels.size() * sizeof(float));
-    return a;
 }
 
 }  // namespace
@@ -113,7 +68,9 @@ void bind_loaders(py::module_& m) {
         .def("mesh_arrays", &mesh_arrays, py::arg("index"), "vertices, triangles, normals, uvs of one mesh.")
         .def_property_readonly("materials", &material_list, "Every material, as dicts.")
         .def_property_readonly("cameras", &camera_list, "Every camera, as dicts.")
-        .def_property_readonly("lights", &light_list, "Every light, as dicts.")
+        .def_property_readonly(
+            "lights", [](const SceneDescription& d) { return light_dicts(d, d.meshes); },
+            "Every light, as dicts.")
         .def_property_readonly(
             "instances",
             [](const SceneDescription& d) {
@@ -124,7 +81,10 @@ void bind_loaders(py::module_& m) {
                 return out;
             },
             "Every instance, as dicts.")
-        .def("image_pixels", &image_pixels, py::arg("index"), "Linear pixels (H, W, C) of a decoded image.");
+        .def(
+            "image_pixels",
+            [](const SceneDescription& d, size_t index) { return pixels_of(d.images.at(index)); },
+            py::arg("index"), "Linear pixels (H, W, C) of a decoded image.");
 }
 
 }  // namespace viscache::bindings

@@ -171,8 +171,12 @@ void bind_scene(py::module_& m) {
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "An immutable scene.")
         .def_static(
             "freeze",
-            [](const SceneDescription& d) { return std::const_pointer_cast<Scene>(Scene::freeze(d)); },
-            py::arg("description"), "Validate and freeze a description.")
+            [](const SceneDescription& d, int threads) {
+                SceneDescription copy = d;
+                const py::gil_scoped_release release;
+                return std::const_pointer_cast<Scene>(Scene::freeze(std::move(copy), threads));
+            },
+            py::arg("description"), py::arg("threads") = 0, "Validate and freeze a description.")
         .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
         .def_property_readonly("triangles", &Scene::placed_triangles)
         .def_property_readonly("unique_triangles", &Scene::unique_triangles)

@@ -1,9 +1,7 @@
 // What a frozen scene holds, as plain Python objects.
-#include <pybind11/stl.h>
-
 #include <fstream>
 
-#include "arrays.h"
+#include "described.h"
 #include "viscache/scene/content_hash.h"
 #include "viscache/scene/decode_image.h"
 #include "viscache/scene/scene.h"
@@ -19,35 +17,9 @@ py::dict mesh_dict(const Scene& scene, size_t index) {
     const Mesh& mesh = scene.meshes()[index];
     py::dict d;
     d["name"] = mesh.name, d["vertices"] = from_vec3s(mesh.vertices);
-    py::array_t<uint32_t> triangles({py::ssize_t(mesh.triangles.size()), py::ssize_t(3)});
-    if (!mesh.triangles.empty())
-        std::memcpy(triangles.mutable_data(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Vec3u));
-    d["triangles"] = triangles, d["normals"] = from_vec3s(mesh.normals);
+    d["triangles"] = from_triangles(mesh.triangles), d["normals"] = from_vec3s(mesh.normals);
     d["material"] = mesh.material, d["emission"] = array3(mesh.emission), d["in_world"] = mesh.in_world;
     return d;
-}
-
-py::list lights_list(const Scene& scene) {
-    const SceneDescription& d = scene.description();
-    py::list out;
-    for (const PointLight& l : d.point_lights)
-        out.append(py::dict(py::arg("kind") = "point", py::arg("position") = array3(l.position),
-                            py::arg("intensity") = array3(l.intensity)));
-    for (const DirectionalLight& l : d.directional_lights)
-        out.append(py::dict(py::arg("kind") = "directional", py::arg("direction") = array3(l.direction),
-                            py::arg("irradiance") = array3(l.irradiance)));
-    for (size_t i = 0; i < scene.described_meshes(); ++i)
-        if (const Mesh& mesh = scene.meshes()[i]; max_component(mesh.emission) > 0)
-            out.append(py::dict(py::arg("kind") = "area", py::arg("mesh") = i,
-                                py::arg("triangles") = mesh.triangles.size(),
-                                py::arg("radiance") = array3(mesh.emission)));
-    for (const SphereLight& l : d.sphere_lights)
-        out.append(py::dict(py::arg("kind") = "sphere", py::arg("center") = array3(l.center),
-                            py::arg("radius") = l.radius, py::arg("radiance") = array3(l.radiance)));
-    if (d.environment)
-        out.append(py::dict(py::arg("kind") = d.environment->image < 0 ? "constant" : "environment",
-                            py::arg("scale") = array3(d.environment->scale)));
-    return out;
 }
 
 }  // namespace
@@ -55,16 +27,18 @@ py::list lights_list(const Scene& scene) {
 void bind_scene_info(py::module_& m) {
     m.def("scene_mesh", &mesh_dict, py::arg("scene"), py::arg("index"), "Arrays of one mesh.");
     m.def("scene_mesh_count", &Scene::described_meshes, py::arg("scene"));
-    m.def("scene_lights", &lights_list, py::arg("scene"));
+    m.def(
+        "scene_lights",
+        [](const Scene& s) {
+            return light_dicts(s.description(), std::span(s.meshes()).first(s.described_meshes()));
+        },
+        py::arg("scene"));
     m.def(
         "scene_materials",
         [](const Scene& s) {
             py::list out;
             for (const Material& m : std::span(s.materials()).first(s.described_materials()))
-                out.append(py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
-                                    py::arg("specular") = array3(m.specular),
-                                    py::arg("roughness") = m.roughness, py::arg("eta") = m.eta,
-                                    py::arg("two_sided") = m.two_sided));
+                out.append(material_dict(m));
             return out;
         },
         py::arg("scene"));
@@ -99,11 +73,7 @@ void bind_scene_info(py::module_& m) {
             std::ifstream file(path, std::ios::binary);
             if (!file) throw SceneError(path + ": no such file, or it cannot be read");
             const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-            const Image image = loading::decode_image(bytes, path, true);
-            py::array_t<float> pixels(
-                {py::ssize_t(image.height), py::ssize_t(image.width), py::ssize_t(image.channels)});
-            std::memcpy(pixels.mutable_data(), image.pixels.data(), image.pixels.size() * sizeof(float));
-            return pixels;
+            return pixels_of(loading::decode_image(bytes, path, true));
         },
         py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));

@@ -3,7 +3,9 @@
 
 #include <limits>
 
+#include "isa_argument.h"
 #include "rows.h"
+#include "viscache/sampling/hemisphere_batch.h"
 #include "viscache/sampling/warp.h"
 
 namespace viscache::bindings {
@@ -17,7 +19,22 @@ void def_warp(py::module_& s, const char* name, F f, const char* doc) {
     s.def(name, [f](const FloatArray& u) { return map_rows<Vec2>(u, "u", f); }, py::arg("u"), doc);
 }
 
+py::tuple first_hemisphere_batch(uint32_t scramble_x, uint32_t scramble_y, Float3 normal, bool cosine,
+                                 const std::optional<std::string>& isa) {
+    HemisphereBatch batch;
+    hemisphere_batch({scramble_x, scramble_y, frame_around(normalize(vec3(normal))), cosine}, 0, batch,
+                     isa_of(isa));
+    std::vector<Vec3> directions;
+    for (size_t i = 0; i < HemisphereBatch::kSize; ++i)
+        directions.push_back({batch.x[i], batch.y[i], batch.z[i]});
+    return py::make_tuple(from_vec3s(directions), py::array_t<float>(HemisphereBatch::kSize, batch.cosine));
+}
+
 void bind_shapes(py::module_& s) {
+    s.def(
+        "hemisphere_batch", &first_hemisphere_batch, py::arg("scramble_x"), py::arg("scramble_y"),
+        py::arg("normal"), py::arg("cosine") = true, py::arg("isa") = py::none(),
+        "The first 32 directions (N, 3) of a randomised (0,2)-sequence around a normal, and their cosines.");
     def_warp(s, "square_to_disk_concentric", square_to_disk_concentric, "Uniform on the unit disk, (N, 2).");
     def_warp(s, "square_to_cosine_hemisphere", square_to_cosine_hemisphere,
              "Cosine-weighted around +z, (N, 3).");

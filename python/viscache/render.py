@@ -105,7 +105,7 @@ def render(
         require(isinstance(value, known), f"{name} must be {classes}", value)
     require(use in (None, "replace"), 'use must be "replace"', use)
     if env is not None:
-        scene = scene.with_environment(env)
+        scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
     frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
     core = core_settings(integrator)

@@ -60,15 +60,17 @@ class Scene:
         self._casters: dict[bool, _core.EmbreeCaster] = {}
 
     @classmethod
-    def from_description(cls, description: SceneDescription, *, spec: str | None = None) -> Scene:
-        """Freeze a description.
+    def from_description(
+        cls, description: SceneDescription, *, spec: str | None = None, threads: int | None = None
+    ) -> Scene:
+        """Freeze a description, on all cores by default; the scene is the same on any number.
 
         Raises
         ------
         SceneError
             Something in it cannot be used; the message says what and where.
         """
-        return cls(_core.Scene.freeze(description), spec)
+        return cls(_core.Scene.freeze(description, checked_threads(threads)), spec)
 
     @classmethod
     def from_arrays(
@@ -214,11 +216,11 @@ class Scene:
             "warnings": self.warnings,
         }
 
-    def with_environment(self, env: Env) -> Scene:
+    def with_environment(self, env: Env, *, threads: int | None = None) -> Scene:
         """The same scene under another environment light."""
         description = _core.description_of(self._core)
         apply_environment(description, env)
-        return Scene.from_description(description, spec=self.spec)
+        return Scene.from_description(description, spec=self.spec, threads=threads)
 
     def overview_camera(self) -> _core.Camera:
         """A camera that sees the whole scene from a corner above."""
@@ -297,7 +299,11 @@ class Scene:
 
 
 def load_scene(
-    path: str | os.PathLike[str], *, strict: bool = False, env: Env | None = None
+    path: str | os.PathLike[str],
+    *,
+    strict: bool = False,
+    env: Env | None = None,
+    threads: int | None = None,
 ) -> Scene:
     """Load a scene file.
 
@@ -310,6 +316,8 @@ def load_scene(
         `Scene.warnings`.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
+    threads : int, optional
+        All cores by default.
 
     Raises
     ------
@@ -322,7 +330,7 @@ def load_scene(
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)
-    return Scene.from_description(description, spec=str(Path(path)))
+    return Scene.from_description(description, spec=str(Path(path)), threads=threads)
 
 
 def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:

@@ -304,3 +304,8 @@ def test_captured_environments_keep_their_power(name: str) -> None:
     assert np.array_equal(radiance, map_.eval(wi)) and pdf.min() > 0
     # Choosing by luminance leaves no variance in the luminance
     assert radiance @ LUMINANCE / pdf == pytest.approx(map_.total_power, rel=1e-4)
+
+
+def test_the_map_is_the_same_for_any_number_of_threads() -> None:
+    maps = [EnvironmentMap.from_latlong(sky(), threads=n).pixels.tobytes() for n in (1, 2, 3, 8)]
+    assert len(set(maps)) == 1

@@ -251,11 +251,7 @@ def test_lights_have_our_units_and_directions(tmp_path):
     point, directional, constant = scene.lights
     assert point["position"] == [1, 2, 3] and point["intensity"] == [4, 5, 6]
     assert directional["direction"] == [0, 1, 0]  # towards the light
-    assert (
-        constant["kind"] == "environment"
-        and constant["scale"] == [0.5] * 3
-        and constant["image"] == -1
-    )
+    assert constant["kind"] == "constant" and constant["scale"] == [0.5] * 3
 
 
 def test_flipped_normals_turn_the_side_of_a_light(tmp_path):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import viscache as vc
@@ -168,6 +169,14 @@ def bad_mesh(**kwargs: Any) -> Callable[[Any], object]:
         (
             lambda d: d.add_instance([0], np.zeros((3, 4))),
             "instance 1: to_world must be invertible",
+        ),
+        (
+            lambda d: d.add_instance([0], np.diag([1e-25, 1e-25, 1e-25, 1.0])),
+            "instance 1: to_world must stretch by 1e-24 or more",
+        ),
+        (
+            lambda d: d.add_instance([0], np.diag([1e6, 1.0, 1e-6, 1.0])),
+            "instance 1: to_world must stretch no direction more than",
         ),
         (
             lambda d: d.add_instance([0], np.full((3, 4), np.nan)),
@@ -367,3 +376,37 @@ def test_a_mesh_turned_inside_out_by_its_instance_keeps_its_front() -> None:
             vc.render(scene, vc.Direct(), size=(4, 4), camera=i).image.mean() for i in (0, 1)
         )
         assert (front, back) == (1, 0)
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("instanced", [False, True])
+@pytest.mark.parametrize("exponent", range(-72, 47, 4))
+def test_a_scene_too_small_or_too_large_for_single_precision_says_so(
+    exponent: int, instanced: bool
+) -> None:
+    """Scaled by a power of two, rays hit what they hit before, or the scene warns."""
+    rng = np.random.default_rng(1)
+    vertices = (rng.random((900, 3)) + np.repeat(rng.random((300, 3)) * 9, 3, axis=0)).astype("f4")
+    triangles = np.arange(900, dtype=np.uint32).reshape(-1, 3)
+    origins = (rng.random((20_000, 3)) * 10).astype("f4")
+    directions = rng.normal(size=(20_000, 3)).astype("f4")
+
+    def answers(scale: float) -> tuple[npt.NDArray[np.bool_], list[str]]:
+        d = vc.SceneDescription()
+        d.add_material()
+        if instanced:
+            d.add_mesh(vertices, triangles, in_world=False)
+            d.add_instance([0], np.diag([scale, scale, scale, 1.0]))
+        else:
+            d.add_mesh(vertices * np.float32(scale), triangles)
+        scene = vc.Scene.from_description(d)
+        return scene.occluded(origins * np.float32(scale), directions), scene.warnings
+
+    reference, none = answers(1.0)
+    assert not any("spans" in text for text in none)
+    found, warnings = answers(2.0**exponent)
+    unlike = float(np.mean(found != reference))
+    warned = any("spans" in text for text in warnings)
+    assert warned or unlike < 1e-3, f"{unlike:.2%} of the rays answered differently, no warning"
+    # Sizes that people use are not warned of
+    assert not (warned and -16 <= exponent <= 24)

@@ -342,3 +342,26 @@ for coherent in (False, True):
     )
 """
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("stretch", [(1e-20,) * 3, (1e-12,) * 3, (1e-3, 1, 1e3), (1e15,) * 3])
+def test_rays_from_the_end_of_the_range_enter_any_instance(stretch: tuple[float, ...]) -> None:
+    """In an instance's own space a ray may lie beyond what Embree's live asserts allow."""
+    description = vc.SceneDescription()
+    description.add_material()
+    card = np.array([[-1, -1, 0], [1, -1, 0], [0, 2, 0], [0, -1, -1], [0, -1, 1], [0, 2, 0]], "f4")
+    description.add_mesh(card, [[0, 1, 2], [3, 4, 5]], in_world=False)
+    description.add_instance([0], np.diag([*stretch, 1.0]))
+    scene = vc.Scene.from_description(description)
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    for distance in (1e16, 1e10, 1.0):
+        origins, directions = distance * axes, -axes
+        scene.occluded(origins, directions)
+        scene.occluded(origins, distance * directions)
+        scene.visible(origins, -origins)
+        t = scene.intersect(origins, directions).t
+        assert not np.isnan(t).any()
+        # Through the card's middle, where coordinates are of its own size
+        if distance == 1.0 and stretch[0] == 1e-3:
+            assert np.isfinite(t[[2, 5]]).all()

@@ -13,7 +13,7 @@
 
 #include "viscache/aqvc/parameters.h"
 #include "viscache/aqvc/resolution.h"
-#include "viscache/math/vec.h"
+#include "viscache/math/octahedral.h"
 #include "viscache/visibility/oracle.h"
 
 namespace viscache {
@@ -56,7 +56,8 @@ inline double distance2_to_center(const PlacedCell& p) {
     return ax * ax + ay * ay;
 }
 
-inline uint64_t mix64(uint64_t h) {
+/// Finaliser of MurmurHash3.
+inline uint64_t murmur64(uint64_t h) {
     h ^= h >> 33, h *= 0xff51afd7ed558ccdull, h ^= h >> 33, h *= 0xc4ceb9fe1a85ec53ull;
     return h ^ h >> 33;
 }
@@ -64,22 +65,11 @@ inline uint64_t mix64(uint64_t h) {
 /// A 64-bit coordinate as one slot of a key: itself where it fits, else mixed down.
 inline int32_t fold_coordinate(int64_t v, bool folded) {
     const bool fits = v >= INT32_MIN && v <= INT32_MAX;
-    return fits && !folded ? int32_t(v) : int32_t(uint32_t(mix64(uint64_t(v))));
+    return fits && !folded ? int32_t(v) : int32_t(uint32_t(murmur64(uint64_t(v))));
 }
 
 /// Bit pattern of a coordinate; −0 counts as 0.
 inline int32_t float_bits(float f) { return std::bit_cast<int32_t>(f + 0.0f); }
-
-/// Octahedral map of a direction to the unit square ([ED08]); sgn(0) = +1.
-inline std::array<double, 2> octahedral_square(Vec3 w) {
-    const double x = w.x, y = w.y, z = w.z, l = std::fabs(x) + std::fabs(y) + std::fabs(z);
-    double u = x / l, v = y / l;
-    if (z < 0) {
-        const double fu = (1 - std::fabs(v)) * (u >= 0 ? 1 : -1), fv = (1 - std::fabs(u)) * (v >= 0 ? 1 : -1);
-        u = fu, v = fv;
-    }
-    return {u * 0.5 + 0.5, v * 0.5 + 0.5};
-}
 
 /// The far end's half of a key.
 struct FarKey {
@@ -100,7 +90,7 @@ public:
         offset_ = {0.7549, 0.5698, 0.4263};
         if (p.grid_seed)
             for (size_t a = 0; a < 3; ++a)
-                offset_[a] += double(mix64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
+                offset_[a] += double(murmur64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
     }
     const Ladder ladder;
     double radius() const { return radius_; }
@@ -230,7 +220,7 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
         case Semantic::kSolidAngle: {
             if (far == Vec3{}) return false;
             const Rung& r = ladder.rung(resolution, clamps);
-            const auto [u, v] = octahedral_square(far);
+            const auto [u, v] = octahedral_square<double>(far);
             const double last = r.resolution - 1;
             key.slots = {fold_coordinate(int64_t(std::min(last, std::floor(u * r.resolution))), r.folded),
                          fold_coordinate(int64_t(std::min(last, std::floor(v * r.resolution))), r.folded),

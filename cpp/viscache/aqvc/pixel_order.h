@@ -97,7 +97,7 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
         if (halton)
             key_[i] = ranks_[at];
         else if (p.order == PixelOrder::kRandom)
-            key_[i] = mix64(at + 0x9e3779b97f4a7c15ull * (uint64_t{p.grid_seed} + 1));
+            key_[i] = murmur64(at + 0x9e3779b97f4a7c15ull * (uint64_t{p.grid_seed} + 1));
         else
             key_[i] = at;
     }

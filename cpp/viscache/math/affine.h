@@ -19,8 +19,22 @@ struct Affine {
                m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     }
+    /// Bounds of how much lengths grow, from below and above, each right up to a factor of √3: 1 / |M⁻¹| and
+    /// |M| by the Frobenius norm. The lower is 0 for a singular transform.
+    double least_stretch() const;
+    double most_stretch() const {
+        double sum = 0;
+        for (const auto& row : m) sum += row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+        return std::sqrt(sum);
+    }
 
 private:
+    /// Row i of the matrix of cofactors.
+    std::array<double, 3> cofactors(int i) const {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        return {m[j][1] * m[k][2] - m[j][2] * m[k][1], m[j][2] * m[k][0] - m[j][0] * m[k][2],
+                m[j][0] * m[k][1] - m[j][1] * m[k][0]};
+    }
     Vec3 apply(Vec3 v, double w) const {
         double r[3];
         for (int i = 0; i < 3; ++i) r[i] = m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z + m[i][3] * w;
@@ -32,12 +46,17 @@ inline Vec3 Affine::normal(Vec3 n) const {
     const double sign = determinant() < 0 ? -1 : 1;
     double r[3];
     for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const double c[3] = {m[j][1] * m[k][2] - m[j][2] * m[k][1], m[j][2] * m[k][0] - m[j][0] * m[k][2],
-                             m[j][0] * m[k][1] - m[j][1] * m[k][0]};
+        const auto c = cofactors(i);
         r[i] = sign * (c[0] * n.x + c[1] * n.y + c[2] * n.z);
     }
     return {float(r[0]), float(r[1]), float(r[2])};
+}
+
+inline double Affine::least_stretch() const {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i)
+        for (double c : cofactors(i)) sum += c * c;
+    return sum > 0 ? std::fabs(determinant()) / std::sqrt(sum) : 0;
 }
 
 /// The transform that applies `b` first, then `a`.

@@ -1,20 +1,33 @@
 #pragma once
 // Octahedral maps of the sphere.
+#include <array>
+#include <limits>
+
 #include "viscache/math/vec.h"
 
 namespace viscache {
 
-inline float sign_not_zero(float v) { return v < 0 ? -1.f : 1.f; }
+template <class T>
+T sign_not_zero(T v) {
+    return v < 0 ? T(-1) : T(1);
+}
 
-/// Octahedral map of a direction of any length [ED08] into [0, 1]²; the zero vector gives the centre.
-inline Vec2 direction_to_octahedral(Vec3 d) {
-    const float l = std::max(std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z), 0x1p-126f);
-    float x = d.x / l, y = d.y / l;
-    if (d.z < 0) {
-        const float fold = (1 - std::fabs(y)) * sign_not_zero(x);
+/// Octahedral map of a direction of any length [ED08] into [0, 1]², computed in T; the zero vector gives the
+/// centre.
+template <class T>
+std::array<T, 2> octahedral_square(Vec3 d) {
+    const T dx = d.x, dy = d.y, dz = d.z;
+    const T l = std::max(std::fabs(dx) + std::fabs(dy) + std::fabs(dz), std::numeric_limits<T>::min());
+    T x = dx / l, y = dy / l;
+    if (dz < 0) {
+        const T fold = (1 - std::fabs(y)) * sign_not_zero(x);
         y = (1 - std::fabs(x)) * sign_not_zero(y), x = fold;
     }
-    return {0.5f * x + 0.5f, 0.5f * y + 0.5f};
+    return {T(0.5) * x + T(0.5), T(0.5) * y + T(0.5)};
+}
+inline Vec2 direction_to_octahedral(Vec3 d) {
+    const auto [x, y] = octahedral_square<float>(d);
+    return {x, y};
 }
 /// Its inverse; unit.
 inline Vec3 octahedral_to_direction(Vec2 p) {

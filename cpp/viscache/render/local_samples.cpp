@@ -1,9 +1,9 @@
 #include "viscache/render/local_samples.h"
 
 #include "viscache/render/light_sampling.h"
+#include "viscache/sampling/hemisphere_batch.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
-#include "viscache/sampling/warp.h"
 
 namespace viscache {
 
@@ -113,17 +113,20 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
 void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
                          LocalQueries& out) {
     const EyeSamples samples(seed, Purpose::kAmbient, eyes.stream[eye]);
-    const Frame3 frame = frame_around(eyes.block.normal[eye]);
+    const HemisphereSequence sequence{samples.sx, samples.sy, frame_around(eyes.block.normal[eye]),
+                                      settings.ambient_cosine};
     const float n = float(settings.n_ambient);
     const float t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
-    for (int i = 0; i < settings.n_ambient; ++i) {
-        const Vec2 u = samples.position(i);
-        const Vec3 local =
-            settings.ambient_cosine ? square_to_cosine_hemisphere(u) : square_to_uniform_hemisphere(u);
-        const float pdf = settings.ambient_cosine ? local.z / kPi : 0.5f / kPi;
-        const float weight = settings.ambient_cosine ? 1.f : 2 * local.z;
-        if (!(local.z > 0)) continue;
-        out.queries.push_back(towards(eye, frame.to_world(local), LightGroup::kAmbient, n * pdf, t_max));
+    HemisphereBatch batch;
+    for (uint32_t i = 0; i < uint32_t(settings.n_ambient); ++i) {
+        const uint32_t k = i % HemisphereBatch::kSize;
+        if (k == 0) hemisphere_batch(sequence, i, batch);
+        const float cosine = batch.cosine[k];
+        if (!(cosine > 0)) continue;
+        const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;
+        const float weight = settings.ambient_cosine ? 1.f : 2 * cosine;
+        const Vec3 wi{batch.x[k], batch.y[k], batch.z[k]};
+        out.queries.push_back(towards(eye, wi, LightGroup::kAmbient, n * pdf, t_max));
         out.contribution.push_back(eyes.throughput[eye] * (weight / n));
     }
 }

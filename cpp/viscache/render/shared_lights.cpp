@@ -36,7 +36,7 @@ namespace avx512 {
 constexpr size_t kWidth = 16;
 typedef float F __attribute__((vector_size(64), aligned(4), may_alias));
 typedef int I __attribute__((vector_size(64)));
-inline F vec_sqrt(F v) { return (F)_mm512_sqrt_ps((__m512)v); }
+inline F vec_sqrt(F v) { return (F)_mm512_maskz_sqrt_ps(0xffff, (__m512)v); }
 inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 #include "shared_kernels.inc"
 }  // namespace avx512

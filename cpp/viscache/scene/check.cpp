@@ -7,6 +7,7 @@ namespace viscache {
 
 namespace {
 
+constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // of instances
 constexpr float kMaxVertex = 1e16f;  // beyond it ray tracing cannot work (visibility/query.h)
 
 template <class... Parts>
@@ -105,7 +106,15 @@ void check_description(const SceneDescription& d) {
         for (const auto& row : d.instances[i].to_world.m)
             for (double v : row)
                 if (!(std::fabs(v) < kMaxVertex)) fail("instance ", i, ": to_world must be finite, got ", v);
-        if (d.instances[i].to_world.determinant() == 0) fail("instance ", i, ": to_world must be invertible");
+        const double least = d.instances[i].to_world.least_stretch(),
+                     ratio = d.instances[i].to_world.most_stretch() / least;
+        if (least == 0) fail("instance ", i, ": to_world must be invertible");
+        // Beyond, single precision can no longer invert it
+        if (!(least >= kLeastStretch))
+            fail("instance ", i, ": to_world must stretch by ", kLeastStretch, " or more, got ", least);
+        if (!(ratio <= kMostUneven))
+            fail("instance ", i, ": to_world must stretch no direction more than ", kMostUneven,
+                 " times as much as another, got ", ratio);
     }
     check_lights(d);
     if (d.environment) {

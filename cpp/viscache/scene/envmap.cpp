@@ -84,10 +84,10 @@ Rgb lookup(const Image& image, Vec3 d, bool smooth) {
 }
 
 /// n × n texels, each the mean of sub × sub look-ups.
-std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world, int n, int sub,
-                          bool smooth) {
+std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world, int n, int sub, bool smooth,
+                          int threads) {
     std::vector<Rgb> texels(size_t(n) * n);
-    parallel_for(size_t(n), 0, [&](size_t y, int) {
+    parallel_for(size_t(n), threads, [&](size_t y, int) {
         for (int x = 0; x < n; ++x) {
             Rgb sum;
             for (int j = 0; j < sub; ++j)
@@ -130,7 +130,7 @@ EnvironmentMap EnvironmentMap::constant(Rgb radiance) {
 }
 
 EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const Affine& to_world,
-                                            int resolution) {
+                                            int resolution, int threads) {
     check(image, scale, to_world, resolution);
     EnvironmentMap map;
     // 4π/N² <= the solid angle of a pixel at the equator
@@ -142,7 +142,8 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
     const int sub = std::clamp(int(std::ceil(2 * same / map.resolution_)), 2, 64);
     const double wanted = source_power(image, scale);
     for (const bool smooth : {true, false}) {
-        map.pixels_ = resample(image, scale, to_world, map.resolution_, smooth ? sub : 4 * sub, smooth);
+        map.pixels_ =
+            resample(image, scale, to_world, map.resolution_, smooth ? sub : 4 * sub, smooth, threads);
         map.power_ratio_ = wanted > 0 ? map.power() / wanted : 1;
         if (std::abs(map.power_ratio_ - 1) <= kPowerTolerance) break;
     }

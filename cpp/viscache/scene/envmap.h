@@ -20,10 +20,11 @@ public:
     static EnvironmentMap constant(Rgb radiance);
     /// Resamples a lat-long image (convention in description.h), scaled to the power of its pixels.
     /// `resolution` is a power of two in [2, 4096]; 0 = texels no larger than the source's at its equator.
-    /// Throws SceneError for an image without pixels, negative or non-finite colours, a `to_world` that is no
-    /// rotation, or when resampling alone changes the power by more than 2 %.
+    /// The same map for any number of threads. Throws SceneError for an image without pixels, negative or
+    /// non-finite colours, a `to_world` that is no rotation, or when resampling alone changes the power by
+    /// more than 2 %.
     static EnvironmentMap from_latlong(const Image& image, Rgb scale, const Affine& to_world,
-                                       int resolution = 0);
+                                       int resolution = 0, int threads = 0);
 
     /// Radiance from the unit direction wi: its texel's value, with which `sample` and `pdf` agree.
     Rgb eval(Vec3 wi) const { return is_constant() ? pixels_[0] : pixels_[texel(wi)]; }

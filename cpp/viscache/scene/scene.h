@@ -12,8 +12,9 @@ namespace viscache {
 
 class Scene {
 public:
-    /// Checks the description and freezes it. Throws SceneError that names what is wrong and where.
-    static std::shared_ptr<const Scene> freeze(SceneDescription description);
+    /// Checks the description and freezes it; 0 threads = all. Throws SceneError that names what is wrong and
+    /// where.
+    static std::shared_ptr<const Scene> freeze(SceneDescription description, int threads = 0);
 
     const SceneDescription& description() const { return d_; }
     const std::vector<Mesh>& meshes() const { return d_.meshes; }
@@ -51,7 +52,8 @@ public:
 
 private:
     Scene() = default;
-    void build_lights();
+    void build_lights(int threads);
+    void warn_of_size();
     void add_sphere_light_meshes();
     void measure();
 

@@ -14,14 +14,27 @@ BlockTracer::BlockTracer(const EmbreeCaster& caster, const RayArrays& rays, uint
     : caster_(caster), rays_(rays), occluded_(occluded), flag_(std::nullopt, kTrialPeriod) {}
 
 void BlockTracer::block(size_t first, size_t count) {
-    if (sorting_pays_)
+    const double before = thread_cpu_seconds();
+    if (sorting_ == Sorting::kOnTrial || sorting_ == Sorting::kPays)
         trace_sorted(first, count);
     else
         trace_as_given(first, count);
+    if (count >= kWorthSorting) choose(first, count, thread_cpu_seconds() - before);
+}
+
+/// Decides how later blocks are traced by what this one took.
+void BlockTracer::choose(size_t first, size_t count, double seconds) {
+    const double per_ray = seconds / double(count);
+    if (sorting_ == Sorting::kOnTrial) {
+        sorting_ = per_ray < seconds_per_ray_ ? Sorting::kPays : Sorting::kNot;
+    } else if (sorting_ == Sorting::kUnknown && per_ray >= kCheap) {
+        seconds_per_ray_ = per_ray;
+        order_.classify(rays_, first, count);
+        if (order_.share_in_order() < kInOrder) sorting_ = Sorting::kOnTrial;
+    }
 }
 
 void BlockTracer::trace_as_given(size_t first, size_t count) {
-    const double before = thread_cpu_seconds();
     for (size_t at = 0; at < count; at += kPiece)
         flag_.piece([&](Coherence flag) {
             // Measured: incoherent packets of 8 are as fast as those of 16 or faster
@@ -30,9 +43,6 @@ void BlockTracer::trace_as_given(size_t first, size_t count) {
             caster_.occluded(rays_, first + at, n, occluded_, plan);
             return n;
         });
-    if (count < kWorthSorting || thread_cpu_seconds() - before < kCheap * double(count)) return;
-    order_.classify(rays_, first, count);
-    sorting_pays_ = order_.share_in_order() < kInOrder;
 }
 
 void BlockTracer::trace_sorted(size_t first, size_t count) {

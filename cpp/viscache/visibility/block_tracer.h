@@ -11,7 +11,7 @@ namespace viscache {
 
 /// One object per thread and batch of alike rays. Rays that come in some order (an image's) are traced as
 /// given, by the traversal flag that trials find faster; rays in no order are sorted first, unless they are
-/// so cheap that sorting would cost more than it gains.
+/// cheap or sorting a block did not make it faster.
 class BlockTracer {
 public:
     /// The answer of ray k goes to occluded[k].
@@ -20,6 +20,8 @@ public:
     void block(size_t first, size_t count);
 
 private:
+    enum class Sorting { kUnknown, kOnTrial, kPays, kNot };
+    void choose(size_t first, size_t count, double seconds);
     void trace_as_given(size_t first, size_t count);
     void trace_sorted(size_t first, size_t count);
 
@@ -28,7 +30,8 @@ private:
     uint8_t* occluded_;
     CoherenceTrial flag_;
     RayOrder order_;
-    bool sorting_pays_ = false;
+    Sorting sorting_ = Sorting::kUnknown;
+    double seconds_per_ray_ = 0;  ///< of the block before, as given
 };
 
 }  // namespace viscache

@@ -42,6 +42,24 @@ void cutout_filter(const RTCFilterFunctionNArguments* args) {
     }
 }
 
+/// Of every distinct list of meshes, the least stretch of its instances.
+///
+/// A ray enters an instance by the inverse of its transform. Where that enlarges, coordinates can pass what
+/// Embree's asserts allow, and where it shrinks, squares of lengths can vanish. So meshes are kept at the
+/// size of their smallest instance: no inverse enlarges by more than its unevenness, and the caller's limits
+/// on coordinates hold in there too. Powers of two change no digit.
+std::map<std::vector<int>, double> least_stretches(const std::vector<Instance>& instances) {
+    std::map<std::vector<int>, double> least;
+    for (const Instance& instance : instances) {
+        const double stretch = instance.to_world.least_stretch();
+        const auto [found, is_new] = least.try_emplace(instance.meshes, stretch);
+        if (!is_new) found->second = std::min(found->second, stretch);
+    }
+    return least;
+}
+
+float power_of_two_below(double x) { return std::ldexp(1.f, std::ilogb(x)); }
+
 }  // namespace
 
 struct EmbreeCaster::Impl {
@@ -61,8 +79,10 @@ struct EmbreeCaster::Impl {
         rtcSetSceneFlags(s, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
         return s;
     }
-    unsigned attach_mesh(RTCScene target, const Scene& scene, uint32_t index);
-    void attach_instance(const Instance& instance, RTCScene group, uint32_t index);
+    /// Vertices are multiplied by `scale`.
+    unsigned attach_mesh(RTCScene target, const Scene& scene, uint32_t index, float scale = 1);
+    /// Of a group whose vertices have been multiplied by `scale`.
+    void attach_instance(const Instance& instance, RTCScene group, float scale, uint32_t index);
     /// Whether packets of 16 may be traced as such. On AVX-512, Embree as compiled by g++ can loop for ever
     /// over a coherent packet of 16 that enters an instance: its mask keeps stray high bits of a register
     /// (embree pull request 574; seen with 3.13.5 after incoherent packets of 16). Packets of 8 are sound.
@@ -74,7 +94,7 @@ struct EmbreeCaster::Impl {
     Hit hit_of(unsigned geom, unsigned inst, unsigned prim, float u, float v, float t) const;
 };
 
-unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, uint32_t index) {
+unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, uint32_t index, float scale) {
     const Mesh& mesh = scene.meshes()[index];
     RTCGeometry g = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!mesh.triangles.empty()) {
@@ -84,7 +104,8 @@ unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, ui
         void* t = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Vec3u),
                                           mesh.triangles.size());
         if (!v || !t) throw std::bad_alloc();
-        std::memcpy(v, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+        std::transform(mesh.vertices.begin(), mesh.vertices.end(), static_cast<Vec3*>(v),
+                       [&](Vec3 p) { return p * scale; });
         std::memcpy(t, mesh.triangles.data(), mesh.triangles.size() * sizeof(Vec3u));
     }
     rtcSetGeometryMask(g, 0xffffffffu);
@@ -99,13 +120,14 @@ unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, ui
     return id;
 }
 
-void EmbreeCaster::Impl::attach_instance(const Instance& instance, RTCScene group, uint32_t index) {
+void EmbreeCaster::Impl::attach_instance(const Instance& instance, RTCScene group, float scale,
+                                         uint32_t index) {
     RTCGeometry g = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(g, group);
     rtcSetGeometryTimeStepCount(g, 1);
     float m[12];  // column-major 3×4
     for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) m[3 * c + r] = float(instance.to_world.m[r][c]);
+        for (int c = 0; c < 4; ++c) m[3 * c + r] = float(instance.to_world.m[r][c] / (c < 3 ? scale : 1));
     rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, m);
     rtcSetGeometryMask(g, 0xffffffffu);
     rtcCommitGeometry(g);
@@ -142,21 +164,25 @@ EmbreeCaster::EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions opt
     }
     // One Embree scene per distinct list of meshes, shared by its instances.
     std::map<std::vector<int>, size_t> group_of;
+    std::vector<float> group_scale;
     const auto& instances = scene_->description().instances;
+    const auto least = least_stretches(instances);
     for (uint32_t i = 0; i < instances.size(); ++i) {
         auto [found, is_new] = group_of.try_emplace(instances[i].meshes, impl.groups.size());
         if (is_new) {
             impl.groups.push_back(impl.new_scene(options.robust));
             impl.group_mesh.emplace_back();
+            group_scale.push_back(power_of_two_below(least.at(instances[i].meshes)));
             for (int mesh : instances[i].meshes) {
                 if (meshes[size_t(mesh)].triangles.empty()) continue;
-                const unsigned id = impl.attach_mesh(impl.groups.back(), *scene_, uint32_t(mesh));
+                const unsigned id =
+                    impl.attach_mesh(impl.groups.back(), *scene_, uint32_t(mesh), group_scale.back());
                 impl.group_mesh.back().resize(id + 1, kNoHit);
                 impl.group_mesh.back()[id] = uint32_t(mesh);
             }
             rtcCommitScene(impl.groups.back());
         }
-        impl.attach_instance(instances[i], impl.groups[found->second], i);
+        impl.attach_instance(instances[i], impl.groups[found->second], group_scale[found->second], i);
         impl.instance_mesh.push_back(impl.group_mesh[found->second]);
     }
     rtcCommitScene(impl.top);

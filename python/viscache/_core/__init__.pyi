@@ -136,7 +136,7 @@ class Scene:
     An immutable scene.
     """
     @staticmethod
-    def freeze(description: SceneDescription) -> Scene:
+    def freeze(description: SceneDescription, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> Scene:
         """
         Validate and freeze a description.
         """

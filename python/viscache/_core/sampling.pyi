@@ -9,7 +9,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'diffuse_albedo', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
+__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'diffuse_albedo', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'hemisphere_batch', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
 class EnvironmentMap:
     """
     Environment light on the equal-area octahedral map.
@@ -18,7 +18,7 @@ class EnvironmentMap:
     def constant(radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> EnvironmentMap:
         ...
     @staticmethod
-    def from_latlong(pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, scale: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, resolution: typing.SupportsInt | typing.SupportsIndex = 0) -> EnvironmentMap:
+    def from_latlong(pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, scale: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, resolution: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> EnvironmentMap:
         """
         Resample a lat-long image (H, W, C); to_world (3, 3) rotates the map into the world.
         """
@@ -115,6 +115,10 @@ def fresnel_dielectric(cos_i: typing.Annotated[numpy.typing.ArrayLike, numpy.flo
 def ggx_d(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], alpha: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Density of microfacet normals (N, 3), local frame.
+    """
+def hemisphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex, normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: bool = True, isa: str | None = None) -> tuple:
+    """
+    The first 32 directions (N, 3) of a randomised (0,2)-sequence around a normal, and their cosines.
     """
 def octahedral_to_direction(p: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """

@@ -1,0 +1,79 @@
+#pragma once
+// Parts of a scene description as plain Python objects, and from them.
+#include <pybind11/stl.h>
+
+#include <cstring>
+#include <span>
+
+#include "arrays.h"
+#include "viscache/scene/description.h"
+
+namespace viscache::bindings {
+
+using Float3 = std::array<float, 3>;
+
+inline py::array_t<uint32_t> from_triangles(const std::vector<Vec3u>& t) {
+    py::array_t<uint32_t> a({py::ssize_t(t.size()), py::ssize_t(3)});
+    if (!t.empty()) std::memcpy(a.mutable_data(), t.data(), t.size() * sizeof(Vec3u));
+    return a;
+}
+
+inline py::list affine_rows(const Affine& t) {
+    py::list rows;
+    for (const auto& row : t.m) rows.append(py::cast(row));
+    return rows;
+}
+
+/// An image of (H, W, 1..4) linear pixels.
+inline Image image_from(const FloatArray& pixels) {
+    if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
+        throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
+    Image image;
+    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
+    image.channels = int(pixels.shape(2));
+    image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
+    return image;
+}
+
+inline py::array_t<float> pixels_of(const Image& i) {
+    py::array_t<float> a({py::ssize_t(i.height), py::ssize_t(i.width), py::ssize_t(i.channels)});
+    if (!i.pixels.empty()) std::memcpy(a.mutable_data(), i.pixels.data(), i.pixels.size() * sizeof(float));
+    return a;
+}
+
+inline py::dict material_dict(const Material& m) {
+    return py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
+                    py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
+                    py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
+                    py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
+                    py::arg("alpha_cutoff") = m.alpha_cutoff);
+}
+
+/// One dict per light: its kind and its values. Of the meshes only `meshes` count.
+inline py::list light_dicts(const SceneDescription& d, std::span<const Mesh> meshes) {
+    py::list out;
+    for (const PointLight& l : d.point_lights)
+        out.append(py::dict(py::arg("kind") = "point", py::arg("position") = array3(l.position),
+                            py::arg("intensity") = array3(l.intensity)));
+    for (const DirectionalLight& l : d.directional_lights)
+        out.append(py::dict(py::arg("kind") = "directional", py::arg("direction") = array3(l.direction),
+                            py::arg("irradiance") = array3(l.irradiance)));
+    for (size_t i = 0; i < meshes.size(); ++i)
+        if (max_component(meshes[i].emission) > 0)
+            out.append(py::dict(py::arg("kind") = "area", py::arg("mesh") = i,
+                                py::arg("triangles") = meshes[i].triangles.size(),
+                                py::arg("radiance") = array3(meshes[i].emission)));
+    for (const SphereLight& l : d.sphere_lights)
+        out.append(py::dict(py::arg("kind") = "sphere", py::arg("center") = array3(l.center),
+                            py::arg("radius") = l.radius, py::arg("radiance") = array3(l.radiance)));
+    if (d.environment) {
+        const Environment& e = *d.environment;
+        py::dict light(py::arg("kind") = e.image < 0 ? "constant" : "environment",
+                       py::arg("scale") = array3(e.scale), py::arg("to_world") = affine_rows(e.to_world));
+        if (e.image >= 0) light["image"] = e.image;
+        out.append(light);
+    }
+    return out;
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,21 @@
+#pragma once
+// The variant of a kernel by its name.
+#include <pybind11/pybind11.h>
+
+#include <optional>
+#include <string>
+
+#include "viscache/math/isa.h"
+
+namespace viscache::bindings {
+
+/// The variant in use without a name.
+inline Isa isa_of(const std::optional<std::string>& name) {
+    if (!name) return active_isa();
+    for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
+        if (isa_name(isa) == *name && isa <= best_isa()) return isa;
+    throw pybind11::value_error("isa must be portable, avx2 or avx512, and this CPU must have it, got " +
+                                *name);
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,47 @@
+#include "viscache/sampling/hemisphere_batch.h"
+
+#include "viscache/sampling/low_discrepancy.h"
+#include "viscache/sampling/warp.h"
+
+namespace viscache {
+namespace {
+
+template <class Warp>
+inline __attribute__((always_inline)) void fill(const HemisphereSequence& s, uint32_t first,
+                                                HemisphereBatch& out, Warp warp) {
+    for (uint32_t i = 0; i < HemisphereBatch::kSize; ++i) {
+        const Vec3 local = warp(sobol02(first + i, s.scramble_x, s.scramble_y));
+        const Vec3 w = s.frame.to_world(local);
+        out.x[i] = w.x, out.y[i] = w.y, out.z[i] = w.z, out.cosine[i] = local.z;
+    }
+}
+
+inline __attribute__((always_inline)) void fill_batch(const HemisphereSequence& s, uint32_t first,
+                                                      HemisphereBatch& out) {
+    if (s.cosine)
+        fill(s, first, out, [](Vec2 u) { return square_to_cosine_hemisphere(u); });
+    else
+        fill(s, first, out, [](Vec2 u) { return square_to_uniform_hemisphere(u); });
+}
+
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX512 void fill_avx512(const HemisphereSequence& s, uint32_t first, HemisphereBatch& out) {
+    fill_batch(s, first, out);
+}
+VISCACHE_TARGET_AVX2 void fill_avx2(const HemisphereSequence& s, uint32_t first, HemisphereBatch& out) {
+    fill_batch(s, first, out);
+}
+#endif
+
+}  // namespace
+
+void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, HemisphereBatch& out,
+                      [[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return fill_avx512(sequence, first, out);
+    if (isa == Isa::kAvx2) return fill_avx2(sequence, first, out);
+#endif
+    fill_batch(sequence, first, out);
+}
+
+}  // namespace viscache
