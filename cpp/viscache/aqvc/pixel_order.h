@@ -9,6 +9,7 @@
 
 #include "viscache/aqvc/cluster_key.h"
 #include "viscache/aqvc/parameters.h"
+#include "viscache/math/morton.h"
 #include "viscache/visibility/oracle.h"
 
 namespace viscache {
@@ -18,16 +19,6 @@ struct TileOrder {
     std::vector<uint32_t> eye;
     std::vector<uint32_t> segment_end;
 };
-
-/// Morton code of a position: x on the even bits.
-inline uint64_t morton2(uint32_t x, uint32_t y) {
-    const auto spread = [](uint64_t v) {
-        v = (v | v << 16) & 0x0000ffff0000ffffull, v = (v | v << 8) & 0x00ff00ff00ff00ffull;
-        v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full, v = (v | v << 2) & 0x3333333333333333ull;
-        return (v | v << 1) & 0x5555555555555555ull;
-    };
-    return spread(x) | spread(y) << 1;
-}
 
 /// Digits of i in `base` reversed, `digits` of them: the radical inverse times base^digits.
 inline uint64_t reversed_digits(uint64_t i, uint64_t base, int digits) {
@@ -108,7 +99,7 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
     }
     // Then along the Morton curve inside each segment, for coherence.
     out.segment_end = segment_ends(n, p.c_e, p.c_pg);
-    for (size_t i = 0; i < n; ++i) key_[i] = morton2(eyes.order_x[i], eyes.order_y[i]);
+    for (size_t i = 0; i < n; ++i) key_[i] = morton2_wide(eyes.order_x[i], eyes.order_y[i]);
     size_t first = 0;
     for (uint32_t end : out.segment_end) sort_by(out.eye, first, end), first = end;
 }

@@ -40,6 +40,16 @@ inline uint32_t gather2(uint32_t v) {
 /// of a quadtree's node are consecutive. `gather2` of the number and of half of it are x and y again.
 inline uint32_t morton2(uint32_t x, uint32_t y) { return spread2(x) | spread2(y) << 1; }
 
+/// The same for coordinates of more than 16 bits.
+inline uint64_t morton2_wide(uint32_t x, uint32_t y) {
+    const auto spread = [](uint64_t v) {
+        v = (v | v << 16) & 0x0000ffff0000ffffull, v = (v | v << 8) & 0x00ff00ff00ff00ffull;
+        v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full, v = (v | v << 2) & 0x3333333333333333ull;
+        return (v | v << 1) & 0x5555555555555555ull;
+    };
+    return spread(x) | spread(y) << 1;
+}
+
 /// Code of a cell in a grid of 1024³; x on the lowest bit.
 inline uint32_t morton3(uint32_t x, uint32_t y, uint32_t z) {
     return spread3(x) | spread3(y) << 1 | spread3(z) << 2;

@@ -83,14 +83,15 @@ void Scene::measure() {
     memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
 }
 
-/// Outside these lengths products of edges and areas leave single precision: measured, images of the Cornell box
-/// are the same to the bit from 6e-8 to 4e9 units; small triangles need some of that.
+/// Outside these lengths products of edges and areas leave single precision: measured, images of the Cornell
+/// box are the same to the bit from 6e-8 to 4e9 units; small triangles need some of that.
 void Scene::warn_of_size() {
     constexpr float kSmallest = 1e-6f, kLargest = 1e9f;
     const float size = bounds_.empty() ? 0.f : bounds_.diagonal();
     if (size == 0 || (size >= kSmallest && bounds_.magnitude() <= kLargest)) return;
     std::ostringstream s;
-    s << "the scene spans " << size << " units, up to " << bounds_.magnitude() << " from the origin; images are"
+    s << "the scene spans " << size << " units, up to " << bounds_.magnitude()
+      << " from the origin; images are"
       << " reliable for scenes of " << kSmallest << " to " << kLargest << " units: scale it";
     // A scene made from this one's description brings the warning along
     const auto same = [&](const Warning& w) { return w.text == s.str(); };
