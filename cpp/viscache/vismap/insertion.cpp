@@ -19,12 +19,11 @@ void in_chunks(size_t n, int threads, const Control& control, Work work) {
     });
 }
 
-void count(Verdict verdict, InsertionStats& stats) {
-    stats.no_candidate += verdict == Verdict::kNoCandidate;
-    stats.weight += verdict == Verdict::kWeight;
-    stats.difference += verdict == Verdict::kDifference;
-    stats.suppressed += verdict == Verdict::kSuppressed;
-    stats.duplicates += verdict == Verdict::kDuplicate;
+/// Counts a record inserted for this reason.
+void count_inserted(Verdict reason, InsertionStats& stats) {
+    stats.no_candidate += reason == Verdict::kNoCandidate;
+    stats.weight += reason == Verdict::kWeight;
+    stats.difference += reason == Verdict::kDifference;
 }
 
 AmbientRecord clipped(AmbientRecord ambient, float footprint) {
@@ -58,13 +57,15 @@ Added add_records(MapCache& cache, const RecordTracer& tracer, std::span<const C
 class Batches {
 public:
     Batches(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
-            const InsertionOptions& options, Control& control, InsertionStats& stats)
+            const InsertionOptions& options, Control& control, InsertionStats& stats,
+            std::span<Verdict> verdicts)
         : cache_(cache),
           tracer_(tracer),
           points_(points),
           options_(options),
           control_(control),
           stats_(stats),
+          verdicts_(verdicts),
           cos_theta_max_(std::cos(cache.parameters().theta_max_rad)) {}
 
     void run(std::span<const uint32_t> usable) {
@@ -79,24 +80,25 @@ public:
 private:
     /// One round; the points to be looked up again.
     std::vector<uint32_t> round(std::span<const uint32_t> pending) {
-        std::vector<Verdict> verdicts(pending.size());
         in_chunks(pending.size(), options_.threads, control_, [&](size_t first, size_t last) {
             for (size_t i = first; i < last; ++i) {
                 const CachePoint& point = points_[pending[i]];
-                verdicts[i] = cache_.judge(point, cache_.select(point));
+                verdicts_[pending[i]] = cache_.judge(point, cache_.select(point));
             }
         });
         stats_.lookups += pending.size();
         std::vector<uint32_t> accepted, again;
-        for (size_t i = 0; i < pending.size(); ++i)
-            if (!wants_record(verdicts[i]))
-                count(verdicts[i], stats_);
-            else if (cache_.size() + accepted.size() >= cache_.parameters().max_records)
-                ++stats_.refused;
-            else if (in_reach_of_any(pending[i], accepted))
-                again.push_back(pending[i]);
-            else
-                accepted.push_back(pending[i]), count(verdicts[i], stats_);
+        for (uint32_t i : pending) {
+            if (!wants_record(verdicts_[i])) continue;
+            if (cache_.size() + accepted.size() >= cache_.parameters().max_records) continue;
+            if (in_reach_of_any(i, accepted)) {
+                again.push_back(i);
+                continue;
+            }
+            count_inserted(verdicts_[i], stats_);
+            verdicts_[i] = Verdict::kServed;
+            accepted.push_back(i);
+        }
         if (!accepted.empty())
             stats_.rays +=
                 add_records(cache_, tracer_, points_, accepted, options_.frame, options_.threads, control_)
@@ -119,47 +121,40 @@ private:
     const InsertionOptions& options_;
     Control& control_;
     InsertionStats& stats_;
+    std::span<Verdict> verdicts_;
     float cos_theta_max_;
 };
 
 /// The paper's insertion: whoever holds the lock alone adds its record at once.
 void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
                    std::span<const uint32_t> usable, const InsertionOptions& options, Control& control,
-                   InsertionStats& stats) {
+                   InsertionStats& stats, std::span<Verdict> verdicts) {
     std::mutex stats_mutex;
     in_chunks(usable.size(), options.threads, control, [&](size_t first, size_t last) {
         InsertionStats own;
-        for (size_t i = first; i < last; ++i) {
-            const CachePoint& point = points[usable[i]];
-            const auto judged = [&] { return cache.judge(point, cache.select(point)); };
-            Verdict verdict;
+        for (uint32_t i : usable.subspan(first, last - first)) {
+            const CachePoint& point = points[i];
+            const auto judge = [&] { verdicts[i] = cache.judge(point, cache.select(point)); };
             {
                 const std::shared_lock lock(cache.mutex());
-                verdict = judged();
-            }
-            ++own.lookups;
-            if (!wants_record(verdict)) {
-                count(verdict, own);
-                continue;
+                judge();
+                if (!wants_record(verdicts[i]) || cache.full()) continue;
             }
             // Rays are traced outside the lock; another thread may meanwhile have served the point
             const RecordTracer::Traced traced =
                 tracer.trace({&point.position, 1}, {&point.normal, 1}, 1, control);
             own.rays += traced.rays;
             const std::unique_lock lock(cache.mutex());
-            verdict = judged();
-            const bool full = cache.full();
-            if (!wants_record(verdict) || !full) count(verdict, own);
-            if (!wants_record(verdict)) continue;
-            own.refused += full;
-            if (!full)
-                cache.add({point.position, point.normal, 0, 0, options.frame}, traced.bits(0),
-                          clipped(traced.ambient[0], point.footprint));
+            judge();
+            if (!wants_record(verdicts[i]) || cache.full()) continue;
+            cache.add({point.position, point.normal, 0, 0, options.frame}, traced.bits(0),
+                      clipped(traced.ambient[0], point.footprint));
+            count_inserted(verdicts[i], own);
+            verdicts[i] = Verdict::kServed;
         }
         const std::lock_guard lock(stats_mutex);
-        stats.lookups += own.lookups, stats.rays += own.rays, stats.no_candidate += own.no_candidate;
+        stats.lookups += last - first, stats.rays += own.rays, stats.no_candidate += own.no_candidate;
         stats.weight += own.weight, stats.difference += own.difference;
-        stats.suppressed += own.suppressed, stats.duplicates += own.duplicates, stats.refused += own.refused;
         control.done += last - first;
     });
 }
@@ -171,6 +166,36 @@ std::vector<uint32_t> usable_points(std::span<const CachePoint> points) {
     return usable;
 }
 
+/// Those points whose look-up may find one of the records from `first_new` on.
+std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
+                                     std::span<const CachePoint> points, std::span<const uint32_t> usable,
+                                     int threads, const Control& control) {
+    std::vector<TreePoint> added;
+    for (uint32_t id = first_new; id < cache.size(); ++id)
+        added.push_back({cache.records().head(id).position, cache.records().head(id).normal, id});
+    KdTree tree;
+    tree.build(std::move(added));
+    // A filter after the search lets records of any normal push others out
+    const float least_cos = cache.parameters().filter == SearchFilter::kAfter
+                                ? -kInfinity
+                                : std::cos(cache.parameters().theta_max_rad);
+    std::vector<uint8_t> is_touched(usable.size());
+    in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
+        for (size_t i = first; i < last; ++i) {
+            const CachePoint& point = points[usable[i]];
+            NearestSet any(1, point.d_max);
+            tree.search(
+                point.position, [&](const TreePoint& p) { return dot(point.normal, p.normal) > least_cos; },
+                any);
+            is_touched[i] = !any.sorted().empty();
+        }
+    });
+    std::vector<uint32_t> touched;
+    for (size_t i = 0; i < usable.size(); ++i)
+        if (is_touched[i]) touched.push_back(usable[i]);
+    return touched;
+}
+
 }  // namespace
 
 InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
@@ -179,15 +204,21 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
     InsertionStats stats;
     const std::vector<uint32_t> usable = usable_points(points);
     stats.points = points.size(), stats.unusable = points.size() - usable.size();
-    for (size_t before = ~size_t{0}; cache.size() != before && (options.settle || !stats.passes);) {
-        before = cache.size();
+    std::vector<Verdict> verdicts(points.size(), Verdict::kServed);
+    for (std::vector<uint32_t> pending = usable; !pending.empty();) {
+        const auto first_new = uint32_t(cache.size());
         ++stats.passes;
-        stats.suppressed = stats.duplicates = stats.refused = 0;
-        control.done = 0, control.total = usable.size();
+        control.done = 0, control.total = pending.size();
         if (options.mode == InsertionMode::kBatch)
-            Batches(cache, tracer, points, options, control, stats).run(usable);
+            Batches(cache, tracer, points, options, control, stats, verdicts).run(pending);
         else
-            insert_locked(cache, tracer, points, usable, options, control, stats);
+            insert_locked(cache, tracer, points, pending, options, control, stats, verdicts);
+        if (!options.settle || cache.size() == first_new) break;
+        pending = touched_points(cache, first_new, points, usable, options.threads, control);
+    }
+    for (Verdict v : verdicts) {
+        stats.suppressed += v == Verdict::kSuppressed, stats.duplicates += v == Verdict::kDuplicate;
+        stats.refused += wants_record(v);
     }
     return stats;
 }

@@ -22,10 +22,10 @@ struct InsertionStats {
     uint64_t points = 0, unusable = 0;  ///< given; of these, without a surface or a normal
     uint64_t passes = 0, lookups = 0;
     uint64_t no_candidate = 0, weight = 0, difference = 0;  ///< inserted, by reason
-    uint64_t suppressed =
-        0;  ///< of the last pass: maps differ too much, but a record is too near for another
-    uint64_t duplicates = 0;  ///< of the last pass: a record with the same normal stands at the point
-    uint64_t refused = 0;     ///< of the last pass: wanted a record when the cache was full
+    // Points that stay without, by their last look-up
+    uint64_t suppressed = 0;  ///< maps differ too much, but a record is too near for another
+    uint64_t duplicates = 0;  ///< a record with the same normal stands at the point
+    uint64_t refused = 0;     ///< wanted a record when the cache was full
     uint64_t rays = 0;
     uint64_t inserted() const { return no_candidate + weight + difference; }
 };
@@ -35,7 +35,8 @@ struct InsertionStats {
 /// Batches go in the order of the points. In a batch all points are looked up in parallel, the cache standing
 /// still. Of those that want a record, in their order, each gets one unless an earlier one of the same round
 /// is a candidate for it; the others are looked up again in the next round, so that every insertion is
-/// decided on the records that stand. The rays of a round are traced together.
+/// decided on the records that stand. The rays of a round are traced together. Later passes look up the
+/// points that got a new record into their reach.
 InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
                                    std::span<const CachePoint> points, const InsertionOptions& options,
                                    Control& control);

@@ -95,7 +95,8 @@ public:
     float mean_difference(const Selection& s) const;
     /// The insertion test.
     Verdict judge(const CachePoint& point, const Selection& s) const;
-    /// The maps that speak for a point; none where no record is in reach or all weigh nothing.
+    /// [VisMap Eq. 8] The maps that speak for a point, each with its share β of their weights; none where no
+    /// record is in reach or all weigh nothing.
     BlendedMaps blend(const Selection& s) const;
 
     /// Whether a record with the point's normal stands at it, within 1e-6 of d_max and of the unit.
