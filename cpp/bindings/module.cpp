@@ -12,6 +12,7 @@ void bind_eye_paths(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
+void bind_relighting(py::module_& m);
 void bind_render(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
@@ -42,5 +43,6 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_estimate(m);
     bind_vismap_cache_maps(m);
     bind_vismap_cache(m);
+    bind_relighting(m);
     bind_warp(m);
 }

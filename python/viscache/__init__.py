@@ -10,7 +10,12 @@ from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
 from viscache.visibility import Aqvc, Exact
-from viscache.vismap import MapSettings, VisibilityMapCache, cached_ambient_occlusion
+from viscache.vismap import (
+    MapSettings,
+    Relighting,
+    VisibilityMapCache,
+    cached_ambient_occlusion,
+)
 
 __version__ = "0.1.0"
 
@@ -23,6 +28,7 @@ __all__ = [
     "Frame",
     "Intersection",
     "MapSettings",
+    "Relighting",
     "Scene",
     "SceneDescription",
     "SceneError",

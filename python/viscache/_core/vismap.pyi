@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'startup_points', 'time_product', 'wilson_lower']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'startup_points', 'time_product', 'wilson_lower']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -263,12 +263,45 @@ class MapCache:
     @property
     def rebuilds(self) -> int:
         ...
+class Relighting:
+    """
+    See viscache.Relighting.
+    """
+    @staticmethod
+    def trace(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, integrator: viscache._core.IntegratorSettings, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
+        """
+        Everything but the light; d_max and footprint of the pixels' centres, (H·W,).
+        """
+    def image(self, light: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        J of every pixel (H, W, 3) under light (3, 4^m).
+        """
+    def transfer(self, pixel: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        What each cell's light is multiplied with in one pixel, (4^m, 3).
+        """
+    @property
+    def camera_rays(self) -> int:
+        ...
+    @property
+    def nbytes(self) -> int:
+        ...
+    @property
+    def rays(self) -> int:
+        ...
+    @property
+    def unserved(self) -> int:
+        ...
 def ambient_visibility(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, pattern: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
     """
     A of a map.
     """
 def best_alpha(var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: typing.SupportsFloat | typing.SupportsIndex) -> float:
     ...
+def cell_light(map: viscache._core.sampling.EnvironmentMap, m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Radiance × solid angle over the cells of maps, (3, 4^m), in Z order.
+    """
 def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     Eq. 2 for one channel.

@@ -2,12 +2,14 @@
 
 from viscache.vismap.ambient import cached_ambient_occlusion
 from viscache.vismap.cache import Lookup, Records, UpdateReport, VisibilityMapCache
+from viscache.vismap.relighting import Relighting
 from viscache.vismap.settings import MapSettings
 
 __all__ = [
     "Lookup",
     "MapSettings",
     "Records",
+    "Relighting",
     "UpdateReport",
     "VisibilityMapCache",
     "cached_ambient_occlusion",

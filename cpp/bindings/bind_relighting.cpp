@@ -1,0 +1,95 @@
+// Lighting design: an image under any environment, without rays.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "interrupt.h"
+#include "viscache/render/relighting.h"
+#include "viscache/scene/check.h"
+#include "viscache/visibility/embree_caster.h"
+#include "viscache/vismap/environment_pyramid.h"
+#include "viscache/vismap/map_cache.h"
+#include "viscache/vismap/record.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+std::unique_ptr<Relighting> trace(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+                                  const IntegratorSettings& integrator, const FrameSettings& frame,
+                                  const MapCache& cache, const FloatArray& d_max, const FloatArray& footprint,
+                                  const py::object& progress) {
+    check_camera(camera);
+    const py::ssize_t pixels = py::ssize_t(frame.width) * frame.height;
+    for (const auto* a : {&d_max, &footprint})
+        if (a->ndim() != 1 || a->shape(0) != pixels)
+            throw py::value_error("d_max and footprint must have one entry per pixel, got " + shape_text(*a));
+    const float *reach = d_max.data(), *size = footprint.data();
+    const auto look = [&](Vec3 position, Vec3 normal, size_t pixel) {
+        const CachePoint p{position, normal, reach[pixel], size[pixel]};
+        return p.usable() ? cache.blend(cache.select(p)) : BlendedMaps{.m = cache.parameters().m};
+    };
+    const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height), integrator,
+                               frame};
+    std::unique_ptr<Relighting> made;
+    run_interruptible(
+        [&](Control& control) {
+            made = std::make_unique<Relighting>(tracer, cache.parameters().m, look, control);
+        },
+        progress);
+    return made;
+}
+
+py::array_t<double> image(const Relighting& r, const DoubleArray& light, int threads) {
+    const size_t cells = map_cells(r.map_level());
+    if (light.ndim() != 2 || light.shape(0) != 3 || size_t(light.shape(1)) != cells)
+        throw py::value_error("light must have shape (3, " + std::to_string(cells) + "), got " +
+                              shape_text(light));
+    CellLight given;
+    for (size_t c = 0; c < 3; ++c)
+        given.channel[c].assign(light.data(py::ssize_t(c), 0), light.data(py::ssize_t(c), 0) + cells);
+    py::array_t<double> out({py::ssize_t(r.height()), py::ssize_t(r.width()), py::ssize_t(3)});
+    auto* pixels = reinterpret_cast<std::array<double, 3>*>(out.mutable_data());
+    const py::gil_scoped_release release;
+    r.image(given, {pixels, size_t(r.width()) * size_t(r.height())}, threads);
+    return out;
+}
+
+py::array_t<double> cell_light(const EnvironmentMap& map, int m) {
+    if (m < kMinMapLog2 || m > kMaxMapLog2)
+        throw py::value_error("m must be in [4, 7], got " + std::to_string(m));
+    const EnvironmentPyramid pyramid(map);
+    const size_t cells = map_cells(m);
+    py::array_t<double> out({py::ssize_t(3), py::ssize_t(cells)});
+    for (int c = 0; c < 3; ++c) std::copy_n(pyramid.colour_sums(c, m), cells, out.mutable_data(c, 0));
+    return out;
+}
+
+}  // namespace
+
+void bind_relighting(py::module_& m) {
+    py::module_ v = m.attr("vismap");
+    v.def("cell_light", &cell_light, py::arg("map"), py::arg("m"),
+          "Radiance × solid angle over the cells of maps, (3, 4^m), in Z order.");
+    py::class_<Relighting>(v, "Relighting", "See viscache.Relighting.")
+        .def_static("trace", &trace, py::arg("scene"), py::arg("caster"), py::arg("camera"),
+                    py::arg("integrator"), py::arg("frame"), py::arg("cache"), py::arg("d_max"),
+                    py::arg("footprint"), py::arg("progress") = py::none(),
+                    "Everything but the light; d_max and footprint of the pixels' centres, (H·W,).")
+        .def("image", &image, py::arg("light"), py::arg("threads") = 0,
+             "J of every pixel (H, W, 3) under light (3, 4^m).")
+        .def(
+            "transfer",
+            [](const Relighting& r, size_t pixel) {
+                const auto cells = r.transfer(pixel);
+                py::array_t<double> out({py::ssize_t(cells.size()), py::ssize_t(3)});
+                std::memcpy(out.mutable_data(), cells.data(), cells.size() * sizeof cells[0]);
+                return out;
+            },
+            py::arg("pixel"), "What each cell's light is multiplied with in one pixel, (4^m, 3).")
+        .def_property_readonly("nbytes", &Relighting::nbytes)
+        .def_property_readonly("unserved", &Relighting::unserved)
+        .def_property_readonly("camera_rays", [](const Relighting& r) { return r.counters().camera_rays; })
+        .def_property_readonly("rays", [](const Relighting& r) { return r.counters().rays(); });
+}
+
+}  // namespace viscache::bindings

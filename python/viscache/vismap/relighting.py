@@ -1,0 +1,172 @@
+"""Lighting design (paper: Section 6.2): an image under any environment light, without rays."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.cameras import find_camera
+from viscache.checks import checked_threads, require
+from viscache.environments import read_image
+from viscache.frame import Frame
+from viscache.integrators import Whitted, core_settings
+from viscache.progress import progress_bar
+from viscache.provenance import provenance
+from viscache.scene import Env
+from viscache.vismap.cache import Progress, VisibilityMapCache, checked_size
+
+__all__ = ["Relighting", "reduced", "rotation"]
+
+Floats: TypeAlias = npt.NDArray[np.floating[Any]]
+#: Rows of a light's image beyond which it is reduced: cells are some degrees wide.
+MOST_ROWS = 256
+
+
+class Relighting:
+    """An image of a scene whose environment light can be turned and replaced in milliseconds.
+
+    Camera paths are traced and the cache is asked once. The light of a pixel is then J = ∫ L·B̃·Ṽ:
+    free of noise, not unbiased, of the resolution of the maps. Light sources of the scene other
+    than its environment are left out.
+
+    Parameters
+    ----------
+    cache : VisibilityMapCache
+        Of the scene; by default it grows where the image needs it.
+    camera, size, threads, progress
+        As in `viscache.render`.
+    update : bool
+        Give records to pixels of this image that want one.
+
+    Raises
+    ------
+    ValueError
+        A parameter out of range, or a cache with criterion "ambient".
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> image = vc.Relighting(vc.VisibilityMapCache(scene), size=(32, 20))
+    >>> image.under(1.0).image.shape, image.under((1, 0.5, 0.2)).counters["rays"]
+    ((20, 32, 3), 0)
+    """
+
+    def __init__(
+        self,
+        cache: VisibilityMapCache,
+        *,
+        camera: str | int | _core.Camera | None = None,
+        size: tuple[int, int] | None = None,
+        update: bool = True,
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> None:
+        require(isinstance(cache, VisibilityMapCache), "cache must be a VisibilityMapCache", cache)
+        blends = cache.settings.criterion == "visibility"
+        require(blends, 'the cache\'s criterion must be "visibility"', cache.settings.criterion)
+        self.cache = cache
+        view = find_camera(cache.scene, camera)
+        self.size = checked_size(size or (view.width, view.height))
+        self._view = view.name
+        self._threads = checked_threads(threads)
+        if update:
+            cache.update(view, size=self.size, threads=threads)
+        frame = _core.FrameSettings()
+        frame.width, frame.height = self.size
+        frame.threads = self._threads
+        with cache._lock, progress_bar(progress) as report:
+            points, _, _ = cache._pixels(view, *self.size, (0.5, 0.5), self._threads)
+            self._core = _core.vismap.Relighting.trace(
+                cache.scene._core, cache.scene.caster(), view, core_settings(Whitted()), frame,
+                cache._core, points.d_max, points.footprint, progress=report,
+            )  # fmt: skip
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that are kept for the image."""
+        return self._core.nbytes
+
+    def light(self, env: Env, *, rotation_deg: float = 0.0) -> npt.NDArray[np.float64]:
+        """Radiance × solid angle over the cells of the maps: (3, 4^m), in Z order.
+
+        Parameters
+        ----------
+        env : path, float, (3,) or (H, W, 3)
+            As in `viscache.render`. Images of more than 256 rows are reduced first.
+        rotation_deg : float
+            About the y axis, counter-clockwise seen from above.
+        """
+        require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
+        given = np.asarray(env, np.float32) if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
+        if given.ndim < 3:
+            require(given.shape in ((), (1,), (3,)),
+                    "env must be a path, a number, 3 numbers or (H, W, 3) pixels, of shape",
+                    given.shape)  # fmt: skip
+            r, g, b = (float(v) for v in np.broadcast_to(given, (3,)))
+            made = _core.sampling.EnvironmentMap.constant((r, g, b))
+        else:
+            made = _core.sampling.EnvironmentMap.from_latlong(
+                reduced(given), to_world=rotation(rotation_deg), resolution=128,
+                threads=self._threads,
+            )  # fmt: skip
+        return np.asarray(_core.vismap.cell_light(made, self.cache.settings.m))
+
+    def under(self, env: Env, *, rotation_deg: float = 0.0) -> Frame:
+        """The image under a light.
+
+        Parameters
+        ----------
+        env, rotation_deg
+            As in `light`.
+
+        Returns
+        -------
+        Frame
+            Layer "color": J (H, W, 3), without what the camera sees of the light itself. Counters
+            "rays", which is 0, "records", and "unserved": eye points that no record speaks for.
+        """
+        start, cpu = time.perf_counter(), time.process_time()
+        image = self._core.image(self.light(env, rotation_deg=rotation_deg), self._threads)
+        return Frame(
+            layers={"color": image.astype(np.float32)},
+            counters={
+                "rays": self._core.rays, "records": len(self.cache),
+                "unserved": self._core.unserved,
+            },
+            timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
+            parameters={
+                "scene": self.cache.scene.spec or self.cache.scene.name, "camera": self._view,
+                "scene_hash": self.cache.scene.content_hash, "size": list(self.size),
+                "rotation_deg": rotation_deg, "settings": asdict(self.cache.settings),
+            },
+            provenance=provenance(self._threads or None),
+        )  # fmt: skip
+
+
+def rotation(degrees: float) -> npt.NDArray[np.float64]:
+    """(3, 3): the rotation about the y axis that takes a map into the world."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+
+
+def reduced(pixels: Floats) -> npt.NDArray[np.float32]:
+    """A lat-long image (H, W, C) of at most 256 rows: means over blocks by solid angle."""
+    step = -(-pixels.shape[0] // MOST_ROWS)
+    if step == 1 or pixels.shape[0] % step or pixels.shape[1] % step:
+        return np.asarray(pixels, np.float32)
+    height, width, channels = pixels.shape
+    edges = np.cos(np.arange(height + 1) / height * np.pi)
+    weight = (edges[:-1] - edges[1:]).reshape(-1, step, 1, 1, 1)
+    blocks = pixels.reshape(height // step, step, width // step, step, channels)
+    mean = (blocks * weight).sum(axis=(1, 3)) / (weight.sum(axis=1).reshape(-1, 1, 1) * step)
+    return np.asarray(mean, np.float32)
+
+
+def _is_numbers(env: Env) -> bool:
+    return not isinstance(env, str) and not hasattr(env, "__fspath__")

@@ -1,0 +1,30 @@
+"""Every notebook runs from top to bottom, in its quick form, and is kept without outputs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+NOTEBOOKS = sorted((Path(__file__).resolve().parents[2] / "notebooks").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_kept_without_outputs(path: Path) -> None:
+    nbformat = pytest.importorskip("nbformat", reason="nbformat comes with the test extra")
+    cells = [c for c in nbformat.read(path, as_version=4).cells if c.cell_type == "code"]
+    assert cells and all(not c.outputs and c.execution_count is None for c in cells)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    nbformat = pytest.importorskip("nbformat", reason="nbformat comes with the test extra")
+    nbclient = pytest.importorskip("nbclient", reason="nbclient comes with the test extra")
+    monkeypatch.setenv("VISCACHE_QUICK", "1")
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    printed = [o.text for c in notebook.cells if c.cell_type == "code" for o in c.outputs
+               if o.output_type == "stream" and o.name == "stdout"]  # fmt: skip
+    assert printed
