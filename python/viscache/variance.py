@@ -76,8 +76,7 @@ def variance_ratio(
     total = float(variance_b.sum())
     require(total > 0, "baseline must vary", total)
     rng = np.random.Generator(np.random.PCG64(seed))
-    resampled = _resampled_sums(a, rng) / _resampled_sums(b, rng)
-    low, high = np.quantile(resampled, (0.025, 0.975))
+    low, high = np.quantile(_resampled_sums(a, rng) / _resampled_sums(b, rng), (0.025, 0.975))
     both = variance_a + variance_b
     kept = np.argsort(both, kind="stable")[: max(1, int(len(both) * (1 - TRIMMED_SHARE)))]
     sums_a, sums_b = a.sum(axis=1), b.sum(axis=1)
@@ -120,7 +119,9 @@ def _resampled_sums(planes: Planes, rng: np.random.Generator) -> Planes:
     n = len(planes)
     centred = planes - planes.mean(axis=0)
     gram = centred @ centred.T
-    weights = rng.multinomial(n, np.full(n, 1 / n), BOOTSTRAP).astype(float)
+    drawn = rng.integers(0, n, (BOOTSTRAP, n))
+    drawn[:, 1] += (drawn == drawn[:, :1]).all(axis=1)  # one render alone does not vary: take two
+    weights = np.stack([(drawn % n == k).sum(axis=1) for k in range(n)], axis=1).astype(float)
     sums: Planes = weights @ np.diag(gram) - ((weights @ gram) * weights).sum(axis=1) / n
-    # Renders drawn twice lower the variance to (n − 1)/n of it; a draw of one alone has none
-    return np.maximum(sums / (n - 1) * n / (n - 1), 1e-300)
+    # Unbiased with weights: renders drawn twice count for less
+    return sums / (n - (weights**2).sum(axis=1) / n)

@@ -42,6 +42,13 @@ def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
     assert half / 200 < 0.8
 
 
+def test_the_interval_of_two_or_three_renders_is_finite() -> None:
+    for n in (2, 3):
+        found = variance_ratio(renders(n, 1.0, 0), renders(n, 2.0, 1))
+        assert 0.05 < found.low <= found.ratio * 1.0001
+        assert found.ratio * 0.9999 <= found.high < 2
+
+
 def test_a_pixel_that_flares_up_is_left_out_of_the_trimmed_ratio() -> None:
     a, b = (renders(8, 1.0, k, size=(40, 50)) for k in (0, 1))
     a[0][3, 3] += 1000
