@@ -124,4 +124,4 @@ def _resampled_sums(planes: Planes, rng: np.random.Generator) -> Planes:
     weights = np.stack([(drawn % n == k).sum(axis=1) for k in range(n)], axis=1).astype(float)
     sums: Planes = weights @ np.diag(gram) - ((weights @ gram) * weights).sum(axis=1) / n
     # Unbiased with weights: renders drawn twice count for less
-    return sums / (n - (weights**2).sum(axis=1) / n)
+    return np.asarray(sums / (n - (weights**2).sum(axis=1) / n))

@@ -56,6 +56,7 @@ QUICK = {
     "vismap-tab2": (4 + 3, []),
     "vismap-fig8": (2, ["vismap-fig8.png"]),
     "vismap-fig10": (1, ["vismap-fig10.png"]),
+    "vismap-fig11": (2, ["vismap-fig11.png"]),
     "vismap-sweep": (2, ["vismap-sweep.png"]),
     "vismap-temporal": (2, ["vismap-temporal.png"]),
     "vismap-fig12": (1, ["vismap-fig12-garden1.png", "vismap-fig12-dynamics.png"]),

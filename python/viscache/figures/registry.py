@@ -13,6 +13,7 @@ from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_animation import temporal
 from viscache.figures.vismap_correlation import figure3, figure4
+from viscache.figures.vismap_preview import figure11
 from viscache.figures.vismap_records import figure8, figure12, table2
 from viscache.figures.vismap_sweep import sweep
 from viscache.figures.vismap_weights import figure5
@@ -63,8 +64,8 @@ FIGURES: dict[str, FigureInfo] = {
         vlf_fig7="the classroom",
         vlf_fig8="images with ambient occlusion",
         vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
-        **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
         vismap_fig1="an occluded glossy surface, with and without the control variate",
+        **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
     ),
     "vismap-fig3": FigureInfo(
         description="correlation over distance and angle in one scene, with slices",
@@ -82,8 +83,10 @@ FIGURES: dict[str, FigureInfo] = {
     "vismap-tab2": FigureInfo(
         description="records, resolutions and rays per pixel of three scenes", function=table2
     ),
+    "vismap-fig11": FigureInfo(
+        description="the control variate's integral as a preview", function=figure11
+    ),
     **_later(
-        vismap_fig11="the control variate's integral as a preview",
         vismap_fig13="equal-time comparison",
         vismap_tab3="variance ratios and overhead over the number of samples",
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from viscache.scenes import furniture, workshop
 from viscache.scenes.builder import Builder
@@ -54,10 +55,14 @@ def garage(triangles: int = FULL) -> Builder:
     _south_side(b, rng)
     _corners(b, rng)
     b.fit(triangles)
-    image = b.description.add_image(sky_with((SUN, *LAMPS), ROWS))
-    b.description.set_environment(image=image)
+    b.description.set_environment(image=b.description.add_image(sky_image()))
     b.camera((11.7, 1.85, 5.6), (4.0, 0.4, 3.3), 54.0, size=(640, 480))
     return b
+
+
+def sky_image() -> npt.NDArray[np.float32]:
+    """The environment: lat-long radiance (224, 448, 3)."""
+    return sky_with((SUN, *LAMPS), ROWS)
 
 
 def _shell(b: Builder) -> None:
