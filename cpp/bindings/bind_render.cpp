@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "frame_dict.h"
 #include "interrupt.h"
 #include "viscache/aqvc/quantized_cache.h"
 #include "viscache/render/frame.h"
@@ -47,22 +48,16 @@ py::dict counters_of(const FrameResult& f) {
     d["boundary_queries"] = c.boundary_queries, d["cells"] = c.cells;
     d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
     d["expected_false_hits"] = c.expected_false_hits, d["non_finite"] = c.non_finite, d["vpls"] = f.n_vpls;
+    if (c.product_points) {
+        d["product_points"] = c.product_points, d["product_dark"] = c.product_dark;
+        d["product_guided"] = c.product_guided, d["product_unserved"] = c.product_unserved;
+        d["greatest_ratio"] = c.greatest_ratio, d["pilot_rays"] = c.pilot_rays;
+    }
+    if (f.forecast) {
+        d["pilot_alpha"] = f.forecast->alpha, d["pilot_variance_ratio"] = f.forecast->variance_ratio;
+        d["pilot_guided"] = f.forecast->guided;
+    }
     return d;
-}
-
-py::dict dict_of(const FrameResult& f) {
-    py::dict layers, timings, out;
-    layers["color"] = image_of(f, f.color), layers["emitted"] = image_of(f, f.emitted);
-    for (int g = 0; g < kLightGroups; ++g)
-        if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
-    layers["depth"] = image_of(f, f.depth), layers["normal"] = image_of(f, f.normal);
-    layers["albedo"] = image_of(f, f.albedo), layers["coverage"] = image_of(f, f.coverage);
-    timings["lights_s"] = f.lights_s, timings["tiles_s"] = f.tiles_s;
-    timings["eye_paths_cpu_s"] = f.stages.eye_paths, timings["contributions_cpu_s"] = f.stages.contributions;
-    timings["visibility_cpu_s"] = f.stages.visibility, timings["shading_cpu_s"] = f.stages.shading;
-    out["layers"] = layers, out["timings"] = timings, out["counters"] = counters_of(f);
-    out["threads"] = f.threads, out["tile_edge_px"] = f.tile_edge_px;
-    return out;
 }
 
 FrameResult render(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
@@ -79,10 +74,39 @@ FrameResult render(const Scene& scene, const EmbreeCaster& caster, const Camera&
 
 }  // namespace
 
+py::dict frame_dict(const FrameResult& f) {
+    py::dict layers, timings, out;
+    layers["color"] = image_of(f, f.color), layers["emitted"] = image_of(f, f.emitted);
+    for (int g = 0; g < kLightGroups; ++g)
+        if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
+    if (!f.last_pass.empty()) layers["environment_last_pass"] = image_of(f, f.last_pass);
+    layers["depth"] = image_of(f, f.depth), layers["normal"] = image_of(f, f.normal);
+    layers["albedo"] = image_of(f, f.albedo), layers["coverage"] = image_of(f, f.coverage);
+    timings["lights_s"] = f.lights_s, timings["tiles_s"] = f.tiles_s;
+    timings["eye_paths_cpu_s"] = f.stages.eye_paths, timings["contributions_cpu_s"] = f.stages.contributions;
+    timings["visibility_cpu_s"] = f.stages.visibility, timings["shading_cpu_s"] = f.stages.shading;
+    if (f.counters.product_points) {
+        timings["trees_cpu_s"] = f.product.trees, timings["maps_cpu_s"] = f.product.maps;
+        timings["samples_cpu_s"] = f.product.samples, timings["pilot_s"] = f.pilot_s;
+    }
+    out["layers"] = layers, out["timings"] = timings, out["counters"] = counters_of(f);
+    out["threads"] = f.threads, out["tile_edge_px"] = f.tile_edge_px;
+    return out;
+}
+
 void bind_render(py::module_& m) {
     py::native_enum<PMode>(m, "PMode", "enum.Enum", "Where the density of an eye point comes from.")
         .value("LAST_VERTEX", PMode::kLastVertex)
         .value("FOOTPRINT", PMode::kFootprint)
+        .finalize();
+    py::native_enum<EnvironmentSampling>(m, "EnvironmentSampling", "enum.Enum",
+                                         "How the environment is sampled.")
+        .value("MIS", EnvironmentSampling::kMis)
+        .value("PRODUCT", EnvironmentSampling::kProduct)
+        .finalize();
+    py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
+        .value("INDEPENDENT", PointSet::kIndependent)
+        .value("ZERO_TWO", PointSet::kZeroTwo)
         .finalize();
     py::native_enum<PacketOrder>(m, "PacketOrder", "enum.Enum", "Which exact shadow rays share a packet.")
         .value("BY_LIGHT", PacketOrder::kByLight)
@@ -99,6 +123,10 @@ void bind_render(py::module_& m) {
         .def_readwrite("n_area", &IntegratorSettings::n_area)
         .def_readwrite("n_environment", &IntegratorSettings::n_environment)
         .def_readwrite("n_brdf", &IntegratorSettings::n_brdf)
+        .def_readwrite("environment", &IntegratorSettings::environment)
+        .def_readwrite("passes", &IntegratorSettings::passes)
+        .def_readwrite("points", &IntegratorSettings::points)
+        .def_readwrite("centred", &IntegratorSettings::centred)
         .def_readwrite("n_ambient", &IntegratorSettings::n_ambient)
         .def_readwrite("ambient_cosine", &IntegratorSettings::ambient_cosine)
         .def_readwrite("ambient_max_distance", &IntegratorSettings::ambient_max_distance)
@@ -142,7 +170,7 @@ void bind_render(py::module_& m) {
            std::optional<bool> coherent, const py::object& progress) {
             std::optional<Coherence> flag;
             if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
-            return dict_of(render(
+            return frame_dict(render(
                 scene, caster, camera, integrator, frame,
                 [&] { return std::make_unique<ExactOracle>(caster, scene.offset_extent(), order, flag); },
                 progress));
@@ -156,7 +184,7 @@ void bind_render(py::module_& m) {
            const IntegratorSettings& integrator, const FrameSettings& frame, const AqvcParameters& parameters,
            const py::object& progress) {
             parameters.validate();
-            return dict_of(render(
+            return frame_dict(render(
                 scene, caster, camera, integrator, frame,
                 [&] {
                     return std::make_unique<QuantizedCache>(caster, parameters, scene.center(),

@@ -30,7 +30,9 @@ struct BoundPoint {
         if (eta < 1 && maps.view.count && !maps.dilated())
             throw py::value_error("dilated must be given where eta < 1");
         if (b.level() > light->levels()) throw py::value_error("b must not be finer than the environment");
-        point.begin(*light, b, maps.view, eta);
+        point.begin(*light, b, maps.view.m);
+        point.look(maps.view, maps.dilated());
+        if (eta < 1) point.guide(eta);
     }
     DirectionSample draw(Point2 u) const {
         const ProductTree::Sample s = point.draw(u);
@@ -81,8 +83,9 @@ py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, int 
                 const PointStream stream(set, seed, Purpose::kProduct, r, uint64_t(pass));
                 for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i)
                     samples[i] = p.draw(stream.at(uint32_t(i))), seen[i] = v[p.row_major(samples[i].texel)];
-                const Rgbd e =
-                    p.point.dark() ? Rgbd{} : finish_pass(p.point, samples, seen, {mode, value}, earlier);
+                const Rgbd e = p.point.dark()
+                                   ? Rgbd{}
+                                   : finish_pass(p.point.moments(), samples, seen, {mode, value}, earlier);
                 std::copy(e.begin(), e.end(), to + (r * size_t(passes) + size_t(pass)) * 3);
             }
         });
@@ -116,17 +119,17 @@ void bind_point(py::module_& s) {
             py::arg("light"), py::arg("b"), py::arg("maps"), py::arg("beta"), py::kw_only(),
             py::arg("dilated") = std::vector<BoolArray>{}, py::arg("eta") = 1.0,
             "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: its two (m < 6) or three growths.")
-        .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.l_ns(); })
+        .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.moments().l_ns; })
         .def_property_readonly("guided", [](const BoundPoint& p) { return p.point.guided(); })
         .def_property_readonly(
-            "j", [](const BoundPoint& p) { return p.point.j(); }, "J per channel.")
+            "j", [](const BoundPoint& p) { return p.point.moments().j; }, "J per channel.")
         .def_property_readonly("j_luminance", [](const BoundPoint& p) { return p.point.integrals().j; })
         .def_property_readonly(
             "w2", [](const BoundPoint& p) { return p.point.integrals().w2; }, "∫ L·B̃·Ṽ² of luminances.")
         .def_property_readonly(
             "dilated", [](const BoundPoint& p) { return p.point.integrals().dilated; }, "∫ L·B̃·Ṽ^k.")
-        .def_property_readonly("mean_w", [](const BoundPoint& p) { return p.point.mean_w(); })
-        .def_property_readonly("variance_w", [](const BoundPoint& p) { return p.point.variance_w(); })
+        .def_property_readonly("mean_w", [](const BoundPoint& p) { return p.point.moments().mean_w; })
+        .def_property_readonly("variance_w", [](const BoundPoint& p) { return p.point.moments().variance_w; })
         .def(
             "cells", [](const BoundPoint& p) { return cells(p.point.cells().visible, p.maps.view.m); },
             "Ṽ, (2^m, 2^m).")
@@ -138,7 +141,8 @@ void bind_point(py::module_& s) {
             "probabilities",
             [](const BoundPoint& p) {
                 const auto m = p.point.tree().texel_masses();
-                return of_texels(p, [&](uint32_t z) { return m[z] * p.point.density(z) / p.point.l_ns(); });
+                return of_texels(
+                    p, [&](uint32_t z) { return m[z] * p.point.density(z) / p.point.moments().l_ns; });
             },
             "Probability of every texel, (R, R).")
         .def(

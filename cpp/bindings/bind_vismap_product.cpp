@@ -1,5 +1,4 @@
 // Product importance sampling of the environment, as tests, benches and notebooks use it.
-#include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
 #include "rows.h"
@@ -172,10 +171,6 @@ void bind_tree(py::module_& s) {
 
 void bind_vismap_product(py::module_& m) {
     py::module_ s = m.def_submodule("vismap", "Visibility maps and product sampling of the environment.");
-    py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
-        .value("INDEPENDENT", PointSet::kIndependent)
-        .value("ZERO_TWO", PointSet::kZeroTwo)
-        .finalize();
     bind_pyramid(s);
     bind_tree(s);
     s.def("points", &points, py::arg("set"), py::arg("count"), py::kw_only(), py::arg("seed") = 0,

@@ -21,6 +21,7 @@ void bind_vismap_estimate(py::module_& m);
 void bind_vismap_cache(py::module_& m);
 void bind_vismap_cache_maps(py::module_& m);
 void bind_vismap_product(py::module_& m);
+void bind_vismap_render(py::module_& m);
 void bind_warp(py::module_& m);
 }  // namespace viscache::bindings
 
@@ -45,4 +46,5 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_cache(m);
     bind_relighting(m);
     bind_warp(m);
+    bind_vismap_render(m);
 }

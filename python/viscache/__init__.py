@@ -14,6 +14,7 @@ from viscache.vismap import (
     MapSettings,
     Relighting,
     VisibilityMapCache,
+    VisMaps,
     cached_ambient_occlusion,
 )
 
@@ -32,6 +33,7 @@ __all__ = [
     "Scene",
     "SceneDescription",
     "SceneError",
+    "VisMaps",
     "VisibilityMapCache",
     "Whitted",
     "__version__",

@@ -31,6 +31,17 @@ class Direct:
     n_brdf : int >= 0
         Samples per eye point of the environment by the BRDF; both are combined by the balance
         heuristic.
+    environment : {"mis", "product"}
+        "product": the environment is sampled by light × reflection, `n_environment` directions per
+        eye point and pass; `n_brdf` has no part in it. `VisMaps` always does that.
+    passes : int >= 1
+        Independent passes of product samples; the image is their mean, the layer
+        "environment_last_pass" the last one alone.
+    points : {"even", "independent"}
+        Product samples: a randomised (0, 2)-sequence, or independent ones.
+    centred : bool
+        Primary rays through the centres of pixels instead of random places: no antialiasing, for
+        comparisons of variance.
     p_mode : {"last_vertex", "footprint"}
         Density of eye points: unfolded camera density, or ray differentials (AQVC Sec. 3.4).
     cosmin : float in (0, 1]
@@ -40,12 +51,17 @@ class Direct:
     n_area: int = 16
     n_environment: int = 16
     n_brdf: int = 16
+    environment: Literal["mis", "product"] = "mis"
+    passes: int = 1
+    points: Literal["even", "independent"] = "even"
+    centred: bool = False
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:
         check_types(self)
         _check_samples(self)
+        require(1 <= self.passes <= 1 << 16, "passes must be in [1, 65536]", self.passes)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -166,7 +182,11 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
         core.ambient_max_distance = integrator.max_distance
         return core
     for field in fields(integrator):
-        if field.name != "p_mode":
+        if field.name not in ("p_mode", "environment", "points"):
             setattr(core, field.name, getattr(integrator, field.name))
+    if isinstance(integrator, Direct):
+        core.environment = _core.EnvironmentSampling[integrator.environment.upper()]
+        even = integrator.points == "even"
+        core.points = _core.PointSet.ZERO_TWO if even else _core.PointSet.INDEPENDENT
     core.shade_after_specular = isinstance(integrator, Whitted)
     return core

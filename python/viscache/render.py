@@ -13,12 +13,13 @@ from viscache import _core
 from viscache.cameras import find_camera
 from viscache.checks import is_whole, require
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Integrator, core_settings
+from viscache.integrators import AmbientOcclusion, Direct, Integrator, Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.rays import Embree
 from viscache.scene import Env, Scene
-from viscache.visibility import Aqvc, Exact, Visibility
+from viscache.visibility import Aqvc, Exact, Visibility, VisMaps
+from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
 
@@ -48,10 +49,11 @@ def render(
     integrator : Direct, Whitted or AmbientOcclusion
     rays : Embree, optional
         The ray caster.
-    visibility : Exact or Aqvc, optional
+    visibility : Exact, Aqvc or VisMaps, optional
         Who answers "does x see y?"; exact by default.
-    use : {"replace"}, optional
-        How an approximation is used; "correct" comes with the caches that offer it.
+    use : {"replace", "correct"}, optional
+        How an approximation is used: in place of visibility (the default of Aqvc), or as a control
+        variate whose error is traced (the default of VisMaps, which offers both).
     size : (width, height), optional
         Pixels; the camera's own by default.
     spp : int >= 1
@@ -103,7 +105,8 @@ def render(
     ):
         classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
         require(isinstance(value, known), f"{name} must be {classes}", value)
-    require(use in (None, "replace"), 'use must be "replace"', use)
+    _check_use(use, visibility, integrator)
+    geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
@@ -117,6 +120,10 @@ def render(
         parts = (scene._core, caster, view, core, frame)
         if isinstance(visibility, Aqvc):
             result = _core.render_aqvc(*parts, visibility.core(), progress=report)
+        elif isinstance(visibility, VisMaps):
+            result = render_with_maps(
+                scene, geometry, *parts[1:], visibility, replace=use == "replace", progress=report
+            )
         else:
             order, coherent = visibility.core()
             result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
@@ -137,6 +144,7 @@ def render(
             "integrator": {"name": type(integrator).__name__, **asdict(integrator)},
             "rays": {"name": type(rays).__name__, **asdict(rays)},
             "visibility": {"name": type(visibility).__name__, **visibility.parameters()},
+            "use": use or ("correct" if isinstance(visibility, VisMaps) else "replace"),
             "size": [frame.width, frame.height],
             "spp": spp,
             "seed": seed,
@@ -148,6 +156,23 @@ def render(
     )
     made.counters["sha256"] = made.sha256
     return made
+
+
+def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) -> None:
+    both = isinstance(visibility, VisMaps)
+    known = (None, "replace", "correct") if both else (None, "replace")
+    require(use in known, "use must be " + " or ".join(f'"{u}"' for u in known if u), use)
+    if both:
+        require(isinstance(integrator, Direct | Whitted),
+                "integrator must be vc.Direct(...) or vc.Whitted(...) with visibility maps",
+                integrator)  # fmt: skip
+    if isinstance(integrator, Direct) and not both:
+        product = integrator.environment == "product"
+        require(not (product and isinstance(visibility, Aqvc)),
+                'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
+                visibility)  # fmt: skip
+        require(product or integrator.passes == 1,
+                'passes must be 1 with environment="mis"', integrator.passes)  # fmt: skip
 
 
 def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> list[str]:

@@ -9,8 +9,9 @@ from typing import Any, Literal, TypeAlias
 
 from viscache import _core
 from viscache.checks import check_types, require
+from viscache.vismap.estimate import VisMaps
 
-__all__ = ["Aqvc", "Exact", "Visibility"]
+__all__ = ["Aqvc", "Exact", "VisMaps", "Visibility"]
 
 LIGHT_GROUPS = ("point", "directional", "area", "environment", "vpl", "ambient")
 
@@ -207,4 +208,4 @@ class Aqvc:
         return self.resolved()
 
 
-Visibility: TypeAlias = Exact | Aqvc
+Visibility: TypeAlias = Exact | Aqvc | VisMaps

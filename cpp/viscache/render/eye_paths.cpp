@@ -119,7 +119,8 @@ private:
         const uint64_t pixel_id = uint64_t(tile.y0 + py) * uint64_t(film.width) + uint64_t(tile.x0 + px);
         Rng rng(t_.frame.seed, Purpose::kPixel, pixel_id, 0);
         const uint32_t scramble_x = rng.next_u32(), scramble_y = rng.next_u32();
-        const Vec2 jitter = sobol02(uint32_t(sample), scramble_x, scramble_y);
+        const Vec2 jitter =
+            t_.integrator.centred ? Vec2{0.5f, 0.5f} : sobol02(uint32_t(sample), scramble_x, scramble_y);
         const Vec3 raw = film.direction(tile.x0 + px + jitter.x, tile.y0 + py + jitter.y);
         const float norm = length(raw);
         Branch b;

@@ -25,6 +25,7 @@ double wall_seconds() {
 /// Adds the CPU time since the last call to one stage after another.
 class StageClock {
 public:
+    void skip() { last_ = thread_cpu_seconds(); }
     void lap(double& stage) {
         const double now = thread_cpu_seconds();
         stage += now - last_;
@@ -96,6 +97,7 @@ struct FrameContext {
     const FrameSettings& frame;
     EyePathTracer tracer;
     std::vector<SharedLights> shared;
+    const ProductContext* product = nullptr;  ///< of the environment; nullptr: other ways, or none
 };
 
 /// One thread's work on tiles; buffers are kept between them.
@@ -104,10 +106,11 @@ public:
     TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
         : c_(context), oracle_(std::move(oracle)) {
         oracle_->watch(control);
+        if (c_.product) product_.emplace(*c_.product);
     }
 
     void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
-                const Control& control) {
+                ProductSeconds& product, const Control& control) {
         StageClock clock;
         c_.tracer.trace(tile, eyes_, counters, control);
         clock.lap(stages.eye_paths);
@@ -119,6 +122,8 @@ public:
             add_shared(lights, counters, stages, clock, control);
         }
         add_local(counters, stages, clock, control);
+        if (product_) add_product(tile, counters, stages, product, control);
+        clock.skip();
         write(tile, out);
         clock.lap(stages.shading);
     }
@@ -146,10 +151,22 @@ private:
         clock.lap(stages.shading);
     }
 
+    void add_product(const Tile& tile, Counters& counters, StageSeconds& stages, ProductSeconds& product,
+                     const Control& control) {
+        last_pass_.assign(size_t(eyes_.width) * size_t(eyes_.height), {});
+        ProductSeconds s;
+        product_->add(tile, eyes_, *oracle_, sums_[size_t(LightGroup::kEnvironment)], last_pass_, counters, s,
+                      control);
+        stages.contributions += s.trees + s.maps + s.samples, stages.visibility += s.visibility;
+        stages.shading += s.finish;
+        product.merge(s);
+    }
+
     void add_local(Counters& counters, StageSeconds& stages, StageClock& clock, const Control& control) {
         const IntegratorSettings& s = c_.integrator;
         const bool area = s.direct && !c_.scene.area_lights().empty() && s.n_area > 0;
-        const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0;
+        const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0 &&
+                                 s.environment == EnvironmentSampling::kMis;
         if (area)
             add_batches(s.n_area, counters, stages, clock, control, [&](uint32_t eye) {
                 if (reflects(eye)) add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
@@ -208,6 +225,7 @@ private:
                 Rgb color = eyes_.emitted[from];
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
+                if (!out.last_pass.empty()) out.last_pass[to] = last_pass_[from];
                 out.color[to] = color, out.emitted[to] = eyes_.emitted[from];
                 write_first_hits(eyes_.first[from], to, out);
             }
@@ -227,6 +245,8 @@ private:
     LocalQueries local_;
     std::vector<Word> answer_;
     std::array<std::vector<Rgb>, kLightGroups> sums_;
+    std::optional<EnvironmentProduct> product_;
+    std::vector<Rgb> last_pass_;
 };
 
 FrameResult empty_result(const FrameContext& c) {
@@ -235,6 +255,7 @@ FrameResult empty_result(const FrameContext& c) {
     const size_t n = size_t(out.width) * size_t(out.height);
     out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
         out.albedo.resize(n), out.coverage.resize(n);
+    if (c.product && c.integrator.passes > 1) out.last_pass.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
     if (c.integrator.direct && !c.scene.area_lights().empty()) has(LightGroup::kArea);
@@ -243,11 +264,24 @@ FrameResult empty_result(const FrameContext& c) {
     return out;
 }
 
+/// Runs the trial where something depends on it, and takes what it says into the context.
+void make_forecast(ProductContext& product, const EyePathTracer& tracer, const OracleFactory& make_oracle,
+                   Counters& counters, const Control& control, FrameResult& out) {
+    VisMapSettings& s = product.settings;
+    const bool for_alpha = s.alpha.mode == AlphaMode::kPreviousPass && s.pilot_alpha;
+    if (s.replace || !(for_alpha || s.sampling == DensityChoice::kAuto)) return;
+    const double start = wall_seconds();
+    out.forecast = forecast(product, tracer, make_oracle, tracer.frame.threads, counters, control);
+    product.guided = out.forecast->guided;
+    if (for_alpha) s.alpha.value = out.forecast->alpha;
+    out.pilot_s = wall_seconds() - start;
+}
+
 }  // namespace
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
-                         const OracleFactory& make_oracle, Control& control) {
+                         const OracleFactory& make_oracle, Control& control, const EnvironmentMaps* maps) {
     check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
@@ -258,8 +292,18 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
                          frame,
                          {scene, caster, film, integrator, frame},
                          make_shared_lights(scene, caster, film, integrator, frame, control, counters)};
+    std::optional<EnvironmentPyramid> light;
+    std::optional<ProductContext> product;
+    if (integrator.direct && scene.environment() && integrator.environment == EnvironmentSampling::kProduct &&
+        integrator.n_environment > 0) {
+        light.emplace(*scene.environment());
+        product.emplace(*light, integrator, frame.seed, frame.width, maps ? &maps->source : nullptr,
+                        maps ? maps->settings : VisMapSettings{});
+        context.product = &*product;
+    }
     FrameResult out = empty_result(context);
     out.lights_s = wall_seconds() - start;
+    if (product && maps) make_forecast(*product, context.tracer, make_oracle, counters, control, out);
 
     size_t largest = 0;
     for (const SharedLights& s : context.shared) {
@@ -275,16 +319,18 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
+    std::vector<ProductSeconds> product_stages(tiles.size());
     parallel_for(tiles.size(), out.threads, [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
-        mine->render(tiles[i], out, counted[i], stages[i], control);
+        mine->render(tiles[i], out, counted[i], stages[i], product_stages[i], control);
         control.done.fetch_add(1);
     });
-    for (size_t i = 0; i < tiles.size(); ++i) counters.merge(counted[i]), out.stages.merge(stages[i]);
+    for (size_t i = 0; i < tiles.size(); ++i)
+        counters.merge(counted[i]), out.stages.merge(stages[i]), out.product.merge(product_stages[i]);
     out.counters = counters;
-    out.tiles_s = wall_seconds() - start - out.lights_s;
+    out.tiles_s = wall_seconds() - start - out.lights_s - out.pilot_s;
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "viscache/math/parallel.h"
+#include "viscache/render/environment_product.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/shared_lights.h"
 
@@ -25,6 +26,7 @@ struct FrameResult {
     int width = 0, height = 0, spp = 1;
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
+    std::vector<Rgb> last_pass;  ///< environment by the last pass alone; empty unless there are several
     std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty where the group does not exist
     // First hits: means over a pixel's samples that hit anything, zero where none did
     std::vector<float> depth;
@@ -33,6 +35,9 @@ struct FrameResult {
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
     StageSeconds stages;
+    ProductSeconds product;            ///< of the environment by product sampling; in `stages` too
+    std::optional<Forecast> forecast;  ///< of frames with maps
+    double pilot_s = 0;                ///< wall seconds of the trial
     double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
     size_t n_vpls = 0;
     int tile_edge_px = 0;
@@ -45,8 +50,15 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
                                              const FrameSettings& frame, Control& control,
                                              Counters& counters);
 
+/// Visibility maps for the environment's light, from any cache.
+struct EnvironmentMaps {
+    MapSource source;
+    VisMapSettings settings;
+};
+
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
-                         const OracleFactory& make_oracle, Control& control);
+                         const OracleFactory& make_oracle, Control& control,
+                         const EnvironmentMaps* maps = nullptr);
 
 }  // namespace viscache

@@ -3,12 +3,20 @@
 // together.
 #include <cstdint>
 
+#include "viscache/sampling/zero_two.h"
+
 namespace viscache {
 
 /// Where the density of an eye point comes from (AQVC spec, section 5).
 enum class PMode {
     kLastVertex,  ///< camera density with the unfolded length of the path
     kFootprint,   ///< ray differentials
+};
+
+/// How the environment is sampled.
+enum class EnvironmentSampling {
+    kMis,      ///< by its radiance and by the BRDF, combined by the balance heuristic
+    kProduct,  ///< by light × reflection
 };
 
 struct IntegratorSettings {
@@ -24,6 +32,10 @@ struct IntegratorSettings {
     int n_area = 16;         ///< over all area lights together, chosen by power
     int n_environment = 16;  ///< light samples of the environment
     int n_brdf = 16;         ///< BRDF samples of the environment; both combined by the balance heuristic
+    EnvironmentSampling environment = EnvironmentSampling::kMis;
+    int passes = 1;  ///< of n_environment product samples each
+    PointSet points = PointSet::kZeroTwo;
+    bool centred = false;  ///< primary rays through the centres of pixels
     int n_ambient = 64;
     bool ambient_cosine = true;      ///< false: uniform directions
     float ambient_max_distance = 0;  ///< 0 = unlimited

@@ -39,6 +39,11 @@ struct Counters {
     uint64_t cells = 0;  ///< eye cells made
     uint64_t table_writes = 0, table_slots = 0;  ///< hash form: occupancy = 1 − exp(−writes/slots) expected
     double expected_false_hits = 0;
+    // Product sampling of the environment
+    uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
+    uint64_t product_guided = 0, product_unserved = 0;  ///< of these, with guided density; without a record
+    uint64_t pilot_rays = 0;                            ///< rays of the trial before the first pass
+    double greatest_ratio = 0;                          ///< B/B̃ over all samples
     uint64_t non_finite = 0;  ///< contributions dropped because they were not finite
 
     uint64_t queries() const {
@@ -71,6 +76,10 @@ inline void Counters::merge(const Counters& b) {
     boundary_queries += b.boundary_queries, cells += b.cells;
     table_writes += b.table_writes, table_slots += b.table_slots;
     expected_false_hits += b.expected_false_hits, non_finite += b.non_finite;
+    product_points += b.product_points, product_dark += b.product_dark;
+    product_guided += b.product_guided, product_unserved += b.product_unserved;
+    pilot_rays += b.pilot_rays;
+    greatest_ratio = greatest_ratio > b.greatest_ratio ? greatest_ratio : b.greatest_ratio;
 }
 
 }  // namespace viscache

@@ -13,7 +13,8 @@ VISCACHE_INLINE double total(const Double8& v) {
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-/// Σ β of the records whose bit is set: lane i looks at bits `lanes[i]` of the word, from bit `first` on.
+/// Ṽ = Σ β_i V_i of eight cells: the shares of the records whose bit is set. Lane i looks at bits `lanes[i]`
+/// of the word, from bit `first` on.
 VISCACHE_INLINE Double8 blend(const Word* const* words, const double* beta, int count, size_t first,
                               const Int8& lanes) {
     Double8 sum{};

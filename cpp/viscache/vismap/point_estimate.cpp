@@ -10,31 +10,34 @@ constexpr size_t kLeastForLeaveOneOut = 4;
 
 }  // namespace
 
-void PointEstimate::begin(const EnvironmentPyramid& light, const Reflection& reflection,
-                          const BlendedMaps& maps, double eta) {
-    light_ = &light;
-    tree_.build(light, reflection, maps.m);
-    integrals_ = {}, has_maps_ = maps.count > 0 && !dark(), guided_ = false;
-    if (has_maps_) integrals_ = integrate_maps(tree_, maps, eta < 1, cells_);
-    measure(integrals_.w2);
-    if (eta < 1) reshape(eta);
+void PointEstimate::begin(const EnvironmentPyramid& light, const Reflection& reflection, int m) {
+    light_ = &light, has_maps_ = false, integrals_ = {};
+    tree_.build(light, reflection, m);
+    measure(0);
 }
 
-void PointEstimate::reshape(double eta) {
-    guided_ = has_maps_ && eta < 1 && shape_density(tree_, integrals_, cells_, eta, guide_);
-    if (guided_)
+void PointEstimate::look(const BlendedMaps& maps, bool with_dilated) {
+    tree_.unguide();
+    has_maps_ = maps.count > 0 && !dark();
+    integrals_ = has_maps_ ? integrate_maps(tree_, maps, with_dilated, cells_) : MapIntegrals{};
+    measure(integrals_.w2);
+}
+
+bool PointEstimate::guide(double eta, bool apply) {
+    if (!has_maps_ || !shape_density(tree_, integrals_, cells_, eta, guide_)) return false;
+    if (apply) {
         tree_.guide(guide_.d);
-    else
-        tree_.unguide();
-    measure(guided_ ? guide_.w2 : integrals_.w2);
+        measure(guide_.w2);
+    }
+    return true;
 }
 
 void PointEstimate::measure(double w2) {
-    mean_w_ = variance_w_ = 0;
+    moments_ = {.l_ns = tree_.total(), .j = integrals_.j_colour};
     if (!has_maps_) return;
-    mean_w_ = luminance_of(integrals_.j_colour) / l_ns();
-    const double mean = integrals_.j / l_ns();
-    variance_w_ = std::max(0.0, w2 / l_ns() - mean * mean);
+    moments_.mean_w = luminance_of(integrals_.j_colour) / moments_.l_ns;
+    const double mean = integrals_.j / moments_.l_ns;
+    moments_.variance_w = std::max(0.0, w2 / moments_.l_ns - mean * mean);
 }
 
 DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) const {
@@ -42,7 +45,7 @@ DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) con
     out.wi = s.wi, out.texel = s.texel, out.d = density(s.texel);
     const Rgb light = light_->radiance(s.texel);
     // Light and B̃ cancel in luminance, what is left is their colour
-    const double scale = l_ns() / (luminance_in_double(light) * double(s.b));
+    const double l_ns = moments_.l_ns, scale = l_ns / (luminance_in_double(light) * double(s.b));
     const double v = visible(s.texel);
     for (int c = 0; c < 3; ++c) {
         const double colour = scale * double(light[c]);
@@ -50,17 +53,18 @@ DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) con
             product_terms(colour * double(b[c]), 1, colour * double(s.colour[c]) * v, out.d);
         out.f[size_t(c)] = t.z, out.g[size_t(c)] = t.w;
     }
-    out.z = luminance_of(out.f) / l_ns(), out.w = luminance_of(out.g) / l_ns();
+    out.z = luminance_of(out.f) / l_ns, out.w = luminance_of(out.g) / l_ns;
     out.matters = out.f[0] != 0 || out.f[1] != 0 || out.f[2] != 0;
     return out;
 }
 
-std::optional<double> PointEstimate::alpha(const AlphaChoice& choice, const AlphaSums& earlier) const {
-    if (!has_maps_ || !(variance_w_ > kLeastVariance)) return 0;
+std::optional<double> alpha_of_pass(const PointMoments& point, const AlphaChoice& choice,
+                                    const AlphaSums& earlier) {
+    if (!(point.variance_w > kLeastVariance)) return 0;
     switch (choice.mode) {
         case AlphaMode::kFixed: return choice.value;
         case AlphaMode::kPreviousPass:
-            return earlier.n > 0 ? regressed_alpha(earlier, variance_w_) : choice.value;
+            return earlier.n > 0 ? regressed_alpha(earlier, point.variance_w) : choice.value;
         case AlphaMode::kLeaveOneOut: return std::nullopt;
     }
     return 0;
@@ -69,7 +73,7 @@ std::optional<double> PointEstimate::alpha(const AlphaChoice& choice, const Alph
 namespace {
 
 /// Every sample with the α of the others (`all` holds this pass alone).
-Rgbd leave_one_out(const PointEstimate& point, std::span<const DirectionSample> samples,
+Rgbd leave_one_out(const PointMoments& point, std::span<const DirectionSample> samples,
                    std::span<const uint8_t> visible, const AlphaSums& all) {
     const double n = double(samples.size());
     Rgbd sum{};
@@ -78,29 +82,29 @@ Rgbd leave_one_out(const PointEstimate& point, std::span<const DirectionSample> 
         const double z = visible[i] ? s.z : 0,
                      alpha = samples.size() < kLeastForLeaveOneOut
                                  ? 1
-                                 : regressed_alpha(all.without(z - point.mean_w(), s.w - point.mean_w()),
-                                                   point.variance_w());
+                                 : regressed_alpha(all.without(z - point.mean_w, s.w - point.mean_w),
+                                                   point.variance_w);
         for (size_t c = 0; c < 3; ++c)
-            sum[c] += control_variate_estimate(visible[i] ? s.f[c] : 0, s.g[c], point.j()[c], alpha, 1) / n;
+            sum[c] += control_variate_estimate(visible[i] ? s.f[c] : 0, s.g[c], point.j[c], alpha, 1) / n;
     }
     return sum;
 }
 
 }  // namespace
 
-Rgbd finish_pass(const PointEstimate& point, std::span<const DirectionSample> samples,
+Rgbd finish_pass(const PointMoments& point, std::span<const DirectionSample> samples,
                  std::span<const uint8_t> visible, const AlphaChoice& choice, AlphaSums& earlier) {
     AlphaSums now;
     Rgbd f{}, g{};
     for (size_t i = 0; i < samples.size(); ++i) {
         const DirectionSample& s = samples[i];
         for (size_t c = 0; c < 3; ++c) f[c] += visible[i] ? s.f[c] : 0, g[c] += s.g[c];
-        now.add((visible[i] ? s.z : 0) - point.mean_w(), s.w - point.mean_w());
+        now.add((visible[i] ? s.z : 0) - point.mean_w, s.w - point.mean_w);
     }
     Rgbd estimate{};
-    if (const std::optional<double> alpha = point.alpha(choice, earlier)) {
+    if (const std::optional<double> alpha = alpha_of_pass(point, choice, earlier)) {
         for (size_t c = 0; c < 3; ++c)
-            estimate[c] = control_variate_estimate(f[c], g[c], point.j()[c], *alpha, double(samples.size()));
+            estimate[c] = control_variate_estimate(f[c], g[c], point.j[c], *alpha, double(samples.size()));
     } else {
         estimate = leave_one_out(point, samples, visible, now);
     }

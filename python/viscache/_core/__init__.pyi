@@ -12,7 +12,7 @@ from . import aqvc
 from . import correlation
 from . import sampling
 from . import vismap
-__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'Scene', 'SceneDescription', 'SceneError', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'vismap']
+__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'vismap']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -195,6 +195,24 @@ class PMode(enum.Enum):
     @classmethod
     def __new__(cls, value):
         ...
+class EnvironmentSampling(enum.Enum):
+    """
+    How the environment is sampled.
+    """
+    MIS: typing.ClassVar[EnvironmentSampling]
+    PRODUCT: typing.ClassVar[EnvironmentSampling]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class PointSet(enum.Enum):
+    """
+    Points of the square.
+    """
+    INDEPENDENT: typing.ClassVar[PointSet]
+    ZERO_TWO: typing.ClassVar[PointSet]
+    @classmethod
+    def __new__(cls, value):
+        ...
 class PacketOrder(enum.Enum):
     """
     Which exact shadow rays share a packet.
@@ -207,8 +225,11 @@ class PacketOrder(enum.Enum):
 class IntegratorSettings:
     ambient: bool
     ambient_cosine: bool
+    centred: bool
     direct: bool
+    environment: EnvironmentSampling
     p_mode: PMode
+    points: PointSet
     shade_after_specular: bool
     def __init__(self) -> None:
         ...
@@ -259,6 +280,12 @@ class IntegratorSettings:
         ...
     @n_vpls.setter
     def n_vpls(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def passes(self) -> int:
+        ...
+    @passes.setter
+    def passes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
     def vpl_bound(self) -> float:
@@ -353,15 +380,6 @@ class Camera:
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
-class PointSet(enum.Enum):
-    """
-    Points of the square.
-    """
-    INDEPENDENT: typing.ClassVar[PointSet]
-    ZERO_TWO: typing.ClassVar[PointSet]
-    @classmethod
-    def __new__(cls, value):
-        ...
 class AlphaMode(enum.Enum):
     """
     How the control variate's α is chosen.
@@ -371,6 +389,12 @@ class AlphaMode(enum.Enum):
     PREVIOUS_PASS: typing.ClassVar[AlphaMode]
     @classmethod
     def __new__(cls, value):
+        ...
+class VisMapSettings:
+    """
+    See viscache.VisMaps.
+    """
+    def __init__(self, *, alpha: AlphaMode, alpha_value: typing.SupportsFloat | typing.SupportsIndex, pilot_alpha: bool, sampling: str, eta: typing.SupportsFloat | typing.SupportsIndex, replace: bool, points: PointSet) -> None:
         ...
 def active_isa() -> str:
     """
@@ -402,6 +426,14 @@ def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: 
     ...
 def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
+def render_given_maps(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> dict:
+    """
+    The same with one blend of maps for all points, whatever they see (tests).
+    """
+def render_vismap(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, progress: typing.Any = None) -> dict:
+    """
+    A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and footprint are those of the pixels' centres, (H·W,).
+    """
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...
 def scene_hash(scene: Scene) -> str:

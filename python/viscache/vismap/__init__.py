@@ -2,6 +2,7 @@
 
 from viscache.vismap.ambient import cached_ambient_occlusion
 from viscache.vismap.cache import Lookup, Records, UpdateReport, VisibilityMapCache
+from viscache.vismap.estimate import VisMaps
 from viscache.vismap.relighting import Relighting
 from viscache.vismap.settings import MapSettings
 
@@ -11,6 +12,7 @@ __all__ = [
     "Records",
     "Relighting",
     "UpdateReport",
+    "VisMaps",
     "VisibilityMapCache",
     "cached_ambient_occlusion",
 ]

@@ -1,0 +1,257 @@
+#include "viscache/render/environment_product.h"
+
+#include <chrono>
+
+#include "viscache/visibility/coherence_trial.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr size_t kSamplesPerBatch = 8192;
+constexpr size_t kMostEyes = 256, kMostKeptEyes = 64;
+
+/// Wall seconds at little cost; CPU time is split by their shares.
+double tick() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool reflects(const ShadingPoint& sp) {
+    return max_component(sp.base) > 0 || (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
+}
+
+size_t pixel_in_frame(const Tile& tile, const EyeTile& eyes, uint32_t eye, int frame_width) {
+    const uint32_t p = eyes.pixel[eye], w = uint32_t(eyes.width);
+    return size_t(tile.y0 + int(p / w)) * size_t(frame_width) + size_t(tile.x0 + int(p % w));
+}
+
+ShadowQuery towards(uint32_t eye, Vec3 wi) {
+    ShadowQuery q;
+    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(LightGroup::kEnvironment), q.far = wi;
+    return q;
+}
+
+Rgb reflected(const ShadingPoint& sp, Vec3 wi) { return eval_bsdf(sp, wi) * std::max(0.f, dot(sp.ns, wi)); }
+
+bool finite(const DirectionSample& s) { return std::isfinite(s.z) && std::isfinite(s.w); }
+
+}  // namespace
+
+void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, uint32_t eye, PointEstimate& point,
+                                 Counters& counters) {
+    ++counters.product_points;
+    if (point.dark()) ++counters.product_dark;
+    if (!c_.maps || point.dark()) return;
+    const bool guide = c_.settings.sampling == DensityChoice::kGuided ||
+                       (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
+    const BlendedMaps maps = c_.maps->at(eyes.block.position[eye], eyes.block.normal[eye],
+                                         pixel_in_frame(tile, eyes, eye, c_.frame_width));
+    counters.product_unserved += maps.count == 0;
+    point.look(maps, guide && !c_.settings.replace);
+    if (guide && !c_.settings.replace) counters.product_guided += point.guide(c_.settings.eta);
+}
+
+void EnvironmentProduct::draw(const EyeTile& eyes, size_t slot, const PointEstimate& point, int pass,
+                              Counters& counters) {
+    const uint32_t eye = slots_[slot].eye;
+    const ShadingPoint& sp = eyes.shading[eye];
+    const size_t n = size_t(c_.integrator.n_environment);
+    const PointStream stream(c_.integrator.points, c_.seed, Purpose::kProduct, eyes.stream[eye],
+                             uint64_t(pass));
+    for (size_t i = slot * n; i < (slot + 1) * n; ++i) {
+        DirectionSample& out = samples_[i];
+        const ProductTree::Sample s = point.draw(stream.at(uint32_t(i - slot * n)));
+        const Rgb b = reflected(sp, s.wi);
+        out = point.complete(s, b);
+        counters.greatest_ratio = std::max(counters.greatest_ratio, double(luminance(b) / s.b));
+        if (!finite(out)) {
+            ++counters.non_finite;
+            out = {};
+        }
+        visible_[i] = 0;
+        if (out.matters) queries_.push_back(towards(eye, s.wi)), asked_.push_back(uint32_t(i));
+    }
+}
+
+void EnvironmentProduct::finish(const EyeTile& eyes, int pass, std::span<Rgb> sum, std::span<Rgb> last,
+                                Counters& counters) {
+    const size_t n = size_t(c_.integrator.n_environment);
+    for (size_t k = 0; k < slots_.size(); ++k) {
+        Slot& slot = slots_[k];
+        const Rgbd e = c_.settings.replace && c_.maps
+                           ? slot.moments.j
+                           : finish_pass(slot.moments, {&samples_[k * n], n}, {&visible_[k * n], n},
+                                         c_.settings.alpha, slot.earlier);
+        const Rgb value = eyes.throughput[slot.eye] * Rgb{float(e[0]), float(e[1]), float(e[2])};
+        if (!is_finite(value)) {
+            ++counters.non_finite;
+            continue;
+        }
+        sum[eyes.pixel[slot.eye]] += value * (1 / float(c_.integrator.passes));
+        if (pass == c_.integrator.passes - 1) last[eyes.pixel[slot.eye]] += value;
+    }
+}
+
+void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOracle& oracle,
+                             std::span<Rgb> sum, std::span<Rgb> last, Counters& counters,
+                             ProductSeconds& seconds, const Control& control) {
+    const bool keep = c_.integrator.passes > 1, replace = c_.settings.replace && c_.maps;
+    const size_t n = size_t(c_.integrator.n_environment);
+    const size_t batch = std::clamp<size_t>(kSamplesPerBatch / n, 1, keep ? kMostKeptEyes : kMostEyes);
+    points_.resize(keep ? batch : 1);
+    for (size_t first = 0; first < eyes.size(); first += batch) {
+        control.check();
+        slots_.clear();
+        for (size_t i = first; i < std::min(first + batch, eyes.size()); ++i)
+            if (reflects(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}});
+        samples_.assign(slots_.size() * n, {}), visible_.assign(slots_.size() * n, 0);
+        for (int pass = 0; pass < c_.integrator.passes; ++pass) {
+            const double cpu = thread_cpu_seconds();
+            double trees = 0, maps = 0, drawn = 0;
+            queries_.clear(), asked_.clear();
+            for (size_t k = 0; k < slots_.size(); ++k) {
+                PointEstimate& point = points_[keep ? k : 0];
+                const uint32_t eye = slots_[k].eye;
+                const double start = tick();
+                if (pass == 0)
+                    point.begin(c_.light, SurfaceReflection(eyes.shading[eye]), c_.maps ? c_.maps->m : 5);
+                const double built = tick();
+                if (pass == 0) prepare(tile, eyes, eye, point, counters);
+                slots_[k].moments = point.moments();
+                const double looked = tick();
+                if (!replace && !point.dark()) draw(eyes, k, point, pass, counters);
+                trees += built - start, maps += looked - built, drawn += tick() - looked;
+            }
+            const double before = thread_cpu_seconds(),
+                         share = (before - cpu) / (trees + maps + drawn + 1e-30);
+            seconds.trees += trees * share, seconds.maps += maps * share, seconds.samples += drawn * share;
+            answer_.assign(words_for(queries_.size()), 0);
+            oracle.pairs(eyes.block, queries_, answer_, counters);
+            for_each_bit(answer_, [&](size_t i) { visible_[asked_[i]] = 1; });
+            const double traced = thread_cpu_seconds();
+            finish(eyes, pass, sum, last, counters);
+            seconds.visibility += traced - before, seconds.finish += thread_cpu_seconds() - traced;
+        }
+    }
+}
+
+namespace {
+
+constexpr size_t kPilotPixels = 1024, kPilotSamples = 16, kPilotChunk = 32;
+constexpr double kWorthGuiding = 0.9;
+constexpr uint64_t kPilotPass = ~uint64_t{0};
+
+/// Sums over pilot pixels, in squared radiance: under product density (0) and the guided one (1).
+struct PilotSums {
+    double variance[2]{}, covariance[2]{}, variance_w[2]{};
+    void merge(const PilotSums& b) {
+        for (int k = 0; k < 2; ++k)
+            variance[k] += b.variance[k], covariance[k] += b.covariance[k], variance_w[k] += b.variance_w[k];
+    }
+    /// Product samples of one point tell of both densities: E_p[y²] = E_IS[y² D^(−1)] for y over p.
+    void add(const PointMoments& point, std::span<const DirectionSample> samples,
+             std::span<const uint8_t> visible, std::span<const double> d) {
+        AlphaSums sums;
+        for (size_t i = 0; i < samples.size(); ++i)
+            sums.add((visible[i] ? samples[i].z : 0) - point.mean_w, samples[i].w - point.mean_w);
+        const double alpha = regressed_alpha(sums, point.variance_w), n = double(samples.size());
+        double y1 = 0, y2[2]{}, zw[2]{}, ww[2]{}, z1 = 0;
+        for (size_t i = 0; i < samples.size(); ++i) {
+            const double z = visible[i] ? samples[i].z : 0, w = samples[i].w, y = z - alpha * w;
+            y1 += y, z1 += z;
+            for (int k = 0; k < 2; ++k) {
+                const double q = 1 / (k ? d[i] : 1);
+                y2[k] += y * y * q, zw[k] += z * w * q, ww[k] += w * w * q;
+            }
+        }
+        const double scale = point.l_ns * point.l_ns, mean = y1 / n, mu = point.mean_w;
+        for (int k = 0; k < 2; ++k) {
+            variance[k] += scale * std::max(0.0, y2[k] / n - mean * mean);
+            covariance[k] += scale * (zw[k] / n - z1 / n * mu);
+            variance_w[k] += scale * std::max(0.0, ww[k] / n - mu * mu);
+        }
+    }
+};
+
+/// One thread's trial.
+class Pilot {
+public:
+    Pilot(const ProductContext& c, const EyePathTracer& tracer, std::unique_ptr<VisibilityOracle> oracle)
+        : c_(c), tracer_(tracer), oracle_(std::move(oracle)) {}
+
+    void try_pixel(size_t pixel, PilotSums& sums, Counters& counters, const Control& control) {
+        const int x = int(pixel % size_t(c_.frame_width)), y = int(pixel / size_t(c_.frame_width));
+        const Tile tile{x, y, x + 1, y + 1};
+        tracer_.trace(tile, eyes_, counters, control);
+        if (eyes_.size() == 0 || !reflects(eyes_.shading[0])) return;
+        point_.begin(c_.light, SurfaceReflection(eyes_.shading[0]), c_.maps->m);
+        if (point_.dark()) return;
+        point_.look(c_.maps->at(eyes_.block.position[0], eyes_.block.normal[0], pixel), true);
+        if (!point_.has_maps()) return;
+        const bool shaped = point_.guide(c_.settings.eta, false);
+        const PointStream stream(c_.integrator.points, c_.seed, Purpose::kProduct, eyes_.stream[0],
+                                 kPilotPass);
+        std::vector<ShadowQuery> queries;
+        std::vector<size_t> asked;
+        for (size_t i = 0; i < kPilotSamples; ++i) {
+            const ProductTree::Sample s = point_.draw(stream.at(uint32_t(i)));
+            samples_[i] = point_.complete(s, reflected(eyes_.shading[0], s.wi));
+            if (!finite(samples_[i])) samples_[i] = {};
+            d_[i] = shaped ? point_.shaped_density(s.texel) : 1, visible_[i] = 0;
+            if (samples_[i].matters) queries.push_back(towards(0, s.wi)), asked.push_back(i);
+        }
+        oracle_->begin_tile(eyes_.block);
+        Word answer[1]{};
+        const uint64_t before = counters.rays();
+        oracle_->pairs(eyes_.block, queries, answer, counters);
+        counters.pilot_rays += counters.rays() - before;
+        for (size_t i = 0; i < asked.size(); ++i) visible_[asked[i]] = get_bit(answer, i);
+        sums.add(point_.moments(), samples_, visible_, d_);
+    }
+
+private:
+    const ProductContext& c_;
+    const EyePathTracer& tracer_;
+    std::unique_ptr<VisibilityOracle> oracle_;
+    EyeTile eyes_;
+    PointEstimate point_;
+    std::array<DirectionSample, kPilotSamples> samples_;
+    std::array<uint8_t, kPilotSamples> visible_;
+    std::array<double, kPilotSamples> d_;
+};
+
+}  // namespace
+
+Forecast forecast(const ProductContext& c, const EyePathTracer& tracer,
+                  const std::function<std::unique_ptr<VisibilityOracle>()>& make_oracle, int threads,
+                  Counters& counters, const Control& control) {
+    const size_t pixels = size_t(tracer.frame.width) * size_t(tracer.frame.height);
+    const size_t tried = std::min(pixels, kPilotPixels), chunks = (tried + kPilotChunk - 1) / kPilotChunk;
+    std::vector<PilotSums> sums(chunks);
+    std::vector<Counters> counted(chunks);
+    std::vector<std::unique_ptr<Pilot>> pilots(size_t(resolve_threads(threads)));
+    parallel_for(chunks, threads, [&](size_t chunk, int worker) {
+        control.check();
+        auto& pilot = pilots[size_t(worker)];
+        if (!pilot) pilot = std::make_unique<Pilot>(c, tracer, make_oracle());
+        for (size_t i = chunk * kPilotChunk; i < std::min(tried, (chunk + 1) * kPilotChunk); ++i) {
+            // One pixel of every equal part of the frame, at random
+            Rng rng(c.seed, Purpose::kProduct, i, kPilotPass - 1);
+            const size_t from = i * pixels / tried, to = (i + 1) * pixels / tried;
+            const size_t pixel = from + std::min(to - from - 1, size_t(rng.next() * float(to - from)));
+            pilot->try_pixel(pixel, sums[chunk], counted[chunk], control);
+        }
+    });
+    PilotSums all;
+    for (size_t i = 0; i < chunks; ++i) all.merge(sums[i]), counters.merge(counted[i]);
+    Forecast f;
+    if (all.variance[0] > 0) f.variance_ratio = all.variance[1] / all.variance[0];
+    f.guided = f.variance_ratio < kWorthGuiding;
+    const bool guided = c.settings.sampling == DensityChoice::kGuided ||
+                        (c.settings.sampling == DensityChoice::kAuto && f.guided);
+    if (all.variance_w[guided] > 0)
+        f.alpha = std::clamp(all.covariance[guided] / all.variance_w[guided], 0.0, kMostAlpha);
+    return f;
+}
+
+}  // namespace viscache

@@ -1,0 +1,101 @@
+"""Settings of rendering with visibility maps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from numbers import Real
+from typing import Any, Literal, TypeAlias
+
+from viscache import _core
+from viscache.checks import require
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.settings import MapSettings
+
+__all__ = ["VisMaps"]
+
+#: A word of `ALPHAS`, or a number.
+Alpha: TypeAlias = str | float
+ALPHAS = ("previous_pass", "loo", "one", "zero")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class VisMaps(MapSettings):
+    """Visibility maps for the environment's light (Clarberg, Akenine-Möller 2008).
+
+    Directions are drawn by light × reflection (`Direct(environment="product")` does that alone).
+    With `use="correct"`, the default, every one is traced and the maps of nearby records are a
+    control variate: less noise, no bias. With `use="replace"` their integral J is the answer,
+    without rays: biased, free of noise. Other lights are traced exactly.
+
+    Parameters
+    ----------
+    cache : VisibilityMapCache, optional
+        A cache of the scene, whose own settings hold then, those here of the same names do not.
+        None: a new one for every frame.
+    update : bool
+        Give records to pixels of this image that want one before it is rendered.
+    alpha : {"previous_pass", "loo", "one", "zero"} or float
+        The control variate's coefficient. "previous_pass": by regression on the samples of all
+        earlier passes of the pixel, in the first pass on those of a trial on some pixels. "loo":
+        on the other samples of the pass, for `Direct(points="independent")` only. "one": the paper.
+        "zero": product sampling alone.
+    sampling : {"auto", "product", "guided"}
+        "guided": the maps, dilated, shape the density too. "product": the paper. "auto": guided
+        where a trial on some pixels promises a tenth less variance.
+    eta : float in (0, 1]
+        Floor of guided densities, relative to product sampling; 1 is product sampling.
+    preset, m, n_startup, d_max, ...
+        How records are made: see `MapSettings`.
+    """
+
+    cache: VisibilityMapCache | None = None
+    update: bool = True
+    alpha: Alpha = "previous_pass"
+    sampling: Literal["auto", "product", "guided"] = "auto"
+    eta: float = 0.25
+
+    def __post_init__(self) -> None:
+        MapSettings.__post_init__(self)
+        own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
+        require(own, "cache must be a VisibilityMapCache", self.cache)
+        if isinstance(self.alpha, str):
+            fits = self.alpha in ALPHAS
+        else:
+            number = isinstance(self.alpha, Real) and not isinstance(self.alpha, bool)
+            fits = number and math.isfinite(self.alpha)
+        require(fits, f"alpha must be one of {ALPHAS} or a finite number", self.alpha)
+        require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
+        require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
+
+    def map_settings(self) -> MapSettings:
+        """The part that makes records."""
+        return MapSettings(**{f.name: getattr(self, f.name) for f in fields(MapSettings)})
+
+    def estimate(self, replace: bool, points: _core.PointSet) -> _core.VisMapSettings:
+        """The C++ settings of the estimator.
+
+        Raises
+        ------
+        ValueError
+            alpha="loo" with points that depend on each other.
+        """
+        even = points == _core.PointSet.ZERO_TWO
+        require(not (self.alpha == "loo" and even),
+                'points must be "independent" with alpha="loo"', "even")  # fmt: skip
+        modes = {"previous_pass": _core.AlphaMode.PREVIOUS_PASS,
+                 "loo": _core.AlphaMode.LEAVE_ONE_OUT}  # fmt: skip
+        word = self.alpha if isinstance(self.alpha, str) else ""
+        value = {"zero": 0.0}.get(word, 1.0) if word else float(self.alpha)
+        return _core.VisMapSettings(
+            alpha=modes.get(word, _core.AlphaMode.FIXED), alpha_value=value, pilot_alpha=True,
+            sampling=self.sampling, eta=self.eta, replace=replace, points=points,
+        )  # fmt: skip
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values, JSON-able: of the cache's own settings where one is given."""
+        made = self.cache.settings if self.cache else self.map_settings()
+        return made.parameters() | {
+            "cache": self.cache is not None, "update": self.update, "alpha": self.alpha,
+            "sampling": self.sampling, "eta": self.eta,
+        }  # fmt: skip

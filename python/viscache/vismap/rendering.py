@@ -1,0 +1,71 @@
+"""Frames whose environment is estimated with visibility maps."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from viscache import _core
+from viscache.checks import require
+from viscache.scene import Scene
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.estimate import VisMaps
+
+__all__ = ["render_with_maps"]
+
+
+def render_with_maps(
+    scene: Scene,
+    geometry: Scene,
+    caster: _core.EmbreeCaster,
+    view: _core.Camera,
+    core: _core.IntegratorSettings,
+    frame: _core.FrameSettings,
+    visibility: VisMaps,
+    *,
+    replace: bool,
+    progress: Any,
+) -> dict[str, Any]:
+    """What `viscache.render` does with `VisMaps`; `geometry`: the scene before env= changed it.
+
+    Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
+
+    Raises
+    ------
+    ValueError
+        A scene without environment, an integrator without environment samples, a cache of another
+        scene.
+    """
+    kinds = {light["kind"] for light in scene.lights}
+    require(bool(kinds & {"constant", "environment"}),
+            "scene must have an environment light for visibility maps", "none")  # fmt: skip
+    require(core.direct and core.n_environment >= 1,
+            "integrator must sample the environment's light, n_environment >= 1",
+            core.n_environment)  # fmt: skip
+    core.environment = _core.EnvironmentSampling.PRODUCT
+    settings = visibility.estimate(replace, core.points)
+    cache = visibility.cache
+    if cache is None:
+        cache = VisibilityMapCache(geometry, visibility.map_settings())
+    require(cache.settings.criterion == "visibility",
+            'the cache\'s criterion must be "visibility"', cache.settings.criterion)  # fmt: skip
+    of_scene = cache.scene is geometry or cache.scene.content_hash in (
+        geometry.content_hash, scene.content_hash
+    )  # fmt: skip
+    require(of_scene, "cache must be of the scene", "one of another scene")
+
+    start, rays, records = time.perf_counter(), cache.rays, len(cache)
+    size = (frame.width, frame.height)
+    if visibility.update:
+        cache.update(view, size=size, threads=frame.threads)
+    inserted, traced = len(cache) - records, cache.rays - rays
+    points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)
+    records_s = time.perf_counter() - start
+    with cache._lock:
+        result: dict[str, Any] = _core.render_vismap(
+            scene._core, caster, view, core, frame, settings, cache._core, points.d_max,
+            points.footprint, progress=progress,
+        )  # fmt: skip
+    result["counters"].update(records=len(cache), records_inserted=inserted, records_rays=traced)
+    result["timings"]["records_s"] = records_s
+    return result

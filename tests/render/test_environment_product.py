@@ -1,0 +1,246 @@
+"""The environment by product sampling and with visibility maps: the same light, with less noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render.ztest import compare
+from viscache import _core
+from viscache.integrators import core_settings
+from viscache.variance import variance_ratio
+from vismap.worlds import dilations
+
+SIZE = (20, 12)
+Images = npt.NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def scene() -> vc.Scene:
+    return vc.scenes.cube_on_plane().with_environment(sky())
+
+
+def sky() -> npt.NDArray[np.float32]:
+    """A sun of a few texels in a dim sky, as a lat-long image."""
+    image = np.full((32, 64, 3), [0.2, 0.3, 0.5], np.float32)
+    image[16:] = 0.05
+    image[7:9, 20:22] = [60, 50, 40]
+    return image
+
+
+def direct(**given: Any) -> vc.Direct:
+    return vc.Direct(**{"n_environment": 8, "environment": "product", "n_area": 2} | given)
+
+
+def images(n: int, layer: str, *args: Any, seed: int = 0, **kwargs: Any) -> Images:
+    frames = (vc.render(*args, size=SIZE, seed=seed + i, **kwargs) for i in range(n))
+    return np.stack([f.layers[layer] for f in frames]).astype(np.float64)
+
+
+MAPS = [
+    {"alpha": "one", "sampling": "product"},
+    {"alpha": 0.4, "sampling": "guided"},
+    {"alpha": "previous_pass", "sampling": "product"},
+    {"alpha": "previous_pass", "sampling": "guided"},
+    {"alpha": "previous_pass", "sampling": "auto"},
+]
+
+
+@pytest.mark.stat
+def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
+    scene: vc.Scene,
+) -> None:
+    usual = images(48, "environment", scene, vc.Direct(n_environment=16, n_brdf=16), seed=500)
+    for points in ("even", "independent"):
+        ours = images(48, "environment", scene, direct(points=points))
+        result = compare(ours, usual)
+        assert result.same, str(result)
+        assert not compare(ours * 1.03, usual).same, "three hundredths more light must show"
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("maps", MAPS, ids=lambda m: f"{m['alpha']}-{m['sampling']}")
+def test_maps_do_not_change_the_mean(scene: vc.Scene, maps: dict[str, Any]) -> None:
+    usual = images(40, "environment", scene, direct(), seed=500)
+    ours = images(
+        40, "environment", scene, direct(passes=2), visibility=vc.VisMaps(n_startup=60, **maps)
+    )
+    result = compare(ours, usual)
+    assert result.same, str(result)
+    assert not compare(ours * 1.03, usual).same
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("kind", ["random", "full", "empty"])
+def test_whatever_the_maps_hold_the_mean_stays(scene: vc.Scene, kind: str) -> None:
+    maps = {
+        "random": np.random.default_rng(3).random((3, 32, 32)) < 0.3,
+        "full": np.ones((3, 32, 32), bool),
+        "empty": np.zeros((3, 32, 32), bool),
+    }[kind]
+    usual = images(40, "environment", scene, direct(), seed=500)
+    ours = np.stack([given_maps(scene, maps, seed) for seed in range(40)]).astype(np.float64)
+    result = compare(ours, usual)
+    assert result.same, str(result)
+
+
+def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
+    frame = _core.FrameSettings()
+    frame.width, frame.height, frame.seed, frame.threads = *SIZE, seed, 1
+    integrator = direct(passes=2)
+    settings = vc.VisMaps(sampling="guided").estimate(False, _core.PointSet.ZERO_TWO)
+    made = _core.render_given_maps(
+        scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame, settings,
+        maps, np.full(3, 1 / 3, np.float32), dilations(maps),
+    )  # fmt: skip
+    return made["layers"]["environment"]
+
+
+def test_the_bytes_do_not_depend_on_threads(scene: vc.Scene) -> None:
+    maps = vc.VisMaps(n_startup=60)
+    frames = [
+        vc.render(scene, direct(passes=2), visibility=maps, size=(70, 50), threads=t)
+        for t in (1, 2, 5)
+    ]
+    assert len({f.sha256 for f in frames}) == 1
+    counters = [{k: v for k, v in f.counters.items() if k != "sha256"} for f in frames]
+    assert counters[0] == counters[1] == counters[2]
+
+
+def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Scene) -> None:
+    plain = vc.render(scene, direct(), size=SIZE)
+    empty = vc.VisibilityMapCache(scene)
+    nothing = vc.VisMaps(cache=empty, update=False)
+    zero = vc.VisMaps(n_startup=60, alpha="zero", sampling="product")
+    for maps in (nothing, zero):
+        frame = vc.render(scene, direct(), visibility=maps, size=SIZE)
+        np.testing.assert_array_equal(frame.image, plain.image)
+    assert len(empty) == 0
+    one = vc.VisMaps(n_startup=60, alpha="one", sampling="product")
+    floor = replace(one, sampling="guided", eta=1.0)
+    a, b = (vc.render(scene, direct(), visibility=v, size=SIZE) for v in (one, floor))
+    np.testing.assert_array_equal(a.image, b.image)
+    assert not np.array_equal(a.image, plain.image)
+
+
+def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
+    plain = vc.render(scene, vc.Direct(), size=SIZE)
+    for use in ("correct", "replace"):
+        frame = vc.render(
+            scene, direct(n_area=16), visibility=vc.VisMaps(n_startup=60), use=use, size=SIZE
+        )
+        np.testing.assert_array_equal(frame.layers["point"], plain.layers["point"])
+        assert frame.counters["groups"]["point"] == plain.counters["groups"]["point"]
+
+
+def test_replacing_traces_no_ray_and_comes_near(scene: vc.Scene) -> None:
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6))
+    maps = vc.VisMaps(cache=cache)
+    shown = vc.render(scene, direct(), visibility=maps, use="replace", size=(48, 32))
+    assert shown.counters["groups"]["environment"]["rays"] == 0
+    assert shown.counters["records"] == len(cache) > 100
+    before = cache.rays
+    again = vc.render(scene, direct(), visibility=maps, use="replace", size=(48, 32), seed=9)
+    assert cache.rays == before and again.counters["records_inserted"] == 0
+    truth = vc.render(scene, direct(n_environment=512), size=(48, 32), spp=4)
+    a, b = shown.layers["environment"], truth.layers["environment"]
+    assert abs(a - b).sum() / b.sum() < 0.15
+    # Another light, no ray: the records know nothing of it
+    turned = {"env": np.roll(sky(), 16, axis=1), "size": (48, 32)}
+    other = vc.render(scene, direct(), visibility=maps, use="replace", **turned)
+    assert cache.rays == before
+    truth = vc.render(scene, direct(n_environment=512), spp=4, **turned)
+    c, d = other.layers["environment"], truth.layers["environment"]
+    assert abs(c - d).sum() / d.sum() < 0.15 and abs(c - a).sum() / a.sum() > 0.03
+
+
+def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
+    frame = vc.render(
+        scene, direct(passes=3), visibility=vc.VisMaps(n_startup=60, sampling="guided"), size=SIZE
+    )
+    c, t = frame.counters, frame.timings
+    assert c["product_points"] == c["product_guided"] + c["product_unserved"] + c["product_dark"]
+    queries = c["groups"]["environment"]["queries"]
+    assert 0 < queries - c["pilot_rays"] <= 3 * 8 * c["product_points"]
+    assert c["records"] == c["records_inserted"] > 0 and c["records_rays"] > 0
+    assert 0 <= c["pilot_alpha"] <= 1.5 and c["greatest_ratio"] >= 1
+    for name in ("trees_cpu_s", "maps_cpu_s", "samples_cpu_s", "records_s", "pilot_s"):
+        assert t[name] > 0
+    assert "environment_last_pass" in frame.layers
+    parts = ("trees_cpu_s", "maps_cpu_s", "samples_cpu_s")
+    assert sum(t[p] for p in parts) <= t["contributions_cpu_s"] * (1 + 1e-6)
+
+
+@pytest.mark.stat
+def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
+    garage = vc.scenes.garage(triangles=60_000)
+    cache = vc.VisibilityMapCache(garage)
+    cache.update(size=(48, 30))
+    given = direct(n_environment=10, centred=True, n_area=0)
+    at = {"size": (48, 30)}
+    base = [vc.render(garage, given, seed=s, **at).layers["environment"] for s in range(12)]
+    ratios = {}
+    for sampling in ("product", "auto"):
+        maps = vc.VisMaps(cache=cache, update=False, sampling=sampling)
+        frames = [
+            vc.render(garage, given, visibility=maps, size=(48, 30), seed=90 + s) for s in range(12)
+        ]
+        ours = [f.layers["environment"] for f in frames]
+        ratios[sampling] = variance_ratio(ours, base).ratio
+        assert frames[0].counters["pilot_guided"]
+    assert ratios["product"] < 0.7 and ratios["auto"] < 0.8 * ratios["product"]
+    open_air = vc.scenes.cube_on_plane().with_environment(0.8)
+    frame = vc.render(open_air, direct(), visibility=vc.VisMaps(n_startup=100), size=(48, 30))
+    assert not frame.counters["pilot_guided"] and frame.counters["product_guided"] == 0
+
+
+BAD: list[tuple[dict[str, Any], str]] = [
+    ({"visibility": vc.VisMaps(), "integrator": vc.AmbientOcclusion()}, "integrator must be"),
+    ({"visibility": vc.VisMaps(), "integrator": direct(n_environment=0)}, "n_environment >= 1"),
+    ({"visibility": vc.VisMaps(alpha="loo"), "integrator": direct()}, "points must be"),
+    ({"visibility": vc.Aqvc(), "integrator": direct()}, "visibility must be"),
+    ({"visibility": vc.Aqvc(), "integrator": vc.Direct(), "use": "correct"}, "use must be"),
+    ({"integrator": vc.Direct(passes=2)}, "passes must be 1"),
+]
+
+
+@pytest.mark.parametrize(("given", "message"), BAD)
+def test_what_cannot_be_is_refused(scene: vc.Scene, given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        vc.render(scene, given.pop("integrator", direct()), size=SIZE, **given)
+
+
+def test_a_scene_without_environment_is_refused() -> None:
+    bare = vc.scenes.cube_on_plane()
+    with pytest.raises(ValueError, match="scene must have an environment light"):
+        vc.render(bare, vc.Direct(), visibility=vc.VisMaps(), size=SIZE)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"alpha": "best"}, "alpha must be one of"),
+        ({"alpha": float("nan")}, "alpha must be"),
+        ({"alpha": True}, "alpha must be"),
+        ({"eta": 0.0}, r"eta must be in \(0, 1\]"),
+        ({"sampling": "other"}, "sampling must be"),
+        ({"cache": 3}, "cache must be"),
+        ({"m": 8}, "m must be"),
+        ({"criterion": "ambient"}, "criterion must be"),
+    ],
+)
+def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        vc.VisMaps(**given)
+
+
+def test_a_cache_of_another_scene_is_refused(scene: vc.Scene) -> None:
+    other = vc.VisibilityMapCache(vc.scenes.cube_on_plane(), vc.MapSettings(n_startup=10))
+    garage_like = vc.scenes.room(triangles=5000).with_environment(1.0)
+    with pytest.raises(ValueError, match="cache must be of the scene"):
+        vc.render(garage_like, direct(), visibility=vc.VisMaps(cache=other), size=SIZE)
