@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ import pytest
 import viscache as vc
 from viscache import cli
 from viscache.figures.vismap_animation import Frame, _rows, crate_and_garage, swinging_camera
+from viscache.figures.vismap_equal_time import noisiest_windows, samples_in
 from viscache.figures.vismap_pictures import project
+from viscache.figures.vismap_table3 import Times
 
 
 def test_points_are_drawn_where_the_camera_sees_them() -> None:
@@ -51,12 +54,34 @@ def test_the_crate_of_the_animation_moves_and_the_camera_swings() -> None:
     assert swinging_camera(0.25).origin[2] - swinging_camera(0.75).origin[2] == pytest.approx(2.8)
 
 
+def test_crops_are_where_the_noise_is_and_do_not_overlap() -> None:
+    variance = np.full((20, 30), 0.01)
+    variance[5:9, 10:14], variance[12:16, 20:24] = 3.0, 2.0
+    assert noisiest_windows(variance, 4, 2) == [(5, 10), (12, 20)]
+    assert variance[5, 10] == 3.0, "stays as it was"
+
+
+def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets() -> None:
+    times = Times(samples=(10, 30, 100), product=(3.0, 5.0, 12.0), maps=(4.0, 6.0, 13.5))
+    assert times.overhead == pytest.approx((1.0, 1.0, 1.5))
+    assert times.split() == pytest.approx((2.0, 0.1))
+
+    class Fake:
+        def product(self, samples: int) -> SimpleNamespace:
+            return SimpleNamespace(timings={"cpu_s": 2.0 + 0.1 * samples})
+
+    assert samples_in(Fake(), 6.0) == 40  # type: ignore[arg-type]
+
+
 #: Rows with a band, and pictures, of a quick run.
 QUICK = {
     "vismap-tab2": (4 + 3, []),
     "vismap-fig8": (2, ["vismap-fig8.png"]),
     "vismap-fig10": (1, ["vismap-fig10.png"]),
     "vismap-fig11": (2, ["vismap-fig11.png"]),
+    "vismap-fig1": (0, ["vismap-fig1.png"]),
+    "vismap-fig13": (0, ["vismap-fig13.png"]),
+    "vismap-tab3": (0, []),
     "vismap-sweep": (2, ["vismap-sweep.png"]),
     "vismap-temporal": (2, ["vismap-temporal.png"]),
     "vismap-fig12": (1, ["vismap-fig12-garden1.png", "vismap-fig12-dynamics.png"]),

@@ -13,9 +13,11 @@ from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_animation import temporal
 from viscache.figures.vismap_correlation import figure3, figure4
+from viscache.figures.vismap_equal_time import figure1, figure13
 from viscache.figures.vismap_preview import figure11
 from viscache.figures.vismap_records import figure8, figure12, table2
 from viscache.figures.vismap_sweep import sweep
+from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
@@ -64,8 +66,11 @@ FIGURES: dict[str, FigureInfo] = {
         vlf_fig7="the classroom",
         vlf_fig8="images with ambient occlusion",
         vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
-        vismap_fig1="an occluded glossy surface, with and without the control variate",
         **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
+    ),
+    "vismap-fig1": FigureInfo(
+        description="an occluded glossy surface, with and without the control variate",
+        function=figure1,
     ),
     "vismap-fig3": FigureInfo(
         description="correlation over distance and angle in one scene, with slices",
@@ -86,9 +91,11 @@ FIGURES: dict[str, FigureInfo] = {
     "vismap-fig11": FigureInfo(
         description="the control variate's integral as a preview", function=figure11
     ),
-    **_later(
-        vismap_fig13="equal-time comparison",
-        vismap_tab3="variance ratios and overhead over the number of samples",
+    "vismap-fig13": FigureInfo(
+        description="equal-time comparison, with the crops of figure 14", function=figure13
+    ),
+    "vismap-tab3": FigureInfo(
+        description="variance ratios and overhead over the number of samples", function=table3
     ),
     "vismap-sweep": FigureInfo(
         description="variance, rays and bytes over the cache's parameters", function=sweep

@@ -1,0 +1,208 @@
+"""Figures 1, 13 and 14 of the visibility-map paper: what is seen of the variance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_printed as printed
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.vismap_records import VIEWS
+from viscache.figures.vismap_renders import Picture, images, paper_maps
+from viscache.frame import Frame
+from viscache.scenes.light_product import blocked_share, first_hits
+from viscache.tonemap import auto_exposure, luminance, srgb_curve
+from viscache.variance import variance_ratio
+from viscache.vismap import VisMaps
+
+RENDERS, SIZE = 8, (640, 480)
+QUICK_RENDERS, QUICK_SIZE = 3, (64, 48)
+#: The share of blocked samples is measured at so many pixels, and taken for those around them.
+COARSE = (64, 48)
+#: Shares of blocked light-product samples: mostly hidden, mostly lit.
+HIDDEN, LIT = 0.9, 0.5
+#: Samples between which product sampling's time is measured.
+CALIBRATED = (20, 80)
+
+Pixels = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rivals:
+    """Independent renders of both sides."""
+
+    maps: list[npt.NDArray[np.floating[Any]]]
+    product: list[npt.NDArray[np.floating[Any]]]
+
+    @property
+    def reference(self) -> npt.NDArray[np.float64]:
+        """The mean of all renders."""
+        return np.asarray(np.mean([*self.maps, *self.product], axis=0), float)
+
+
+def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """The garage in equal time, with crops (Figure 14)."""
+    outcome, picture = Outcome(), _garage(quick)
+    ours, theirs = printed.EQUAL_TIME_SAMPLES
+    renders = QUICK_RENDERS if quick else RENDERS
+    seconds = _seconds([picture.maps(ours, paper_maps(None)) for _ in range(3)])
+    equal = samples_in(picture, seconds)
+    cache = picture.build_cache()
+    rivals = _rivals(picture, paper_maps(cache), ours, equal, renders)
+    left = variance_ratio(rivals.maps, rivals.product)
+    share = _upsampled(blocked_share(picture.scene, size=COARSE, samples=64), picture.size)
+    outcome.rows += [
+        Row(what="CPU seconds of a picture with the cache, its records included",
+            printed=printed.EQUAL_TIME_S, measured=seconds, note=f"{len(cache)} records"),
+        Row(what="samples of product sampling in the same time", printed=theirs,
+            measured=equal, note=f"{ours} with the cache"),
+        Row(what="variance left in equal time", printed=printed.EQUAL_TIME_RATIO,
+            measured=left.ratio, band=None if quick else bands.EQUAL_TIME,
+            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}"),
+        *_shadow_rows(picture, rivals, ours, share, renders, quick),
+        *_guided_rows(picture, renders),
+    ]  # fmt: skip
+    titles = (f"with the cache, {ours} samples", f"product sampling, {equal} samples")
+    path = folder / "vismap-fig13.png"
+    _picture(rivals, titles).savefig(path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Glossy surfaces of the garage from which most of the light is hidden, at 10 samples."""
+    outcome, picture = Outcome(), _garage(quick)
+    renders = QUICK_RENDERS if quick else RENDERS
+    rivals = _rivals(picture, paper_maps(picture.build_cache()), 10, 10, renders)
+    share = _upsampled(blocked_share(picture.scene, size=COARSE, samples=64), picture.size)
+    pixels = _glossy(picture) & (share >= HIDDEN)
+    left = variance_ratio(rivals.maps, rivals.product, pixels=pixels)
+    outcome.rows.append(
+        Row(what="variance left in hidden glossy pixels, 10 samples", measured=left.ratio,
+            band=None if quick else bands.OCCLUDED_CROP,
+            note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels")
+    )  # fmt: skip
+    path = folder / "vismap-fig1.png"
+    titles = ("with the cache, 10 samples", "product sampling, 10 samples")
+    _picture(rivals, titles, where=pixels).savefig(path, dpi=150)
+    outcome.files.append(path)
+    return outcome
+
+
+def samples_in(picture: Picture, seconds: float) -> int:
+    """How many samples product sampling takes in so many seconds, by a line through two."""
+    low, high = (_seconds([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
+    slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
+    return max(1, round(CALIBRATED[0] + (seconds - low) / slope))
+
+
+def _garage(quick: bool) -> Picture:
+    return Picture(scene=VIEWS["garage"].open(quick), size=QUICK_SIZE if quick else SIZE)
+
+
+def _seconds(frames: list[Frame]) -> float:
+    """Of all processors together."""
+    return float(np.median([frame.timings["cpu_s"] for frame in frames]))
+
+
+def _rivals(picture: Picture, maps: VisMaps, ours: int, theirs: int, renders: int) -> Rivals:
+    return Rivals(
+        maps=images(lambda seed: picture.maps(ours, maps, seed), range(renders)),
+        product=images(lambda seed: picture.product(theirs, seed), range(100, 100 + renders)),
+    )
+
+
+def _shadow_rows(
+    picture: Picture,
+    rivals: Rivals,
+    samples: int,
+    share: npt.NDArray[np.float64],
+    renders: int,
+    quick: bool,
+) -> list[Row]:
+    """Variance left at equal samples where the light is hidden, and where it is not."""
+    product = images(lambda seed: picture.product(samples, seed), range(200, 200 + renders))
+    hidden = variance_ratio(rivals.maps, product, pixels=share >= HIDDEN).ratio
+    lit = variance_ratio(rivals.maps, product, pixels=share < LIT).ratio
+    return [
+        Row(what=f"variance left at {samples} samples",
+            printed=printed.COSTS["garage"][1].variance_ratio,
+            measured=variance_ratio(rivals.maps, product).ratio),
+        Row(what="variance left where light is hidden over that where it is not",
+            printed="less than 1", measured=hidden / lit,
+            band=None if quick else bands.SHADOWS_GAIN_MORE,
+            note=f"{hidden:.3f} and {lit:.3f}"),
+    ]  # fmt: skip
+
+
+def _guided_rows(picture: Picture, renders: int) -> list[Row]:
+    """Ours beside the paper's: guided densities, in equal time."""
+    samples = printed.EQUAL_TIME_SAMPLES[0]
+    seconds = _seconds([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
+    equal = samples_in(picture, seconds)
+    maps = VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
+    rivals = _rivals(picture, maps, samples, equal, renders)
+    left = variance_ratio(rivals.maps, rivals.product)
+    return [
+        Row(what="guided: variance left in equal time", measured=left.ratio,
+            note=f"{left.low:.3f} to {left.high:.3f}; {seconds:.3g} s, {samples} against "
+                 f"{equal} samples"),
+    ]  # fmt: skip
+
+
+def _glossy(picture: Picture) -> Pixels:
+    hits = first_hits(picture.scene, picture.scene.cameras[picture.camera], picture.size)
+    kinds = [m["kind"] for m in _core.scene_materials(picture.scene._core)]
+    glossy = np.array([kind == _core.MaterialKind.GLOSSY for kind in kinds] + [False])
+    return np.asarray(glossy[hits.materials]).reshape(picture.size[1], picture.size[0])
+
+
+def _upsampled(share: npt.NDArray[np.float64], size: tuple[int, int]) -> npt.NDArray[np.float64]:
+    """(H, W) of a coarser picture's pixels, the nearest one; not-a-number stays."""
+    rows = (np.arange(size[1]) * share.shape[0]) // size[1]
+    columns = (np.arange(size[0]) * share.shape[1]) // size[0]
+    return np.asarray(share[np.ix_(rows, columns)])
+
+
+def noisiest_windows(
+    variance: npt.NDArray[np.float64], edge: int, count: int
+) -> list[tuple[int, int]]:
+    """Upper left corners (y, x) of windows with the largest sums that do not overlap."""
+    left, found = variance.copy(), []
+    for _ in range(count):
+        sums = np.cumsum(np.cumsum(np.pad(left, ((1, 0), (1, 0))), axis=0), axis=1)
+        windows = (
+            sums[edge:, edge:] - sums[:-edge, edge:] - sums[edge:, :-edge] + sums[:-edge, :-edge]
+        )
+        y, x = (int(v) for v in np.unravel_index(windows.argmax(), windows.shape))
+        left[y : y + edge, x : x + edge] = 0
+        found.append((y, x))
+    return found
+
+
+def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = None) -> Any:
+    """Reference and both sides above, two crops of each below."""
+    from matplotlib.figure import Figure
+
+    shown = {"reference": rivals.reference, titles[0]: rivals.maps[0], titles[1]: rivals.product[0]}
+    exposure = auto_exposure(rivals.reference, 95.0)
+    seen = np.stack([srgb_curve(luminance(image) * exposure) for image in rivals.product])
+    noise, edge = seen.var(axis=0), seen.shape[1] // 5
+    crops = noisiest_windows(noise if where is None else noise * where, edge, 2)
+    figure = Figure(figsize=(12.0, 9.6), layout="constrained")
+    axes: Any = figure.subplots(3, 3, height_ratios=(1, 1, 1))
+    for column, (title, image) in enumerate(shown.items()):
+        draw_image(axes[0, column], image, title, exposure=exposure)
+        for row, (y, x) in enumerate(crops, start=1):
+            crop = image[y : y + edge, x : x + edge]
+            draw_image(axes[row, column], crop, exposure=exposure)
+            axes[0, column].plot([x, x + edge, x + edge, x, x], [y, y, y + edge, y + edge, y],
+                                 color="red", lw=0.8)  # fmt: skip
+    return figure

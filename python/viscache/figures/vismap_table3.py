@@ -1,0 +1,188 @@
+"""Table 3 of the visibility-map paper: variance and overhead over the number of samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_printed as printed
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_records import VIEWS
+from viscache.figures.vismap_renders import Picture, images, paper_maps
+from viscache.variance import VarianceRatio, variance_ratio
+from viscache.vismap import MapSettings, VisibilityMapCache
+from viscache.vismap.simulation import PixelEstimates, Way, simulate
+
+#: Rendered pictures of each kind, their size, and the pixels that are simulated.
+RENDERS, SIZE, PIXELS, REPLICATES = 8, (160, 120), 256, 32
+QUICK_RENDERS, QUICK_SIZE, QUICK_PIXELS, QUICK_REPLICATES = 3, (40, 30), 16, 8
+QUICK_SAMPLES = (10, 30)
+
+PRODUCT, ONE = Way(), Way(alpha=1.0)
+STEADY, GUIDED = (
+    Way(alpha="previous_pass", passes=6),
+    Way(alpha="previous_pass", passes=6, eta=0.25),
+)
+LOO = Way(alpha="loo", points="iid")
+NAMES = {ONE: "alpha one", STEADY: "alpha of earlier passes", GUIDED: "guided",
+         LOO: "leave-one-out"}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Times:
+    """CPU seconds of pictures over their samples."""
+
+    samples: tuple[int, ...]
+    product: tuple[float, ...]
+    maps: tuple[float, ...]
+
+    @property
+    def overhead(self) -> tuple[float, ...]:
+        """What the cache costs beside product sampling."""
+        return tuple(b - a for a, b in zip(self.product, self.maps, strict=True))
+
+    def split(self) -> tuple[float, float]:
+        """Seconds of product sampling for a picture without samples, and per sample."""
+        slope, fixed = np.polyfit(self.samples, self.product, 1)
+        return float(fixed), float(slope)
+
+
+def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """Rendered pictures as the paper's, and single pixels for what it does not print."""
+    outcome = Outcome()
+    samples = QUICK_SAMPLES if quick else printed.SAMPLES
+    for name, view in VIEWS.items():
+        picture = Picture(scene=view.open(quick), camera=view.camera,
+                          size=QUICK_SIZE if quick else SIZE)  # fmt: skip
+        settings = MapSettings(m=view.m)
+        outcome.rows += _rendered_rows(name, picture, settings, samples, quick)
+        found = simulate(picture.build_cache(settings), _ways(), samples, camera=view.camera,
+                         size=picture.size, n_pixels=QUICK_PIXELS if quick else PIXELS,
+                         replicates=QUICK_REPLICATES if quick else REPLICATES)  # fmt: skip
+        rows = _simulated_rows(name, found, samples)
+        outcome.rows += [replace(row, band=None) for row in rows] if quick else rows
+    outcome.notes.append(
+        "rendered: variance over independent pictures, the cache built once before. Simulated: "
+        "random pixels in the world of the environment's texels, steady state."
+    )
+    return outcome
+
+
+def _ways() -> list[Way]:
+    both: tuple[Literal["iid", "rqmc"], ...] = ("iid", "rqmc")
+    return [LOO, *(replace(way, points=p) for way in (PRODUCT, ONE, STEADY, GUIDED) for p in both)]
+
+
+# Rendered
+
+
+def _rendered_rows(
+    name: str, picture: Picture, settings: MapSettings, samples: tuple[int, ...], quick: bool
+) -> list[Row]:
+    cache = picture.build_cache(settings)
+    left = {n: _rendered(picture, cache, n, QUICK_RENDERS if quick else RENDERS) for n in samples}
+    said = {c.samples: c for c in printed.COSTS.get(name, ())}
+    rows = []
+    for n, found in left.items():
+        band = bands.GARAGE_CONTROL_VARIATE if (name, n) == ("garage", 10) else None
+        if (name, n) == ("garden1", 300):
+            band = bands.GARDEN_ONE
+        rows.append(Row(what=f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
+                        printed=said[n].variance_ratio if n in said else None,
+                        measured=found.ratio, band=None if quick else band,
+                        note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
+                             f"z of the means {found.energy_z:.1f}"))  # fmt: skip
+    return rows + _time_rows(name, _times(picture, settings, samples), quick)
+
+
+def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int) -> VarianceRatio:
+    maps = paper_maps(cache)
+    return variance_ratio(images(lambda seed: picture.maps(n, maps, seed), range(renders)),
+                          images(lambda seed: picture.product(n, seed),
+                                 range(100, 100 + renders)))  # fmt: skip
+
+
+def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) -> Times:
+    """Each picture twice, the faster counts; with maps the cache's records are made anew."""
+
+    def seconds(frames: list[Any]) -> float:
+        return float(min(frame.timings["cpu_s"] for frame in frames))
+
+    maps = replace(paper_maps(None), m=settings.m)
+    return Times(
+        samples=tuple(samples),
+        product=tuple(seconds([picture.product(n) for _ in range(2)]) for n in samples),
+        maps=tuple(seconds([picture.maps(n, maps) for _ in range(2)]) for n in samples),
+    )
+
+
+def _time_rows(name: str, times: Times, quick: bool) -> list[Row]:
+    said = {c.samples: c for c in printed.COSTS.get(name, ())}
+    rows = []
+    for n, product, overhead in zip(times.samples, times.product, times.overhead, strict=True):
+        rows += [
+            Row(what=f"{name}, {n} samples: CPU seconds of product sampling",
+                printed=said[n].product_s if n in said else None, measured=product),
+            Row(what=f"{name}, {n} samples: CPU seconds of overhead",
+                printed=said[n].overhead_s if n in said else None, measured=overhead,
+                note=f"{100 * overhead / product:.1f} %"),
+        ]  # fmt: skip
+    fixed, slope = times.split()
+    steady = max(times.overhead) / max(min(times.overhead), 1e-9)
+    return [*rows,
+        Row(what=f"{name}: CPU seconds of product sampling without samples",
+            printed=79.7 if name == "garage" else None, measured=fixed),
+        Row(what=f"{name}: CPU seconds per sample of all pixels",
+            printed=2.33 if name == "garage" else None, measured=slope),
+        Row(what=f"{name}: largest over smallest overhead", measured=steady,
+            band=None if quick else bands.OVERHEAD_IS_CONSTANT),
+    ]  # fmt: skip
+
+
+# Simulated
+
+
+def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) -> list[Row]:
+    rows, ratios = [], {}
+    for way in _ways():
+        base = Way(points=way.points)
+        if way == base:
+            continue
+        for n in samples:
+            left = _left(found, way, base, n)
+            ratios[way, n] = left.ratio
+            label = NAMES[way if way == LOO else replace(way, points="rqmc")]
+            rows.append(Row(what=f"{name}, {way.points}, {label}, {n} samples: variance left",
+                            measured=left.ratio, band=_band(name, way, n),
+                            note=f"{left.low:.3f} to {left.high:.3f}"))  # fmt: skip
+    flat = [ratios[replace(ONE, points="iid"), n] for n in samples]
+    rows.append(Row(what=f"{name}, iid, alpha one: largest over smallest ratio",
+                    measured=max(flat) / min(flat), band=bands.IID_IS_FLAT))  # fmt: skip
+    rising = ratios[ONE, samples[-1]] / ratios[ONE, samples[0]]
+    printed_rise = None
+    if name in printed.COSTS and samples == printed.SAMPLES:
+        printed_rise = (printed.COSTS[name][-1].variance_ratio
+                        / printed.COSTS[name][0].variance_ratio)  # fmt: skip
+    rows.append(Row(what=f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
+                    printed=printed_rise, measured=rising,
+                    band=bands.RQMC_RISES if name in ("garage", "dynamics") else None))  # fmt: skip
+    return rows
+
+
+def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
+    return variance_ratio([r[None, :, None] for r in found.estimates[way, n]],
+                          [r[None, :, None] for r in found.estimates[base, n]])  # fmt: skip
+
+
+def _band(name: str, way: Way, n: int) -> Any:
+    if name == "garage" and way == GUIDED:
+        return bands.GARAGE_GUIDED.get(n)
+    if name.startswith("garden") and (way.alpha, way.eta) == (STEADY.alpha, 1.0) and n >= 10:
+        return bands.GARDEN_PREVIOUS_PASS
+    if name.startswith("garden") and way == LOO and n >= 30:
+        return bands.GARDEN_PREVIOUS_PASS
+    return None
