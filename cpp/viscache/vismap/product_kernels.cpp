@@ -49,6 +49,47 @@ VISCACHE_INLINE void above_body(const LobeConstants& k, const float* x, const fl
     }
 }
 
+VISCACHE_INLINE float mean_of_four(const float* v) { return ((v[0] + v[1]) + (v[2] + v[3])) * 0.25f; }
+VISCACHE_INLINE float least_of(float a, float b) { return a < b ? a : b; }
+VISCACHE_INLINE float most_of(float a, float b) { return a > b ? a : b; }
+
+VISCACHE_INLINE float gather_body(const RgbBlock& s, float* r, float* g, float* b, float* lum,
+                                  float* spread) {
+    float samples[16], greatest = 0;
+    for (int i = 0; i < 16; ++i) samples[i] = (0.2126f * s.r[i] + 0.7152f * s.g[i]) + 0.0722f * s.b[i];
+    for (int i = 0; i < 4; ++i) {
+        const float* v = &samples[4 * i];
+        r[i] = mean_of_four(&s.r[4 * i]), g[i] = mean_of_four(&s.g[4 * i]), b[i] = mean_of_four(&s.b[4 * i]);
+        lum[i] = (0.2126f * r[i] + 0.7152f * g[i]) + 0.0722f * b[i];
+        spread[i] = most_of(most_of(v[0], v[1]), most_of(v[2], v[3])) -
+                    least_of(least_of(v[0], v[1]), least_of(v[2], v[3]));
+        greatest = most_of(greatest, lum[i]);
+    }
+    return greatest;
+}
+
+VISCACHE_INLINE void raise_body(const uint8_t* touched, float floor, float* r, float* g, float* b, float* lum,
+                                size_t n) {
+    for (size_t i = 0; i < n; ++i) {
+        const bool low = touched[i] && lum[i] < floor;
+        const float add = low ? floor - lum[i] : 0.f;
+        r[i] += add, g[i] += add, b[i] += add;
+        lum[i] = low ? floor : lum[i];
+    }
+}
+
+VISCACHE_INLINE double weigh_body(const float* b, const double* light, size_t n) {
+    double lane[8]{};
+    for (size_t i = 0; i < n; i += 8)
+        for (size_t k = 0; k < 8; ++k) lane[k] += double(b[i + k]) * light[i + k];
+    return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+
+VISCACHE_INLINE void flag_body(const float* spread, const double* light, double worth, uint8_t* flags,
+                               size_t n) {
+    for (size_t i = 0; i < n; ++i) flags[i] = uint8_t(double(spread[i]) * light[i] > worth);
+}
+
 template <size_t kSpan>
 VISCACHE_INLINE void scale_by(const float* b, const double* light, double* out, size_t n) {
     for (size_t i = 0; i < n; ++i)
@@ -80,11 +121,25 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
                                  const float* s, uint8_t* a, size_t n) {                                   \
             above_body(k, x, y, z, s, a, n);                                                               \
         }                                                                                                  \
+        TARGET static float gather(const RgbBlock& s, float* r, float* g, float* b, float* l, float* d) {  \
+            return gather_body(s, r, g, b, l, d);                                                          \
+        }                                                                                                  \
+        TARGET static void raise(const uint8_t* t, float f, float* r, float* g, float* b, float* l,        \
+                                 size_t n) {                                                               \
+            raise_body(t, f, r, g, b, l, n);                                                               \
+        }                                                                                                  \
+        TARGET static double weigh(const float* b, const double* l, size_t n) {                            \
+            return weigh_body(b, l, n);                                                                    \
+        }                                                                                                  \
+        TARGET static void flag(const float* s, const double* l, double w, uint8_t* f, size_t n) {         \
+            flag_body(s, l, w, f, n);                                                                      \
+        }                                                                                                  \
         TARGET static void scale(const float* b, const double* l, double* o, size_t n, size_t s) {         \
             scale_body(b, l, o, n, s);                                                                     \
         }                                                                                                  \
         TARGET static void sum_fours(const double* c, double* p, size_t n) { sum_fours_body(c, p, n); }    \
-        static constexpr ProductKernels kernels{diffuse, glossy, above, scale, sum_fours};                 \
+        static constexpr ProductKernels kernels{diffuse, glossy, above, gather,   raise,                   \
+                                                weigh,   flag,   scale, sum_fours};                        \
     };
 
 VISCACHE_PRODUCT_VARIANT(Portable, )

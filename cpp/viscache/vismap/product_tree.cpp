@@ -1,6 +1,7 @@
 #include "viscache/vismap/product_tree.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "viscache/math/morton.h"
 #include "viscache/math/octahedral.h"
@@ -44,28 +45,6 @@ ProductTree::Leaf ProductTree::base_leaf(uint32_t code) const {
     return {{red_[code], green_[code], blue_[code]}, b_[code], spread_[code], children_[code]};
 }
 
-namespace {
-
-/// Mean and spread of the four samples of one leaf.
-struct LeafSamples {
-    Rgb mean;
-    float least, most;
-    LeafSamples(const RgbBlock& s, int quarter) {
-        float lum[4];
-        Rgb sum;
-        for (int k = 0; k < 4; ++k) {
-            const int i = 4 * quarter + k;
-            const Rgb c{s.r[i], s.g[i], s.b[i]};
-            sum += c, lum[k] = luminance(c);
-        }
-        mean = sum * 0.25f;
-        least = std::min(std::min(lum[0], lum[1]), std::min(lum[2], lum[3]));
-        most = std::max(std::max(lum[0], lum[1]), std::max(lum[2], lum[3]));
-    }
-};
-
-}  // namespace
-
 void ProductTree::sample_base(const Reflection& reflection) {
     const size_t n = nodes_at(kBaseLevel);
     touched_.resize(n), children_.assign(n, -1), deep_.clear(), leaves_ = int(n), greatest_ = 0;
@@ -76,28 +55,28 @@ void ProductTree::sample_base(const Reflection& reflection) {
     for (uint32_t first = 0; first < n; first += 4) {
         if (!(touched_[first] | touched_[first + 1] | touched_[first + 2] | touched_[first + 3])) continue;
         reflection.sample(kBaseLevel + kSampleLevels, 4 * first, block);
-        for (uint32_t k = 0; k < 4; ++k) {
-            const LeafSamples s(block, int(k));
-            const uint32_t z = first + k;
-            red_[z] = s.mean.x, green_[z] = s.mean.y, blue_[z] = s.mean.z;
-            b_[z] = luminance(s.mean), spread_[z] = s.most - s.least;
-            greatest_ = std::max(greatest_, b_[z]);
-        }
+        const float most = product_kernels().gather(block, &red_[first], &green_[first], &blue_[first],
+                                                    &b_[first], &spread_[first]);
+        greatest_ = std::max(greatest_, most);
     }
 }
 
 void ProductTree::refine(const Reflection& reflection) {
     const double* light = light_->sums(kBaseLevel);
-    double total = 0;
-    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z) total += double(b_[z]) * light[z];
-    const double worth = kWorthSplitting * total;
+    const ProductKernels& kernels = product_kernels();
+    const double worth = kWorthSplitting * kernels.weigh(b_.data(), light, b_.size());
     const auto less = [](const Candidate& a, const Candidate& b) {
         return a.error != b.error ? a.error < b.error : a.code > b.code;
     };
     heap_.clear();
-    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z)
-        if (const double e = double(spread_[z]) * light[z]; e > worth)
-            heap_.push_back({e, kBaseLevel, z, -1});
+    uint8_t worthy[nodes_at(kBaseLevel)];
+    kernels.flag(spread_.data(), light, worth, worthy, b_.size());
+    for (uint32_t first = 0; first < nodes_at(kBaseLevel); first += 8) {
+        uint64_t any;
+        std::memcpy(&any, &worthy[first], sizeof any);
+        for (uint32_t z = first; any != 0 && z < first + 8; ++z)
+            if (worthy[z]) heap_.push_back({double(spread_[z]) * light[z], kBaseLevel, z, -1});
+    }
     std::make_heap(heap_.begin(), heap_.end(), less);
     for (int splits = 0; splits < kMostSplits && !heap_.empty(); ++splits) {
         std::pop_heap(heap_.begin(), heap_.end(), less);
@@ -120,22 +99,20 @@ void ProductTree::split(const Reflection& reflection, const Candidate& c) {
     (c.index < 0 ? children_[c.code] : deep_[size_t(c.index)].children) = int32_t(deep_.size());
     RgbBlock block;
     reflection.sample(c.level + 1 + kSampleLevels, 16 * c.code, block);
-    for (int k = 0; k < 4; ++k) {
-        const LeafSamples s(block, k);
-        deep_.push_back({s.mean, luminance(s.mean), s.most - s.least, -1});
-        greatest_ = std::max(greatest_, deep_.back().b);
-    }
+    float r[4], g[4], b[4], lum[4], spread[4];
+    greatest_ = std::max(greatest_, product_kernels().gather(block, r, g, b, lum, spread));
+    for (int k = 0; k < 4; ++k) deep_.push_back({{r[k], g[k], b[k]}, lum[k], spread[k], -1});
     leaves_ += 3;
 }
 
 void ProductTree::raise_to_floor(const Reflection& reflection) {
     // Where the samples saw nothing at all any positive number will do
     const float floor = greatest_ > 0 ? kFloor * greatest_ : 1.f;
-    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z) {
-        const float add = touched_[z] && b_[z] < floor ? floor - b_[z] : 0.f;
-        if (add > 0) red_[z] += add, green_[z] += add, blue_[z] += add, b_[z] = floor;
+    product_kernels().raise(touched_.data(), floor, red_.data(), green_.data(), blue_.data(), b_.data(),
+                            b_.size());
+    if (deep_.empty()) return;
+    for (uint32_t z = 0; z < nodes_at(kBaseLevel); ++z)
         if (children_[z] >= 0) raise_children(reflection, kBaseLevel, z, children_[z], floor);
-    }
 }
 
 void ProductTree::raise_children(const Reflection& reflection, int level, uint32_t code, int32_t first,
@@ -189,7 +166,7 @@ void ProductTree::multiply() {
         kernels.scale(channels[size_t(c)], light_->colour_sums(c, dense_), dense_colour_[size_t(c)].data(), n,
                       span);
     }
-    for (uint32_t z = 0; z < n; ++z)
+    for (uint32_t z = 0; z < n && !deep_.empty(); ++z)
         if (children_[z] >= 0) multiply_split(kBaseLevel, z, base_leaf(z));
     for (int l = dense_; l-- > 0;)
         kernels.sum_fours(mass_[size_t(l) + 1].data(), mass_[size_t(l)].data(), nodes_at(l));
