@@ -135,6 +135,21 @@ void bind_points(py::module_& v) {
         py::arg("at"), py::arg("rules"), py::arg("threads") = 0,
         "First hits through one place of every pixel, row-major; misses; bad normals.");
     v.def(
+        "sample_points",
+        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
+           uint64_t seed, uint32_t sample, const PixelRules& rules, int threads) {
+            check_view(camera, width, height, rules);
+            PixelPoints found;
+            run_interruptible([&](Control& control) {
+                found = sample_points(scene, caster, camera, width, height, seed, sample, rules, threads,
+                                      control);
+            });
+            return with_counts(std::move(found));
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
+        py::arg("seed"), py::arg("sample"), py::arg("rules"), py::arg("threads") = 0,
+        "The same through the places where render's sample of every pixel lies.");
+    v.def(
         "startup_points",
         [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
            size_t n, uint64_t seed, const PixelRules& rules) {

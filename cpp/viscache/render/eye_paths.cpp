@@ -1,6 +1,6 @@
 #include "viscache/render/eye_paths.h"
 
-#include "viscache/sampling/low_discrepancy.h"
+#include "viscache/sampling/pixel_place.h"
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
 
@@ -117,10 +117,8 @@ private:
     Branch primary(const Tile& tile, int px, int py, int sample, int grid) const {
         const FilmCamera& film = t_.film;
         const uint64_t pixel_id = uint64_t(tile.y0 + py) * uint64_t(film.width) + uint64_t(tile.x0 + px);
-        Rng rng(t_.frame.seed, Purpose::kPixel, pixel_id, 0);
-        const uint32_t scramble_x = rng.next_u32(), scramble_y = rng.next_u32();
         const Vec2 jitter =
-            t_.integrator.centred ? Vec2{0.5f, 0.5f} : sobol02(uint32_t(sample), scramble_x, scramble_y);
+            t_.integrator.centred ? Vec2{0.5f, 0.5f} : pixel_place(t_.frame.seed, pixel_id, uint32_t(sample));
         const Vec3 raw = film.direction(tile.x0 + px + jitter.x, tile.y0 + py + jitter.y);
         const float norm = length(raw);
         Branch b;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "viscache/sampling/rng.h"
+#include "viscache/sampling/pixel_place.h"
 #include "viscache/scene/film_camera.h"
 
 namespace viscache {
@@ -54,18 +54,20 @@ private:
     PixelRules rules_;
 };
 
-}  // namespace
-
-PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
-                         int height, Vec2 at, const PixelRules& rules, int threads, const Control& control) {
-    const FirstHitFinder finder(scene, caster, camera, width, height, rules);
+/// Points of all pixels; place(number) lies in the pixel.
+template <class Place>
+PixelPoints points_of_pixels(const FirstHitFinder& finder, int width, int height, Place place, int threads,
+                             const Control& control) {
     PixelPoints all;
     all.points.resize(size_t(width) * size_t(height));
     std::vector<PixelPoints> rows(static_cast<size_t>(height));
     parallel_for(size_t(height), threads, [&](size_t y, int) {
         control.check();
         std::vector<Vec2> places;
-        for (int x = 0; x < width; ++x) places.push_back({float(x) + at.x, float(y) + at.y});
+        for (int x = 0; x < width; ++x) {
+            const Vec2 at = place(y * size_t(width) + size_t(x));
+            places.push_back({float(x) + at.x, float(y) + at.y});
+        }
         rows[y] = finder.find(places);
         std::copy(rows[y].points.begin(), rows[y].points.end(),
                   all.points.begin() + std::ptrdiff_t(y * size_t(width)));
@@ -73,6 +75,22 @@ PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Came
     });
     for (const PixelPoints& row : rows) all.misses += row.misses, all.bad_normals += row.bad_normals;
     return all;
+}
+
+}  // namespace
+
+PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
+                         int height, Vec2 at, const PixelRules& rules, int threads, const Control& control) {
+    const FirstHitFinder finder(scene, caster, camera, width, height, rules);
+    return points_of_pixels(finder, width, height, [&](uint64_t) { return at; }, threads, control);
+}
+
+PixelPoints sample_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
+                          int height, uint64_t seed, uint32_t sample, const PixelRules& rules, int threads,
+                          const Control& control) {
+    const FirstHitFinder finder(scene, caster, camera, width, height, rules);
+    const auto place = [&](uint64_t pixel) { return pixel_place(seed, pixel, sample); };
+    return points_of_pixels(finder, width, height, place, threads, control);
 }
 
 PixelPoints startup_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,

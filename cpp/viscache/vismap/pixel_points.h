@@ -23,6 +23,10 @@ struct PixelPoints {
 /// upper left corner. A pixel of area a projects to the area t²·a·cos³φ / |n·ω|.
 PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
                          int height, Vec2 at, const PixelRules& rules, int threads, const Control& control);
+/// The same through the places of a sample of all pixels (pixel_place).
+PixelPoints sample_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
+                          int height, uint64_t seed, uint32_t sample, const PixelRules& rules, int threads,
+                          const Control& control);
 /// First hits of n rays, stratified over the image, with the pixel sizes of an image of width × height.
 PixelPoints startup_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
                            int height, size_t n, uint64_t seed, const PixelRules& rules,

@@ -16,7 +16,10 @@ from viscache.scene import Scene
 from viscache.vismap.cache import VisibilityMapCache, checked_size
 from viscache.vismap.settings import MapSettings
 
-__all__ = ["cached_ambient_occlusion"]
+__all__ = ["AMBIENT", "cached_ambient_occlusion"]
+
+#: Near records of small reach: what a record sees beyond does not matter, its corner does.
+AMBIENT = MapSettings(criterion="ambient", w_min=0.1, d_max=0.025)
 
 
 def cached_ambient_occlusion(
@@ -27,7 +30,8 @@ def cached_ambient_occlusion(
     camera: str | int | _core.Camera | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
-    width: float = 1 / 3,
+    seed: int = 0,
+    width: float = 1 / 6,
     weighted: bool = False,
     threads: int | None = None,
 ) -> Frame:
@@ -44,11 +48,14 @@ def cached_ambient_occlusion(
         A cache of the scene with criterion "ambient", which grows where the image needs it; a new
         one by default.
     settings : MapSettings, optional
-        Of the new cache; its criterion becomes "ambient".
+        Of the new cache, by default `viscache.vismap.ambient.AMBIENT`; its criterion becomes
+        "ambient".
     camera, size, threads
         As in `viscache.render`.
-    spp : int >= 1, a square number
-        Places per pixel: a regular grid.
+    spp, seed : int
+        The places in the pixels where `viscache.render` looks with these, so that its image with
+        `AmbientOcclusion` is of the same points. The first place of every pixel inserts records
+        by the criterion, the others where none is in reach.
     width : float > 0
         Standard deviation of the Gaussian, in d_max.
     weighted : bool
@@ -79,33 +86,42 @@ def cached_ambient_occlusion(
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     require(cache is None or settings is None, "settings must be left out with a cache", settings)
     if cache is None:
-        cache = VisibilityMapCache(scene, replace(settings or MapSettings(), criterion="ambient"))
+        cache = VisibilityMapCache(scene, replace(settings or AMBIENT, criterion="ambient"))
     ambient = cache.settings.criterion == "ambient"
     require(ambient, 'the cache\'s criterion must be "ambient"', cache.settings.criterion)
     require(cache.scene.content_hash == scene.content_hash, "cache must be of the scene",
             "one of another scene")  # fmt: skip
-    grid = round(spp**0.5) if is_whole(spp) and spp >= 1 else 0
-    require(grid > 0 and grid * grid == spp, "spp must be a square number >= 1", spp)
+    require(is_whole(spp) and 1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
+    require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     view = find_camera(scene, camera)
     columns, rows = checked_size(size or (view.width, view.height))
     cores = checked_threads(threads)
 
     start, cpu = time.perf_counter(), time.process_time()
     before = cache.rays, len(cache)
-    places = [((i + 0.5) / grid, (j + 0.5) / grid) for j in range(grid) for i in range(grid)]
-    for at in places:
-        cache.update(view, size=(columns, rows), at=at, threads=threads)
-    total = np.zeros(columns * rows)
-    seen = np.zeros(columns * rows)
+    parts = (scene._core, scene.caster(), view, columns, rows, seed)
+    rules = _core.vismap.PixelRules(cache.settings.d_max)
+    total, seen = np.zeros(columns * rows), np.zeros(columns * rows)
     unserved, jumps = 0, []
-    for at in places:
-        points, _, _ = cache._pixels(view, columns, rows, at, cores)
-        value, records, jump = cache._core.shade_ambient(points, width, weighted, cores)
-        there = points.d_max > 0
-        total += value
-        seen += there
-        unserved += int((there & (records == 0)).sum())
-        jumps.append(jump[there])
+    with cache._lock:
+        cache._start(view, columns, rows, cores)
+        for sample in range(spp):
+            points, _, _ = _core.vismap.sample_points(*parts, sample, rules, cores)
+            if sample == 0:
+                cache._insert(points, cores)
+            there = points.d_max > 0
+            value, records, jump = cache._core.shade_ambient(points, width, weighted, cores)
+            alone = np.flatnonzero(there & (records == 0))
+            if len(alone):
+                some = points.take(alone)
+                cache._insert(some, cores)
+                value[alone], records[alone], jump[alone] = cache._core.shade_ambient(
+                    some, width, weighted, cores
+                )
+            total += value
+            seen += there
+            unserved += int((there & (records == 0)).sum())
+            jumps.append(jump[there])
     rays, points_shaded = cache.rays - before[0], int(seen.sum())
     jump_p99 = float(np.quantile(np.concatenate(jumps), 0.99)) if points_shaded else 0.0
     image = (total / np.maximum(seen, 1)).astype(np.float32)
@@ -122,7 +138,7 @@ def cached_ambient_occlusion(
         timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
         parameters={
             "scene": scene.spec or scene.name, "scene_hash": scene.content_hash,
-            "settings": asdict(cache.settings), "size": [columns, rows], "spp": spp,
+            "settings": asdict(cache.settings), "size": [columns, rows], "spp": spp, "seed": seed,
             "camera": view.name, "width": width, "weighted": weighted,
         },
         provenance=provenance(threads),

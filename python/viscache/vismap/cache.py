@@ -201,18 +201,12 @@ class VisibilityMapCache:
         width, height = checked_size(size or (view.width, view.height))
         cores = checked_threads(threads)
         with self._lock:
-            startup: dict[str, Any] = {"inserted": 0, "duplicates": 0, "rays": 0}
-            if not self.started:
-                startup = self._start(view, width, height, cores)
+            startup = self._start(view, width, height, cores)
             points, misses, bad_normals = self._pixels(view, width, height, at, cores)
-            order = pixel_order(self.settings.order, width, height)
-            with progress_bar(progress, unit="pixel") as report:
-                found = self._core.insert(
-                    self.scene._core, self.scene.caster(), points.take(order), frame=self.frame,
-                    mode=self.settings.mode, batch=self.settings.batch,
-                    settle=self.settings.settle, threads=cores, progress=report,
-                )  # fmt: skip
-            self.rays += found["rays"]
+            ordered = points
+            if self.settings.order != "scanline":
+                ordered = points.take(pixel_order(self.settings.order, width, height))
+            found = self._insert(ordered, cores, progress)
             self._core.mark_used(points, self.frame, cores)
         return UpdateReport(
             frame=self.frame,
@@ -238,7 +232,23 @@ class VisibilityMapCache:
             self.scene._core, self.scene.caster(), view, width, height, at, rules, threads
         )
 
+    def _insert(
+        self, points: _core.vismap.CachePoints, threads: int, progress: Progress = False
+    ) -> dict[str, Any]:
+        """Records for those of the points that want one."""
+        with progress_bar(progress, unit="pixel") as report:
+            found = self._core.insert(
+                self.scene._core, self.scene.caster(), points, frame=self.frame,
+                mode=self.settings.mode, batch=self.settings.batch, settle=self.settings.settle,
+                threads=threads, progress=report,
+            )  # fmt: skip
+        self.rays += found["rays"]
+        return found
+
     def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, Any]:
+        """The start-up records, once."""
+        if self.started:
+            return {"inserted": 0, "duplicates": 0, "rays": 0}
         points, _, _ = _core.vismap.startup_points(
             self.scene._core, self.scene.caster(), view, width, height, self.settings.n_startup,
             self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
