@@ -67,8 +67,8 @@ def variance_ratio(
     Notes
     -----
     The variance of a pixel is that over renders, with ddof = 1: no reference is needed, and none
-    adds noise. The interval takes renders with replacement, of both sides apart. It is too narrow
-    for few renders: eight or more are sensible.
+    adds noise. The interval takes renders with replacement, of both sides apart, and leaves out
+    draws of equal baselines. It is too narrow for few renders: eight or more are sensible.
     """
     a, b = _planes(ours, "ours", pixels), _planes(baseline, "baseline", pixels)
     require(a.shape[1] == b.shape[1], "renders must have the same pixels", (a.shape[1], b.shape[1]))
@@ -76,7 +76,9 @@ def variance_ratio(
     total = float(variance_b.sum())
     require(total > 0, "baseline must vary", total)
     rng = np.random.Generator(np.random.PCG64(seed))
-    low, high = np.quantile(_resampled_sums(a, rng) / _resampled_sums(b, rng), (0.025, 0.975))
+    drawn_a, drawn_b = _resampled_sums(a, rng), _resampled_sums(b, rng)
+    varying = drawn_b > 0
+    low, high = np.quantile(drawn_a[varying] / drawn_b[varying], (0.025, 0.975))
     both = variance_a + variance_b
     kept = np.argsort(both, kind="stable")[: max(1, int(len(both) * (1 - TRIMMED_SHARE)))]
     sums_a, sums_b = a.sum(axis=1), b.sum(axis=1)
