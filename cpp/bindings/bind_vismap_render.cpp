@@ -7,6 +7,7 @@
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
 #include "viscache/vismap/map_cache.h"
+#include "viscache/vismap/temporal.h"
 
 namespace viscache::bindings {
 
@@ -29,9 +30,9 @@ VisMapSettings settings_of(AlphaMode alpha, double alpha_value, bool pilot_alpha
     return s;
 }
 
-py::dict render_maps(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
-                     const IntegratorSettings& integrator, const FrameSettings& frame,
-                     const EnvironmentMaps& maps, const py::object& progress) {
+FrameResult render_maps(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+                        const IntegratorSettings& integrator, const FrameSettings& frame,
+                        const EnvironmentMaps& maps, const py::object& progress) {
     if (!scene.environment())
         throw py::value_error("scene must have an environment light for visibility maps");
     if (integrator.environment != EnvironmentSampling::kProduct || integrator.n_environment < 1)
@@ -44,7 +45,7 @@ py::dict render_maps(const Scene& scene, const EmbreeCaster& caster, const Camer
                 [&] { return std::make_unique<ExactOracle>(caster, scene.offset_extent()); }, control, &maps);
         },
         progress);
-    return frame_dict(result);
+    return result;
 }
 
 }  // namespace
@@ -58,8 +59,8 @@ void bind_vismap_render(py::module_& m) {
         "render_vismap",
         [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
-           const MapCache& cache, const FloatArray& d_max, const FloatArray& footprint,
-           const py::object& progress) {
+           MapCache& cache, const FloatArray& d_max, const FloatArray& footprint, bool count_misses,
+           uint32_t cache_frame, const py::object& progress) {
             const py::ssize_t pixels = py::ssize_t(frame.width) * frame.height;
             for (const auto* a : {&d_max, &footprint})
                 if (a->ndim() != 1 || a->shape(0) != pixels)
@@ -70,12 +71,15 @@ void bind_vismap_render(py::module_& m) {
                 const CachePoint p{position, normal, reach[pixel], width[pixel]};
                 return p.usable() ? cache.blend(cache.select(p)) : BlendedMaps{.m = cache.parameters().m};
             };
-            const EnvironmentMaps maps{{cache.parameters().m, look}, settings};
-            return render_maps(scene, caster, camera, integrator, frame, maps, progress);
+            const EnvironmentMaps maps{{cache.parameters().m, look, count_misses ? cache.size() : 0},
+                                       settings};
+            const FrameResult result = render_maps(scene, caster, camera, integrator, frame, maps, progress);
+            if (result.tally) add_tally(cache, *result.tally, cache_frame);
+            return frame_dict(result);
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
         py::arg("settings"), py::arg("cache"), py::arg("d_max"), py::arg("footprint"), py::kw_only(),
-        py::arg("progress") = py::none(),
+        py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::arg("progress") = py::none(),
         "A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and "
         "footprint are those of the pixels' centres, (H·W,).");
     m.def(
@@ -85,9 +89,9 @@ void bind_vismap_render(py::module_& m) {
            const BoolArray& bits, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
             const BoundMaps given(bits, beta, dilated);
             if (!given.dilated()) throw py::value_error("dilated must be given");
-            const EnvironmentMaps maps{{given.view.m, [&](Vec3, Vec3, size_t) { return given.view; }},
+            const EnvironmentMaps maps{{given.view.m, [&](Vec3, Vec3, size_t) { return given.view; }, 0},
                                        settings};
-            return render_maps(scene, caster, camera, integrator, frame, maps, py::none());
+            return frame_dict(render_maps(scene, caster, camera, integrator, frame, maps, py::none()));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
         py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),

@@ -176,6 +176,38 @@ def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
     assert sum(t[p] for p in parts) <= t["contributions_cpu_s"] * (1 + 1e-6)
 
 
+def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
+    """One record a point: one comparison a ray. What has moved shows, threads do not."""
+    counted = []
+    for threads in (1, 3):
+        cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_best=1))
+        cache.update(size=(40, 24))
+        maps = vc.VisMaps(cache=cache, update=False, count_misses=True, sampling="product")
+        frame = vc.render(
+            scene, direct(passes=2, centred=True), visibility=maps, size=(40, 24), threads=threads
+        )
+        records, c = cache.records(), frame.counters
+        rays = c["groups"]["environment"]["rays"] - c["pilot_rays"]
+        assert c["product_unserved"] == 0 and records.rays.sum() == rays > 0
+        assert 0 < records.misses.sum() < 0.2 * rays
+        counted.append((records.rays, records.misses))
+    np.testing.assert_array_equal(counted[0], counted[1])
+    silent = vc.VisMaps(cache=cache, update=False)
+    vc.render(scene, direct(), visibility=silent, size=(40, 24))
+    assert cache.records().rays.sum() == counted[1][0].sum()
+    # The cube has gone: what the records say of it is wrong now
+    bare = vc.scenes.cube_on_plane(size=0.01).with_environment(sky())
+    cache.update(scene=bare, size=(40, 24))
+    cache.reset_errors()
+    vc.render(
+        bare, direct(), visibility=vc.VisMaps(cache=cache, update=False, count_misses=True),
+        size=(40, 24),
+    )  # fmt: skip
+    after = cache.records()
+    before = counted[0][1].sum() / counted[0][0].sum()
+    assert after.misses.sum() / after.rays.sum() > 1.5 * before
+
+
 @pytest.mark.stat
 def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
     garage = vc.scenes.garage(triangles=60_000)

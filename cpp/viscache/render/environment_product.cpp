@@ -37,17 +37,19 @@ bool finite(const DirectionSample& s) { return std::isfinite(s.z) && std::isfini
 
 }  // namespace
 
-void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, uint32_t eye, PointEstimate& point,
+void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, Slot& slot, PointEstimate& point,
                                  Counters& counters) {
     ++counters.product_points;
     if (point.dark()) ++counters.product_dark;
     if (!c_.maps || point.dark()) return;
     const bool guide = c_.settings.sampling == DensityChoice::kGuided ||
                        (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
-    const BlendedMaps maps = c_.maps->at(eyes.block.position[eye], eyes.block.normal[eye],
-                                         pixel_in_frame(tile, eyes, eye, c_.frame_width));
-    counters.product_unserved += maps.count == 0;
-    point.look(maps, guide && !c_.settings.replace);
+    slot.maps = c_.maps->at(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
+                            pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
+    counters.product_unserved += slot.maps.count == 0;
+    point.look(slot.maps, guide && !c_.settings.replace);
+    if (!tally_.used.empty())
+        for (int i = 0; i < slot.maps.count; ++i) tally_.used[slot.maps.id[i]] = 1;
     if (guide && !c_.settings.replace) counters.product_guided += point.guide(c_.settings.eta);
 }
 
@@ -92,6 +94,17 @@ void EnvironmentProduct::finish(const EyeTile& eyes, int pass, std::span<Rgb> su
     }
 }
 
+void EnvironmentProduct::compare_records() {
+    const size_t n = size_t(c_.integrator.n_environment);
+    const int below = 2 * (c_.light.levels() - c_.maps->m);
+    for (const uint32_t sample : asked_) {
+        const BlendedMaps& maps = slots_[sample / n].maps;
+        const size_t cell = samples_[sample].texel >> below;
+        for (int i = 0; i < maps.count; ++i)
+            tally_.compare(maps.id[i], get_bit(maps.bits[i], cell), visible_[sample] != 0);
+    }
+}
+
 void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOracle& oracle,
                              std::span<Rgb> sum, std::span<Rgb> last, Counters& counters,
                              ProductSeconds& seconds, const Control& control) {
@@ -103,7 +116,7 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
         control.check();
         slots_.clear();
         for (size_t i = first; i < std::min(first + batch, eyes.size()); ++i)
-            if (reflects(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}});
+            if (reflects(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}, {}});
         samples_.assign(slots_.size() * n, {}), visible_.assign(slots_.size() * n, 0);
         for (int pass = 0; pass < c_.integrator.passes; ++pass) {
             const double cpu = thread_cpu_seconds();
@@ -116,7 +129,7 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
                 if (pass == 0)
                     point.begin(c_.light, SurfaceReflection(eyes.shading[eye]), c_.maps ? c_.maps->m : 5);
                 const double built = tick();
-                if (pass == 0) prepare(tile, eyes, eye, point, counters);
+                if (pass == 0) prepare(tile, eyes, slots_[k], point, counters);
                 slots_[k].moments = point.moments();
                 const double looked = tick();
                 if (!replace && !point.dark()) draw(eyes, k, point, pass, counters);
@@ -130,6 +143,7 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
             for_each_bit(answer_, [&](size_t i) { visible_[asked_[i]] = 1; });
             const double traced = thread_cpu_seconds();
             finish(eyes, pass, sum, last, counters);
+            if (!tally_.rays.empty()) compare_records();
             seconds.visibility += traced - before, seconds.finish += thread_cpu_seconds() - traced;
         }
     }

@@ -6,6 +6,7 @@
 
 #include "viscache/render/eye_paths.h"
 #include "viscache/vismap/point_estimate.h"
+#include "viscache/vismap/temporal.h"
 
 namespace viscache {
 
@@ -28,6 +29,7 @@ struct VisMapSettings {
 struct MapSource {
     int m = 5;
     std::function<BlendedMaps(Vec3 position, Vec3 normal, size_t pixel)> at;
+    size_t records = 0;  ///< > 0: ids lie below; count how often every record was wrong
 };
 
 /// What all tiles share.
@@ -53,7 +55,11 @@ struct ProductSeconds {
 /// One thread's work; buffers are kept.
 class EnvironmentProduct {
 public:
-    explicit EnvironmentProduct(const ProductContext& context) : c_(context) {}
+    explicit EnvironmentProduct(const ProductContext& context)
+        : c_(context), tally_(context.maps ? context.maps->records : 0) {}
+
+    /// Every ray of the tiles so far against what each blended record said.
+    const RecordTally& tally() const { return tally_; }
 
     /// Adds the mean of all passes to `sum`, and the last pass to `last`; both are the tile's pixels.
     void add(const Tile& tile, const EyeTile& eyes, VisibilityOracle& oracle, std::span<Rgb> sum,
@@ -64,13 +70,15 @@ private:
         uint32_t eye;
         PointMoments moments;
         AlphaSums earlier;
+        BlendedMaps maps;
     };
-    void prepare(const Tile& tile, const EyeTile& eyes, uint32_t eye, PointEstimate& point,
-                 Counters& counters);
+    void prepare(const Tile& tile, const EyeTile& eyes, Slot& slot, PointEstimate& point, Counters& counters);
+    void compare_records();
     void draw(const EyeTile& eyes, size_t slot, const PointEstimate& point, int pass, Counters& counters);
     void finish(const EyeTile& eyes, int pass, std::span<Rgb> sum, std::span<Rgb> last, Counters& counters);
 
     const ProductContext& c_;
+    RecordTally tally_;
     std::vector<PointEstimate> points_;
     std::vector<Slot> slots_;
     std::vector<DirectionSample> samples_;  ///< n of every slot

@@ -128,6 +128,8 @@ public:
         clock.lap(stages.shading);
     }
 
+    const RecordTally* tally() const { return product_ ? &product_->tally() : nullptr; }
+
 private:
     void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock,
                     const Control& control) {
@@ -329,6 +331,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     });
     for (size_t i = 0; i < tiles.size(); ++i)
         counters.merge(counted[i]), out.stages.merge(stages[i]), out.product.merge(product_stages[i]);
+    if (maps && maps->source.records > 0 && product) {
+        out.tally.emplace(maps->source.records);
+        for (const auto& worker : workers)
+            if (worker) out.tally->merge(*worker->tally());
+    }
     out.counters = counters;
     out.tiles_s = wall_seconds() - start - out.lights_s - out.pilot_s;
     return out;

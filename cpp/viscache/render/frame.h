@@ -37,6 +37,7 @@ struct FrameResult {
     StageSeconds stages;
     ProductSeconds product;            ///< of the environment by product sampling; in `stages` too
     std::optional<Forecast> forecast;  ///< of frames with maps
+    std::optional<RecordTally> tally;  ///< where the map source has numbered records
     double pilot_s = 0;                ///< wall seconds of the trial
     double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
     size_t n_vpls = 0;

@@ -10,6 +10,7 @@ constexpr int kMaxBlended = 8;  ///< records blended at one point, at most
 /// equal-area octahedral map along the Morton curve: cell z is bit z % 64 of word z / 64.
 struct BlendedMaps {
     int m = 5;
+    uint32_t id[kMaxBlended]{};          ///< the records
     int count = 0;                       ///< 0: there is no approximation
     float beta[kMaxBlended];             ///< > 0, sum 1
     const Word* bits[kMaxBlended];       ///< 4^m bits

@@ -126,7 +126,7 @@ BlendedMaps MapCache::blend(const Selection& s) const {
     if (!(sum > kLeastWeightSum)) return maps;
     for (int i = 0; i < s.count && s.best[size_t(i)].weight > 0; ++i) {
         const uint32_t id = s.best[size_t(i)].id;
-        maps.beta[i] = s.best[size_t(i)].weight / sum;
+        maps.beta[i] = s.best[size_t(i)].weight / sum, maps.id[i] = id;
         maps.bits[i] = records_.bits(id), maps.hierarchy[i] = records_.hierarchy(id);
         for (int level = 1; level <= dilations(maps.m); ++level)
             maps.dilated[level - 1][i] = records_.dilated(id, level);

@@ -35,6 +35,10 @@ class VisMaps(MapSettings):
         None: a new one for every frame.
     update : bool
         Give records to pixels of this image that want one before it is rendered.
+    count_misses : bool
+        Count in the cache how often its records were wrong about the frame's rays, which
+        `VisibilityMapCache.end_frame` removes them by. The share is that under the density the rays
+        are drawn by: guided densities send fewer where the records see nothing.
     alpha : {"previous_pass", "loo", "one", "zero"} or float
         The control variate's coefficient. "previous_pass": by regression on the samples of all
         earlier passes of the pixel, in the first pass on those of a trial on some pixels. "loo":
@@ -51,6 +55,7 @@ class VisMaps(MapSettings):
 
     cache: VisibilityMapCache | None = None
     update: bool = True
+    count_misses: bool = False
     alpha: Alpha = "previous_pass"
     sampling: Literal["auto", "product", "guided"] = "auto"
     eta: float = 0.25
@@ -96,6 +101,7 @@ class VisMaps(MapSettings):
         """Names and values, JSON-able: of the cache's own settings where one is given."""
         made = self.cache.settings if self.cache else self.map_settings()
         return made.parameters() | {
-            "cache": self.cache is not None, "update": self.update, "alpha": self.alpha,
+            "cache": self.cache is not None, "update": self.update,
+            "count_misses": self.count_misses, "alpha": self.alpha,
             "sampling": self.sampling, "eta": self.eta,
         }  # fmt: skip

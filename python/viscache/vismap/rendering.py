@@ -64,7 +64,8 @@ def render_with_maps(
     with cache._lock:
         result: dict[str, Any] = _core.render_vismap(
             scene._core, caster, view, core, frame, settings, cache._core, points.d_max,
-            points.footprint, progress=progress,
+            points.footprint, count_misses=visibility.count_misses, cache_frame=cache.frame,
+            progress=progress,
         )  # fmt: skip
     result["counters"].update(records=len(cache), records_inserted=inserted, records_rays=traced)
     result["timings"]["records_s"] = records_s
