@@ -63,7 +63,7 @@ BENCHES: dict[str, BenchInfo] = {
     "vlf-build": BenchInfo(description="building visibility fields"),
     "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
     "vismap-variance": BenchInfo(
-        description="variance with visibility maps at equal samples against product sampling",
+        description="variance with visibility maps against product sampling",
         function=vismap_variance,
     ),
     "sweep": BenchInfo(description="overhead of a sweep outside rendering and metrics"),

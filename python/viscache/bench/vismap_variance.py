@@ -2,7 +2,7 @@
 
 Random pixels of a picture are estimated many times in the world of the environment's texels, where
 the true value is a sum (`viscache.vismap.simulation`). Both sides take the same number of samples
-from the same kind of points; time is not compared here.
+from the same kind of points. Rendered pictures in equal time follow (`vismap_time`).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.bench.common import Outcome, build_scene, figure
+from viscache.bench.vismap_time import equal_time
 from viscache.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
@@ -80,6 +81,7 @@ def vismap_variance(quick: bool = False) -> Outcome:
                          **(QUICK if quick else FULL))  # fmt: skip
         add_figures(outcome, case, found, samples, len(cache))
         check_means(outcome, case.name, found)
+    equal_time(outcome, quick)
     outcome.notes.append(
         "values are variances left; ratios are gains, product sampling over ours, with the 95 % "
         "interval of a bootstrap over replicates; in the world of the environment's texels"
