@@ -43,6 +43,11 @@ class VarianceRatio:
     energy_z: float
     """The same over its standard error."""
 
+    @property
+    def gains(self) -> list[float]:
+        """Baseline over ours: least, as measured, most; 10¹² where nothing is left."""
+        return [1 / max(left, 1e-12) for left in (self.high, self.ratio, self.low)]
+
 
 def variance_ratio(
     ours: Images, baseline: Images, *, pixels: npt.NDArray[np.bool_] | None = None, seed: int = 0
@@ -77,7 +82,7 @@ def variance_ratio(
     require(total > 0, "baseline must vary", total)
     rng = np.random.Generator(np.random.PCG64(seed))
     drawn_a, drawn_b = _resampled_sums(a, rng), _resampled_sums(b, rng)
-    varying = drawn_b > 0
+    varying = drawn_b > 1e-9 * total
     low, high = np.quantile(drawn_a[varying] / drawn_b[varying], (0.025, 0.975))
     both = variance_a + variance_b
     kept = np.argsort(both, kind="stable")[: max(1, int(len(both) * (1 - TRIMMED_SHARE)))]
@@ -126,4 +131,4 @@ def _resampled_sums(planes: Planes, rng: np.random.Generator) -> Planes:
     weights = np.stack([(drawn % n == k).sum(axis=1) for k in range(n)], axis=1).astype(float)
     sums: Planes = weights @ np.diag(gram) - ((weights @ gram) * weights).sum(axis=1) / n
     # Unbiased with weights: renders drawn twice count for less
-    return np.asarray(sums / (n - (weights**2).sum(axis=1) / n))
+    return np.asarray(np.maximum(sums, 0) / (n - (weights**2).sum(axis=1) / n))

@@ -24,6 +24,8 @@ def test_the_ratio_is_that_of_the_sums_of_sample_variances() -> None:
     found = variance_ratio(a, b)
     assert found.ratio == pytest.approx(expected[0] / expected[1])
     assert found.renders == (5, 7)
+    assert found.gains[1] == pytest.approx(1 / found.ratio)
+    assert found.gains == sorted(found.gains)
     assert found.low < found.ratio < found.high
     scaled = variance_ratio([3 * i for i in a], [3 * i for i in b])
     assert scaled.ratio == pytest.approx(found.ratio)
@@ -47,6 +49,12 @@ def test_the_interval_of_two_or_three_renders_is_finite() -> None:
         found = variance_ratio(renders(n, 1.0, 0), renders(n, 2.0, 1))
         assert 0.05 < found.low <= found.ratio * 1.0001
         assert found.ratio * 0.9999 <= found.high < 2
+
+
+def test_draws_of_equal_renders_are_left_out_of_the_interval() -> None:
+    black = np.zeros((6, 8, 3))
+    found = variance_ratio(renders(4, 1.0, 0), [black, black, black, renders(1, 2.0, 1)[0]])
+    assert 0 < found.low <= found.high < np.inf
 
 
 def test_a_pixel_that_flares_up_is_left_out_of_the_trimmed_ratio() -> None:

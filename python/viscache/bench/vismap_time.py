@@ -82,7 +82,7 @@ def _gain(
     outcome.figures.append(
         figure(f"{case.scene}, {name}, equal time vs product sampling", left.ratio,
                "of the variance", baseline=1.0,
-               ratios=[1 / left.high, 1 / left.ratio, 1 / left.low],
+               ratios=left.gains,
                goal=case.goals.get(name), samples=SAMPLES, samples_of_baseline=equal)
     )  # fmt: skip
 

@@ -116,7 +116,7 @@ def add_figures(
             outcome.figures.append(
                 figure(f"{case.name}, {name}, {points}, {n} samples vs product sampling",
                        left.ratio, "of the variance", baseline=1.0,
-                       ratios=[1 / left.high, 1 / left.ratio, 1 / left.low],
+                       ratios=left.gains,
                        goal=None if limit is None else 1 / limit, records=n_records,
                        trimmed=left.trimmed, worse_share=left.worse_share)
             )  # fmt: skip
