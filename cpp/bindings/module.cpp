@@ -20,6 +20,7 @@ void bind_scene_info(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
 void bind_vismap_cache(py::module_& m);
 void bind_vismap_cache_maps(py::module_& m);
+void bind_vismap_points(py::module_& m);
 void bind_vismap_product(py::module_& m);
 void bind_vismap_render(py::module_& m);
 void bind_warp(py::module_& m);
@@ -43,6 +44,7 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_product(m);
     bind_vismap_estimate(m);
     bind_vismap_cache_maps(m);
+    bind_vismap_points(m);
     bind_vismap_cache(m);
     bind_relighting(m);
     bind_warp(m);
