@@ -3,11 +3,11 @@
 
 #include "arrays.h"
 #include "interrupt.h"
+#include "pixel_maps.h"
 #include "viscache/render/relighting.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/vismap/environment_pyramid.h"
-#include "viscache/vismap/map_cache.h"
 #include "viscache/vismap/record.h"
 
 namespace viscache::bindings {
@@ -19,23 +19,12 @@ std::unique_ptr<Relighting> trace(const Scene& scene, const EmbreeCaster& caster
                                   const MapCache& cache, const FloatArray& d_max, const FloatArray& footprint,
                                   const py::object& progress) {
     check_camera(camera);
-    const py::ssize_t pixels = py::ssize_t(frame.width) * frame.height;
-    for (const auto* a : {&d_max, &footprint})
-        if (a->ndim() != 1 || a->shape(0) != pixels)
-            throw py::value_error("d_max and footprint must have one entry per pixel, got " + shape_text(*a));
-    const float *reach = d_max.data(), *size = footprint.data();
-    const auto look = [&](Vec3 position, Vec3 normal, size_t pixel) {
-        const CachePoint p{position, normal, reach[pixel], size[pixel]};
-        return p.usable() ? cache.blend(cache.select(p)) : BlendedMaps{.m = cache.parameters().m};
-    };
+    const MapSource maps = pixel_maps(cache, frame, d_max, footprint);
     const EyePathTracer tracer{scene, caster, FilmCamera(camera, frame.width, frame.height), integrator,
                                frame};
     std::unique_ptr<Relighting> made;
-    run_interruptible(
-        [&](Control& control) {
-            made = std::make_unique<Relighting>(tracer, cache.parameters().m, look, control);
-        },
-        progress);
+    run_interruptible([&](Control& control) { made = std::make_unique<Relighting>(tracer, maps, control); },
+                      progress);
     return made;
 }
 

@@ -4,9 +4,9 @@
 #include "bound_maps.h"
 #include "frame_dict.h"
 #include "interrupt.h"
+#include "pixel_maps.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
-#include "viscache/vismap/map_cache.h"
 #include "viscache/vismap/temporal.h"
 
 namespace viscache::bindings {
@@ -61,18 +61,8 @@ void bind_vismap_render(py::module_& m) {
            const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
            MapCache& cache, const FloatArray& d_max, const FloatArray& footprint, bool count_misses,
            uint32_t cache_frame, const py::object& progress) {
-            const py::ssize_t pixels = py::ssize_t(frame.width) * frame.height;
-            for (const auto* a : {&d_max, &footprint})
-                if (a->ndim() != 1 || a->shape(0) != pixels)
-                    throw py::value_error("d_max and footprint must have one entry per pixel, got " +
-                                          shape_text(*a));
-            const float *reach = d_max.data(), *width = footprint.data();
-            const auto look = [&cache, reach, width](Vec3 position, Vec3 normal, size_t pixel) {
-                const CachePoint p{position, normal, reach[pixel], width[pixel]};
-                return p.usable() ? cache.blend(cache.select(p)) : BlendedMaps{.m = cache.parameters().m};
-            };
-            const EnvironmentMaps maps{{cache.parameters().m, look, count_misses ? cache.size() : 0},
-                                       settings};
+            EnvironmentMaps maps{pixel_maps(cache, frame, d_max, footprint), settings};
+            if (count_misses) maps.source.records = cache.size();
             const FrameResult result = render_maps(scene, caster, camera, integrator, frame, maps, progress);
             if (result.tally) add_tally(cache, *result.tally, cache_frame);
             return frame_dict(result);

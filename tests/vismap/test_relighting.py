@@ -27,9 +27,9 @@ def eye_points(scene: vc.Scene, threads: int = 1) -> dict[str, Floats]:
     frame = _core.FrameSettings()
     frame.width, frame.height = SIZE
     frame.threads = threads
-    found = _core.trace_eye_points(
-        scene._core, scene.caster(), view(), core_settings(vc.Whitted()), frame
-    )
+    integrator = core_settings(vc.Whitted())
+    integrator.centred = True
+    found = _core.trace_eye_points(scene._core, scene.caster(), view(), integrator, frame)
     return {name: np.asarray(value) for name, value in found.items()}
 
 

@@ -1,13 +1,6 @@
 #include "viscache/correlation/pair_kernel.h"
 
-#if VISCACHE_X86
-// g++ 12 takes the undefined operands in its own header for mistakes
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include <immintrin.h>
-#pragma GCC diagnostic pop
-#endif
+#include "viscache/math/x86_intrinsics.h"
 
 namespace viscache {
 namespace {

@@ -19,15 +19,13 @@ inline uint32_t spread3(uint32_t v) {
     return (v | v << 2) & 0x09249249u;
 }
 
-/// Spreads the lowest 16 bits to every second bit.
-inline uint32_t spread2(uint32_t v) {
-    v &= 0xffffu;
-    v = (v | v << 8) & 0x00ff00ffu;
-    v = (v | v << 4) & 0x0f0f0f0fu;
-    v = (v | v << 2) & 0x33333333u;
-    return (v | v << 1) & 0x55555555u;
+/// Spreads 32 bits to every second bit.
+inline uint64_t spread2(uint64_t v) {
+    v = (v | v << 16) & 0x0000ffff0000ffffull, v = (v | v << 8) & 0x00ff00ff00ff00ffull;
+    v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full, v = (v | v << 2) & 0x3333333333333333ull;
+    return (v | v << 1) & 0x5555555555555555ull;
 }
-/// Its inverse: gathers the bits on even places.
+/// Gathers the bits on even places again, of 16 spread ones.
 inline uint32_t gather2(uint32_t v) {
     v &= 0x55555555u;
     v = (v | v >> 1) & 0x33333333u;
@@ -38,17 +36,9 @@ inline uint32_t gather2(uint32_t v) {
 
 /// [VisMap Eq. 10] Z-order number of a cell of a square map: x on the even bits, y on the odd ones. The cells
 /// of a quadtree's node are consecutive. `gather2` of the number and of half of it are x and y again.
-inline uint32_t morton2(uint32_t x, uint32_t y) { return spread2(x) | spread2(y) << 1; }
-
+inline uint32_t morton2(uint32_t x, uint32_t y) { return uint32_t(spread2(x) | spread2(y) << 1); }
 /// The same for coordinates of more than 16 bits.
-inline uint64_t morton2_wide(uint32_t x, uint32_t y) {
-    const auto spread = [](uint64_t v) {
-        v = (v | v << 16) & 0x0000ffff0000ffffull, v = (v | v << 8) & 0x00ff00ff00ff00ffull;
-        v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full, v = (v | v << 2) & 0x3333333333333333ull;
-        return (v | v << 1) & 0x5555555555555555ull;
-    };
-    return spread(x) | spread(y) << 1;
-}
+inline uint64_t morton2_wide(uint32_t x, uint32_t y) { return spread2(x) | spread2(y) << 1; }
 
 /// Code of a cell in a grid of 1024³; x on the lowest bit.
 inline uint32_t morton3(uint32_t x, uint32_t y, uint32_t z) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "viscache/render/local_samples.h"
 #include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
@@ -16,19 +17,9 @@ double tick() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-bool reflects(const ShadingPoint& sp) {
-    return max_component(sp.base) > 0 || (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
-}
-
 size_t pixel_in_frame(const Tile& tile, const EyeTile& eyes, uint32_t eye, int frame_width) {
     const uint32_t p = eyes.pixel[eye], w = uint32_t(eyes.width);
     return size_t(tile.y0 + int(p / w)) * size_t(frame_width) + size_t(tile.x0 + int(p % w));
-}
-
-ShadowQuery towards(uint32_t eye, Vec3 wi) {
-    ShadowQuery q;
-    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(LightGroup::kEnvironment), q.far = wi;
-    return q;
 }
 
 Rgb reflected(const ShadingPoint& sp, Vec3 wi) { return eval_bsdf(sp, wi) * std::max(0.f, dot(sp.ns, wi)); }
@@ -71,7 +62,9 @@ void EnvironmentProduct::draw(const EyeTile& eyes, size_t slot, const PointEstim
             out = {};
         }
         visible_[i] = 0;
-        if (out.matters) queries_.push_back(towards(eye, s.wi)), asked_.push_back(uint32_t(i));
+        if (out.matters)
+            queries_.push_back(query_towards(eye, s.wi, LightGroup::kEnvironment, 0)),
+                asked_.push_back(uint32_t(i));
     }
 }
 
@@ -116,7 +109,7 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
         control.check();
         slots_.clear();
         for (size_t i = first; i < std::min(first + batch, eyes.size()); ++i)
-            if (reflects(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}, {}});
+            if (!is_black(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}, {}});
         samples_.assign(slots_.size() * n, {}), visible_.assign(slots_.size() * n, 0);
         for (int pass = 0; pass < c_.integrator.passes; ++pass) {
             const double cpu = thread_cpu_seconds();
@@ -197,7 +190,7 @@ public:
         const int x = int(pixel % size_t(c_.frame_width)), y = int(pixel / size_t(c_.frame_width));
         const Tile tile{x, y, x + 1, y + 1};
         tracer_.trace(tile, eyes_, counters, control);
-        if (eyes_.size() == 0 || !reflects(eyes_.shading[0])) return;
+        if (eyes_.size() == 0 || is_black(eyes_.shading[0])) return;
         point_.begin(c_.light, SurfaceReflection(eyes_.shading[0]), c_.maps->m);
         if (point_.dark()) return;
         point_.look(c_.maps->at(eyes_.block.position[0], eyes_.block.normal[0], pixel), true);
@@ -212,7 +205,8 @@ public:
             samples_[i] = point_.complete(s, reflected(eyes_.shading[0], s.wi));
             if (!finite(samples_[i])) samples_[i] = {};
             d_[i] = shaped ? point_.shaped_density(s.texel) : 1, visible_[i] = 0;
-            if (samples_[i].matters) queries.push_back(towards(0, s.wi)), asked.push_back(i);
+            if (samples_[i].matters)
+                queries.push_back(query_towards(0, s.wi, LightGroup::kEnvironment, 0)), asked.push_back(i);
         }
         oracle_->begin_tile(eyes_.block);
         Word answer[1]{};

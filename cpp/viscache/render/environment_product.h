@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "viscache/render/eye_paths.h"
+#include "viscache/vismap/map_source.h"
 #include "viscache/vismap/point_estimate.h"
 #include "viscache/vismap/temporal.h"
 
@@ -23,13 +24,6 @@ struct VisMapSettings {
     DensityChoice sampling = DensityChoice::kAuto;
     double eta = 0.25;     ///< floor of guided densities
     bool replace = false;  ///< J is the answer, without rays
-};
-
-/// Maps that speak for points, from any cache. `at` must not change while a frame is rendered.
-struct MapSource {
-    int m = 5;
-    std::function<BlendedMaps(Vec3 position, Vec3 normal, size_t pixel)> at;
-    size_t records = 0;  ///< > 0: ids lie below; count how often every record was wrong
 };
 
 /// What all tiles share.

@@ -136,7 +136,8 @@ private:
         wanted_.reset(eyes_.size(), lights.ends.count), visible_.reset(eyes_.size(), lights.ends.count);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
-            if (reflects(i)) counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
+            if (!is_black(eyes_.shading[i]))
+                counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
@@ -171,11 +172,12 @@ private:
                                  s.environment == EnvironmentSampling::kMis;
         if (area)
             add_batches(s.n_area, counters, stages, clock, control, [&](uint32_t eye) {
-                if (reflects(eye)) add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+                if (!is_black(eyes_.shading[eye]))
+                    add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
         if (environment)
             add_batches(s.n_environment + s.n_brdf, counters, stages, clock, control, [&](uint32_t eye) {
-                if (reflects(eye))
+                if (!is_black(eyes_.shading[eye]))
                     add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
         if (s.ambient)
@@ -210,11 +212,6 @@ private:
         }
     }
 
-    bool reflects(size_t i) const {
-        const ShadingPoint& sp = eyes_.shading[i];
-        return max_component(sp.base) > 0 ||
-               (sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
-    }
     EyeShade shade(size_t i) const {
         return {eyes_.block.position[i], eyes_.shading[i].ng, eyes_.shading[i].ns};
     }

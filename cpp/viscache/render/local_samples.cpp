@@ -16,6 +16,13 @@ void LocalQueries::add(const ShadowQuery& query, Rgb value, Counters& counters) 
     queries.push_back(query), contribution.push_back(value);
 }
 
+ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max) {
+    ShadowQuery q;
+    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(group);
+    q.far = direction, q.density = density, q.t_max = t_max;
+    return q;
+}
+
 namespace {
 
 /// Randomised low-discrepancy samples keyed by one eye point and purpose: a (0,2)-sequence for positions, and
@@ -33,13 +40,6 @@ struct EyeSamples {
         return sobol02(owen_scramble(uint32_t(i), choice_shuffle), choice_scramble, 0).x;
     }
 };
-
-ShadowQuery towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max = kInfinity) {
-    ShadowQuery q;
-    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(group);
-    q.far = direction, q.density = density, q.t_max = t_max;
-    return q;
-}
 
 }  // namespace
 
@@ -81,7 +81,7 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
         const float cos = dot(sp.ns, wi);
         if (!(cos > 0 && dot(sp.ng, wi) > 0)) return;
         const float density = n_light * pdf_light + n_brdf * pdf_brdf;
-        out.add(towards(eye, wi, LightGroup::kEnvironment, density),
+        out.add(query_towards(eye, wi, LightGroup::kEnvironment, density),
                 throughput * eval_bsdf(sp, wi) * radiance * (cos / density), counters);
     };
     const EyeSamples light(seed, Purpose::kEnvironmentLight, eyes.stream[eye]);
@@ -126,7 +126,7 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
         const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;
         const float weight = settings.ambient_cosine ? 1.f : 2 * cosine;
         const Vec3 wi{batch.x[k], batch.y[k], batch.z[k]};
-        out.queries.push_back(towards(eye, wi, LightGroup::kAmbient, n * pdf, t_max));
+        out.queries.push_back(query_towards(eye, wi, LightGroup::kAmbient, n * pdf, t_max));
         out.contribution.push_back(eyes.throughput[eye] * (weight / n));
     }
 }

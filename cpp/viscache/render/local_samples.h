@@ -17,6 +17,10 @@ struct LocalQueries {
     void add(const ShadowQuery& query, Rgb value, Counters& counters);
 };
 
+/// A query of one eye point's own direction.
+ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density,
+                          float t_max = kInfinity);
+
 void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                       const IntegratorSettings& settings, uint64_t seed, LocalQueries& out,
                       Counters& counters);

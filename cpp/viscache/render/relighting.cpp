@@ -52,8 +52,8 @@ struct Relighting::Worker {
     }
 };
 
-Relighting::Relighting(const EyePathTracer& tracer, int m, const MapLookUp& maps, Control& control)
-    : width_(tracer.frame.width), height_(tracer.frame.height), m_(m) {
+Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Control& control)
+    : width_(tracer.frame.width), height_(tracer.frame.height), m_(maps.m) {
     const auto tiles = cut_tiles(width_, height_, kTileEdge);
     const int threads = resolve_threads(tracer.frame.threads);
     parts_.resize(tiles.size());
@@ -64,7 +64,7 @@ Relighting::Relighting(const EyePathTracer& tracer, int m, const MapLookUp& maps
     parallel_for(tiles.size(), threads, [&](size_t t, int worker) {
         control.check();
         Worker& w = workers[size_t(worker)];
-        w.visible.resize(map_cells(m));
+        w.visible.resize(map_cells(m_));
         tracer.trace(tiles[t], w.eyes, counted[t], control);
         Part& part = parts_[t];
         for (size_t i = 0; i < w.eyes.size(); ++i) {
@@ -78,7 +78,7 @@ Relighting::Relighting(const EyePathTracer& tracer, int m, const MapLookUp& maps
             if (!coloured) colour = colour * sp.base, sp.base = {1, 1, 1};
             const SurfaceReflection reflection(sp);
             if (reflection.black() || !(max_component(colour) > 0)) continue;
-            const BlendedMaps found = maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
+            const BlendedMaps found = maps.at(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
             if (found.count == 0) {
                 ++unserved[t];
                 continue;
@@ -86,7 +86,7 @@ Relighting::Relighting(const EyePathTracer& tracer, int m, const MapLookUp& maps
             blend(found, w.visible);
             const auto first_block = uint32_t(part.block.size());
             const size_t first_value = part.value.size();
-            w.add(reflection, m, coloured ? 3 : 1, part);
+            w.add(reflection, m_, coloured ? 3 : 1, part);
             part.points.push_back({uint32_t(pixel), first_block, uint32_t(part.block.size()) - first_block,
                                    first_value, coloured, colour});
         }

@@ -1,15 +1,10 @@
 #pragma once
 // An image as a linear function of its environment light (VisMap Sec. 6.2): once camera paths are traced and
 // maps are looked up, another light costs a weighted sum per pixel and no ray.
-#include <functional>
-
 #include "viscache/render/eye_paths.h"
-#include "viscache/vismap/blended_maps.h"
+#include "viscache/vismap/map_source.h"
 
 namespace viscache {
-
-/// Maps that speak for a point seen through a pixel of the frame.
-using MapLookUp = std::function<BlendedMaps(Vec3 position, Vec3 normal, size_t pixel)>;
 
 /// Radiance × solid angle over the cells of the maps, along the Morton curve: one row per channel.
 struct CellLight {
@@ -20,8 +15,8 @@ struct CellLight {
 /// depend on the light, so that it is kept.
 class Relighting {
 public:
-    /// Keeps the product of B̃ and Ṽ of all eye points. Maps have 2^m × 2^m cells.
-    Relighting(const EyePathTracer& tracer, int m, const MapLookUp& maps, Control& control);
+    /// Keeps the product of B̃ and Ṽ of all eye points.
+    Relighting(const EyePathTracer& tracer, const MapSource& maps, Control& control);
 
     /// J of every pixel, row-major; without the light that the camera sees. The same for any number of
     /// threads.

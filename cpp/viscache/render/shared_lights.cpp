@@ -1,10 +1,6 @@
 #include "viscache/render/shared_lights.h"
 
-#include "viscache/math/isa.h"
-
-#if VISCACHE_X86
-#include <immintrin.h>
-#endif
+#include "viscache/math/x86_intrinsics.h"
 
 namespace viscache {
 

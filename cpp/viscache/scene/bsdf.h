@@ -16,6 +16,12 @@ struct ShadingPoint {
     float eta = 1.5f;
 };
 
+/// Nothing is reflected, whatever arrives.
+inline bool is_black(const ShadingPoint& sp) {
+    return !(max_component(sp.base) > 0) &&
+           !(sp.kind == MaterialKind::kGlossy && max_component(sp.specular) > 0);
+}
+
 /// f(wo, wi) without the cosine, per steradian; symmetric in wo and wi; zero below either normal.
 /// Diffuse: base/π. Glossy: a GGX lobe with Schlick's Fresnel term F of `specular` = F0, over the diffuse
 /// part that the lobe leaves (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 −

@@ -5,7 +5,7 @@
 namespace viscache {
 
 struct AmbientRules {
-    float width = 1.f / 3;  ///< σ of the Gaussian, in d_max
+    float width = 1.f / 6;  ///< σ of the Gaussian, in d_max
     bool weighted = false;  ///< times w_g·ŵ
 };
 

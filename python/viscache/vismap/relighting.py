@@ -77,13 +77,15 @@ class Relighting:
         self._threads = checked_threads(threads)
         if update:
             cache.update(view, size=self.size, threads=threads)
+        integrator = core_settings(Whitted())
+        integrator.centred = True  # as J is without noise, so is what it is summed over
         frame = _core.FrameSettings()
         frame.width, frame.height = self.size
         frame.threads = self._threads
         with cache._lock, progress_bar(progress) as report:
             points, _, _ = cache._pixels(view, *self.size, (0.5, 0.5), self._threads)
             self._core = _core.vismap.Relighting.trace(
-                cache.scene._core, cache.scene.caster(), view, core_settings(Whitted()), frame,
+                cache.scene._core, cache.scene.caster(), view, integrator, frame,
                 cache._core, points.d_max, points.footprint, progress=report,
             )  # fmt: skip
 
