@@ -17,6 +17,7 @@ void bind_render(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_triangles(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
 void bind_vismap_cache(py::module_& m);
 void bind_vismap_cache_maps(py::module_& m);
@@ -38,6 +39,7 @@ PYBIND11_MODULE(_core, m) {
     bind_sampling(m);
     bind_scene(m);
     bind_scene_info(m);
+    bind_triangles(m);
     bind_render(m);
     bind_eye_paths(m);
     bind_correlation_rows(m);

@@ -1,0 +1,82 @@
+// Triangles of a scene as one list, and single rays against single triangles.
+#include <pybind11/native_enum.h>
+
+#include "arrays.h"
+#include "viscache/visibility/flat_triangles.h"
+#include "viscache/visibility/triangle_kernels.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+template <class Value>
+py::array_t<int64_t> ids_of(const FlatTriangles& flat, Value value) {
+    py::array_t<int64_t> a{py::ssize_t(flat.sources.size())};
+    for (size_t i = 0; i < flat.sources.size(); ++i) {
+        const uint32_t id = value(flat.sources[i]);
+        a.mutable_data()[i] = id == kNoHit ? -1 : int64_t(id);
+    }
+    return a;
+}
+
+py::dict flat_dict(const Scene& scene) {
+    FlatTriangles flat;
+    {
+        const py::gil_scoped_release release;
+        flat = flat_triangles(scene);
+    }
+    static_assert(sizeof(FlatTriangle) == 9 * sizeof(float));
+    py::array_t<float> corners({py::ssize_t(flat.triangles.size()), py::ssize_t(3), py::ssize_t(3)});
+    if (!flat.triangles.empty())
+        std::memcpy(corners.mutable_data(), flat.triangles.data(),
+                    flat.triangles.size() * sizeof(FlatTriangle));
+    py::dict d;
+    d["corners"] = corners, d["degenerate"] = flat.degenerate;
+    d["mesh"] = ids_of(flat, [](const TriangleSource& s) { return s.mesh; });
+    d["triangle"] = ids_of(flat, [](const TriangleSource& s) { return s.triangle; });
+    d["instance"] = ids_of(flat, [](const TriangleSource& s) { return s.instance; });
+    return d;
+}
+
+/// Ray i against triangle i; rows (t, u, v), NaN where it misses.
+py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, const FloatArray& b,
+                                 const FloatArray& c, const FloatArray& origins, const FloatArray& directions,
+                                 float t_min, float t_max) {
+    const Vec3 *pa = rows3(a, "a"), *pb = rows3(b, "b"), *pc = rows3(c, "c");
+    const Vec3 *o = rows3(origins, "origins"), *d = rows3(directions, "directions");
+    for (const FloatArray* other : {&b, &c, &origins, &directions})
+        if (other->shape(0) != a.shape(0))
+            throw py::value_error("all arrays must have equal numbers of rows, got " + shape_text(a) +
+                                  " and " + shape_text(*other));
+    py::array_t<float> rows({a.shape(0), py::ssize_t(3)});
+    for (py::ssize_t i = 0; i < a.shape(0); ++i) {
+        const Ray ray{o[i], t_min, d[i], t_max};
+        TriangleHit hit;
+        const bool found =
+            kernel == TriangleKernel::kWald
+                ? intersect_wald(wald_triangle(pa[i], pb[i], pc[i], 0), ray, t_max, hit)
+                : intersect_watertight({pa[i], pb[i], pc[i], 0, {}}, ShearedRay(ray), t_max, hit);
+        const float nan = std::numeric_limits<float>::quiet_NaN();
+        float* row = rows.mutable_data(i, 0);
+        row[0] = found ? hit.t : nan, row[1] = found ? hit.u : nan, row[2] = found ? hit.v : nan;
+    }
+    return rows;
+}
+
+}  // namespace
+
+void bind_triangles(py::module_& m) {
+    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::native_enum<TriangleKernel>(v, "TriangleKernel", "enum.Enum", "Ray against triangle.")
+        .value("WATERTIGHT", TriangleKernel::kWatertight)
+        .value("WALD", TriangleKernel::kWald)
+        .finalize();
+    v.def("flat_triangles", &flat_dict, py::arg("scene"),
+          "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "
+          "degenerate ones, left out.");
+    v.def("triangle_hits", &triangle_hits, py::arg("kernel"), py::arg("a"), py::arg("b"), py::arg("c"),
+          py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
+          "Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.");
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,114 @@
+#pragma once
+// One ray against one triangle: the record of Wald's thesis, which the paper's tracers share, and a
+// watertight test. Both find hits with t_min < t <= limit; `NearestHit` and callers of any-hit rays exclude
+// t_max itself.
+#include <array>
+#include <cstdint>
+
+#include "viscache/visibility/query.h"
+#include "viscache/visibility/ray_caster.h"
+
+namespace viscache {
+
+enum class TriangleKernel {
+    kWatertight,  ///< no ray passes between two triangles that share an edge
+    kWald,        ///< the paper's: fewer operations, may lose a ray in a million at an edge
+};
+
+/// Where a ray meets a triangle: u and v are the barycentrics of vertices 1 and 2.
+struct TriangleHit {
+    float t = kInfinity, u = 0, v = 0;
+};
+
+/// The nearest of the hits offered, whatever their order: the lowest id where several lie at one t. Begins
+/// with the end of the ray, which is no hit itself.
+struct NearestHit {
+    float t;
+    uint32_t id = kNoHit;
+    float u = 0, v = 0;
+
+    /// False where the hit changes nothing.
+    bool nearer(const TriangleHit& hit, uint32_t other) const {
+        return hit.t < t || (hit.t == t && id != kNoHit && other < id);
+    }
+    void take(const TriangleHit& hit, uint32_t other) { t = hit.t, id = other, u = hit.u, v = hit.v; }
+};
+
+/// 48 bytes: the plane divided by the normal's dominant component, and two barycentrics as linear functions
+/// of the hit's other two coordinates [Wald, PhD thesis 2004, 7.1].
+struct WaldTriangle {
+    float n_u, n_v, n_d;
+    uint32_t axis;        ///< the dominant one; u and v are the two after it, cyclically
+    float b_u, b_v, b_d;  ///< barycentric of vertex 1
+    uint32_t id;
+    float c_u, c_v, c_d;  ///< barycentric of vertex 2
+    uint32_t unused;
+};
+static_assert(sizeof(WaldTriangle) == 48);
+
+/// The record of a triangle, computed in double; one without area is never hit.
+WaldTriangle wald_triangle(Vec3 a, Vec3 b, Vec3 c, uint32_t id);
+
+inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit, TriangleHit& hit) {
+    constexpr uint32_t kNext[5] = {0, 1, 2, 0, 1};
+    const float o[3] = {ray.o.x, ray.o.y, ray.o.z}, d[3] = {ray.d.x, ray.d.y, ray.d.z};
+    const uint32_t k = tri.axis, u = kNext[k + 1], v = kNext[k + 2];
+    const float towards = d[k] + tri.n_u * d[u] + tri.n_v * d[v];
+    const float t = (tri.n_d - o[k] - tri.n_u * o[u] - tri.n_v * o[v]) / towards;
+    if (!(t > ray.t_min && t <= limit)) return false;
+    const float at_u = o[u] + t * d[u], at_v = o[v] + t * d[v];
+    const float beta = at_u * tri.b_u + at_v * tri.b_v + tri.b_d;
+    const float gamma = at_u * tri.c_u + at_v * tri.c_v + tri.c_d;
+    if (!(beta >= 0 && gamma >= 0 && beta + gamma <= 1)) return false;
+    hit = {t, beta, gamma};
+    return true;
+}
+
+/// What the watertight test needs to know of a ray: its direction sheared to the axis it follows most
+/// [Woop, Benthin, Wald 2013].
+struct ShearedRay {
+    Vec3 o;
+    float t_min;
+    float s_x, s_y, s_z;
+    uint32_t x, y, z;  ///< which axes; z is the one of the largest component, x and y keep the winding
+
+    explicit ShearedRay(const Ray& ray);
+};
+
+/// Corners of a triangle, 48 bytes as well.
+struct WatertightTriangle {
+    Vec3 a, b, c;
+    uint32_t id;
+    uint32_t unused[2];
+};
+static_assert(sizeof(WatertightTriangle) == 48);
+
+/// The test in double, for rays that meet an edge within rounding and for triangles whose products leave
+/// single precision. From the corners as sheared in single precision, so that neighbours still agree.
+bool intersect_watertight_in_double(const std::array<float, 9>& sheared, const ShearedRay& ray, float limit,
+                                    TriangleHit& hit);
+
+/// Neighbours compute the edge they share from the same two corners by products that differ in sign alone
+/// (floating-point contraction is off), so a ray cannot lie outside of both.
+inline bool intersect_watertight(const WatertightTriangle& tri, const ShearedRay& ray, float limit,
+                                 TriangleHit& hit) {
+    const Vec3 a = tri.a - ray.o, b = tri.b - ray.o, c = tri.c - ray.o;
+    const float az = a[int(ray.z)], bz = b[int(ray.z)], cz = c[int(ray.z)];
+    const float ax = a[int(ray.x)] - ray.s_x * az, ay = a[int(ray.y)] - ray.s_y * az;
+    const float bx = b[int(ray.x)] - ray.s_x * bz, by = b[int(ray.y)] - ray.s_y * bz;
+    const float cx = c[int(ray.x)] - ray.s_x * cz, cy = c[int(ray.y)] - ray.s_y * cz;
+    const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    const float det = u + v + w;
+    // Products below this may have lost digits to underflow
+    constexpr float kSmall = 1e-30f;
+    if (u == 0 || v == 0 || w == 0 || !(std::fabs(det) > kSmall))
+        return intersect_watertight_in_double({ax, ay, az, bx, by, bz, cx, cy, cz}, ray, limit, hit);
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+    const float inverse = 1 / det;
+    const float t = ray.s_z * ((u * inverse) * az + (v * inverse) * bz + (w * inverse) * cz);
+    if (!(t > ray.t_min && t <= limit)) return false;
+    hit = {t, v * inverse, w * inverse};
+    return true;
+}
+
+}  // namespace viscache

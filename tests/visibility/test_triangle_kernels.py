@@ -1,0 +1,158 @@
+"""One ray against one triangle: right hits, strict ends, no gaps between neighbours, extremes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from viscache._core import visibility
+from viscache._core.visibility import TriangleKernel
+
+Array = npt.NDArray[Any]
+KERNELS = [TriangleKernel.WATERTIGHT, TriangleKernel.WALD]
+
+
+def hits(kernel: TriangleKernel, corners: Array, o: Array, d: Array, **ends: float) -> Array:
+    """(t, u, v) of ray i against triangle i, corners (N, 3, 3)."""
+    a, b, c = (np.ascontiguousarray(corners[:, i], dtype=np.float32) for i in range(3))
+    return visibility.triangle_hits(
+        kernel, a, b, c, o.astype(np.float32), d.astype(np.float32), **ends
+    )
+
+
+def truth(corners: Array, o: Array, d: Array) -> tuple[Array, Array, Array, Array]:
+    """t, u, v in double, and how far the decision is from its other outcome."""
+    a, b, c = (corners[:, i].astype(float) for i in range(3))
+    e1, e2, d = b - a, c - a, d.astype(float)
+    p = np.cross(d, e2)
+    det = np.einsum("nk,nk->n", p, e1)
+    s = o.astype(float) - a
+    u = np.einsum("nk,nk->n", s, p) / det
+    q = np.cross(s, e1)
+    v, t = np.einsum("nk,nk->n", d, q) / det, np.einsum("nk,nk->n", q, e2) / det
+    return t, u, v, np.minimum(np.minimum(u, v), 1 - u - v)
+
+
+def aimed(n: int, seed: int = 0, scale: float = 1, offset: float = 0) -> tuple[Array, Array, Array]:
+    """Triangles, and rays to points of their planes, half of them inside."""
+    r = np.random.default_rng(seed)
+    corners = (offset + scale * r.normal(size=(n, 3, 3))).astype(np.float32)
+    o = (offset + scale * r.normal(0, 3, (n, 3))).astype(np.float32)
+    w = r.dirichlet((1, 1, 1), n) + np.where(r.random((n, 1)) < 0.5, 0, 1) * r.normal(
+        0, 1, (n, 1)
+    ) * [1, -1, 0]
+    target = np.einsum("nk,nkj->nj", w, corners.astype(float))
+    return corners, o, (target - o).astype(np.float32)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_hits_are_those_of_double_precision(kernel: TriangleKernel) -> None:
+    corners, o, d = aimed(20_000)
+    t, u, v, margin = truth(corners, o, d)
+    found = hits(kernel, corners, o, d)
+    clear = (np.abs(margin) > 1e-3) & (np.abs(u) + np.abs(v) < 10)
+    inside = margin > 0
+    assert clear.mean() > 0.8 and 0.3 < inside[clear].mean() < 0.8
+    np.testing.assert_array_equal(np.isfinite(found[clear, 0]), inside[clear])
+    hit = clear & inside
+    expected = np.stack([t, u, v], -1)[hit]
+    error = np.abs(found[hit] - expected)
+    assert np.quantile(error, 0.99) < 1e-5 and error.max() < 2e-2
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("axis", range(3))
+def test_rays_along_an_axis_hit_triangles_across_it(kernel: TriangleKernel, axis: int) -> None:
+    """Every dominant axis and both directions; u and v belong to vertices 1 and 2."""
+    corners = np.roll(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], float), axis, axis=-1)
+    for sign in (1, -1):
+        o = np.roll([[0.5, 0.25, -2.0 * sign]], axis, axis=-1)
+        d = np.roll([[0, 0, float(sign)]], axis, axis=-1)
+        np.testing.assert_array_equal(hits(kernel, corners, o, d), [[2, 0.5, 0.25]])
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_a_hit_at_t_min_does_not_count(kernel: TriangleKernel) -> None:
+    corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]], float)
+    o, d = np.zeros((1, 3)), np.array([[0.0, 0, 1]])
+    below, above = np.nextafter(np.float32(2), [0, 3], dtype=np.float32)
+    assert np.isnan(hits(kernel, corners, o, d, t_min=2.0)).all()
+    assert np.isfinite(hits(kernel, corners, o, d, t_min=float(below))).all()
+    assert np.isfinite(hits(kernel, corners, o, d, t_max=2.0)).all()
+    assert np.isnan(hits(kernel, corners, o, d, t_max=float(below))).all()
+    assert np.isnan(hits(kernel, corners, o, d, t_min=float(above))).all()
+
+
+def fan(n: int, seed: int) -> tuple[Array, Array]:
+    """Closed fans of six triangles round a vertex (n, 6, 3, 3), and their rims (n, 6, 3)."""
+    r = np.random.default_rng(seed)
+    centre = r.normal(size=(n, 1, 3))
+    angle = np.sort(r.uniform(0, 2 * np.pi, (n, 6)), axis=1)
+    angle = np.arange(6) * (np.pi / 3) + 0.4 * (angle - angle.mean(axis=1, keepdims=True)) / 7
+    ring = np.stack([np.cos(angle), np.sin(angle), 0.3 * r.normal(size=(n, 6))], axis=-1)
+    ring = (centre + ring).astype(np.float32)
+    centre = np.broadcast_to(centre.astype(np.float32), ring.shape)
+    corners = np.stack([centre, ring, np.roll(ring, -1, axis=1)], axis=2)
+    return corners, ring
+
+
+def holes(kernel: TriangleKernel, n: int = 20_000) -> int:
+    """Rays to points on the spokes of fans, the hub included, that no triangle of the fan stops."""
+    corners, ring = fan(n, 3)
+    r = np.random.default_rng(4)
+    w = np.where(r.random((n, 1)) < 0.25, 0, r.uniform(0, 0.9, (n, 1)))
+    target = corners[:, 0, 0] + w * (ring[:, 2] - corners[:, 0, 0])
+    o = (target + r.normal((0, 0, 5), 0.3, (n, 3))).astype(np.float32)
+    d = (target - o).astype(np.float32)
+    stopped = np.zeros(n, bool)
+    for k in range(6):
+        stopped |= np.isfinite(hits(kernel, corners[:, k], o, d)[:, 0])
+    return int((~stopped).sum())
+
+
+def test_no_ray_passes_between_triangles_that_share_an_edge() -> None:
+    assert holes(TriangleKernel.WATERTIGHT) == 0
+    # The control: the same rays find the gaps of the paper's kernel
+    assert holes(TriangleKernel.WALD) > 0
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e9])
+def test_scale_changes_no_decision(kernel: TriangleKernel, scale: float) -> None:
+    corners, o, d = aimed(5000)
+    margin = truth(corners, o, d)[3]
+    unit = hits(kernel, corners, o, d)
+    scaled = hits(kernel, corners * scale, o * scale, d * scale)
+    clear = np.abs(margin) > 1e-3
+    np.testing.assert_array_equal(np.isfinite(scaled[clear]), np.isfinite(unit[clear]))
+    both = clear & np.isfinite(unit[:, 0]) & np.isfinite(scaled[:, 0])
+    assert np.quantile(np.abs(scaled - unit)[both], 0.99) < 1e-4
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_what_cannot_be_hit_is_missed(kernel: TriangleKernel) -> None:
+    """No area, no direction, not a number: a miss each, and nothing but a miss."""
+    corners, o, d = aimed(6)
+    corners[0] = corners[0, :1]
+    corners[1, 2] = corners[1, 1]
+    d[2] = 0
+    d[3] = np.nan
+    o[4] = np.nan
+    corners[5] = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    o[5], d[5] = [-1, 0.25, 0], [1, 0, 0]  # edge-on
+    assert np.isnan(hits(kernel, corners, o, d)).all()
+
+
+@pytest.mark.extreme
+def test_the_watertight_kernel_reaches_the_largest_and_smallest_triangles() -> None:
+    """Products of these corners leave single precision; double takes over."""
+    for size in (1e-20, 1e16):
+        corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]]) * size
+        o, d = np.zeros((1, 3)), np.array([[0.0, 0, 1]])
+        t, u, v = hits(TriangleKernel.WATERTIGHT, corners, o, d)[0]
+        np.testing.assert_allclose([t / size, u, v], [2, 0.25, 0.5], rtol=1e-6)
