@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
 from viscache.integrators import core_settings
@@ -229,6 +230,50 @@ def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
     open_air = vc.scenes.cube_on_plane().with_environment(0.8)
     frame = vc.render(open_air, direct(), visibility=vc.VisMaps(n_startup=100), size=(48, 30))
     assert not frame.counters["pilot_guided"] and frame.counters["product_guided"] == 0
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("sampling", ["product", "guided"])
+def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampling: Any) -> None:
+    look = Look(base_color=(1, 1, 1))
+    furnace = Model((ball((0, 0, 0), 1, look=look),), env=(1, 1, 1), target=(0, 0, 0)).to_viscache()
+    cache = vc.VisibilityMapCache(furnace, vc.MapSettings(n_startup=200))
+    cache.update(size=SIZE)
+    maps = vc.VisMaps(cache=cache, update=False, sampling=sampling)
+    given = direct(passes=2, centred=True)
+    ours = images(40, "environment", furnace, given, visibility=maps)
+    inside = vc.render(furnace, given, size=SIZE).layers["coverage"][..., 0] == 1
+    assert inside.sum() > 20
+    means = ours.mean(axis=-1)[:, inside]
+    error = means.std(axis=0, ddof=1) / np.sqrt(len(means)) + 1e-6
+    assert np.abs((means.mean(axis=0) - 1) / error).max() < 5
+    image = means.mean(axis=1)
+    sigma = image.std(ddof=1) / np.sqrt(len(image))
+    assert abs(image.mean() - 1) < 3.5 * sigma + 1e-6
+    assert 5 * sigma < 0.01, "a hundredth less light would show"
+
+
+@pytest.mark.stat
+def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean() -> None:
+    for scene, guided in (
+        (vc.scenes.window_room(), True),
+        (vc.scenes.garden(triangles=60_000), False),
+    ):
+        cache = vc.VisibilityMapCache(scene)
+        cache.update(size=(48, 36))
+        maps = vc.VisMaps(cache=cache, update=False)
+        for seed in range(4):
+            tried = vc.render(
+                scene, direct(n_environment=1), visibility=maps, size=(64, 48), seed=seed
+            )
+            assert tried.counters["pilot_guided"] == guided
+        many = direct(n_environment=1024, centred=True)
+        usual = images(20, "environment", scene, many, seed=500).mean(axis=(1, 2, 3))
+        few = direct(n_environment=32, centred=True)
+        ours = images(60, "environment", scene, few, visibility=maps).mean(axis=(1, 2, 3))
+        sigma = np.hypot(*(m.std(ddof=1) / np.sqrt(len(m)) for m in (ours, usual)))
+        assert abs(ours.mean() - usual.mean()) < 3.5 * sigma
+        assert 0.05 * usual.mean() > 5 * sigma, "a twentieth more light would show"
 
 
 BAD: list[tuple[dict[str, Any], str]] = [

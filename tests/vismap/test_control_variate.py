@@ -8,7 +8,7 @@ from viscache._core import AlphaMode, PointSet
 from viscache._core import vismap as core
 from viscache._core.vismap import EnvironmentPyramid, PointEstimate, points
 from vismap.analytic import EDGE, Pixel, World, exact, world
-from vismap.worlds import blended, dilations, luminance, shares
+from vismap.worlds import blended, coarser, dilations, directions, luminance, shares
 
 Doubles = npt.NDArray[np.float64]
 K, MOST = 4, 1.5
@@ -241,7 +241,10 @@ def test_in_a_garden_regression_keeps_the_variate_from_harming() -> None:
     one = [exact(made, p, made.estimate(p)) for p in made.pixels]
     exact_one = sum(e.variance(1) for e in one) / sum(e.variance(0) for e in one)
     assert exact_one > 1.1
-    assert ratios(made, PointSet.INDEPENDENT, 30, AlphaMode.PREVIOUS_PASS) < 1.03
+    for n in (30, 100):
+        for kind in (PointSet.INDEPENDENT, PointSet.ZERO_TWO):
+            assert ratios(made, kind, n, AlphaMode.PREVIOUS_PASS) < 1.03
+        assert ratios(made, PointSet.INDEPENDENT, n, AlphaMode.LEAVE_ONE_OUT) < 1.03
     assert ratios(made, PointSet.ZERO_TWO, 30, AlphaMode.FIXED) > 1.1
 
 
@@ -271,6 +274,64 @@ def test_the_variance_falls_with_the_share_of_true_bits() -> None:
     assert found[0] > found[1] > found[2] > 1e3 * found[3]
     exact_value = (visible * 0.25 * (np.arange(EDGE) < EDGE // 2)[:, None]).sum() * 4 * np.pi
     assert got.mean() == pytest.approx(exact_value / EDGE**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("eta", [1.0, 0.25])
+def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta: float) -> None:
+    """Light 1 on albedo 1, nothing in the way, Ṽ = V and B̃ = B: every estimate is one."""
+    fine = directions(EDGE)[..., 2].astype(np.float64)
+    cosine = coarser(np.maximum(fine, 0), 32) / 16
+    b = np.kron(cosine / np.pi, np.ones((4, 4)))
+    seen = cosine > 1e-2
+    b *= np.kron(seen, np.ones((4, 4)))
+    table = np.repeat(b[..., None], 3, axis=-1).astype(np.float32)
+    maps, visible = seen[None], np.kron(seen, np.ones((4, 4), bool)).astype(bool)
+    point = PointEstimate(EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)), table, maps,
+                          np.ones(1, np.float32), dilated=dilations(maps), eta=eta)  # fmt: skip
+    args = {"n": 8, "passes": 2, "replicates": 200}
+    for kind in (PointSet.INDEPENDENT, PointSet.ZERO_TWO):
+        found = luminance(point.simulate(visible, alpha=1.0, set=kind, **args))
+        exact_value = b.sum() * 4 * np.pi / EDGE**2
+        assert exact_value == pytest.approx(1, rel=1e-3)
+        np.testing.assert_allclose(found, exact_value, rtol=1e-6)
+    # With one cell of the maps wrong they scatter
+    wrong = maps.copy()
+    wrong[0, 16, 16] = ~wrong[0, 16, 16]
+    other = PointEstimate(EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)), table, wrong,
+                          np.ones(1, np.float32), dilated=dilations(wrong), eta=eta)  # fmt: skip
+    assert luminance(other.simulate(visible, alpha=1.0, **args)).std() > 1e-4
+
+
+@pytest.mark.stat
+def test_the_gain_is_the_same_for_any_number_of_independent_samples_and_shrinks_for_even_ones() -> (
+    None
+):
+    """Eq. 4 knows no N; even points take what is smooth from the baseline too (Table 3)."""
+    made, samples, batches = world("courtyard"), (4, 10, 30, 100, 300), 12
+    slopes = {}
+    for kind in (PointSet.INDEPENDENT, PointSet.ZERO_TWO):
+        squares = np.zeros((2, len(samples), batches))
+        for i, pixel in enumerate(made.pixels):
+            point = made.estimate(pixel)
+            truth = exact(made, pixel, point).truth
+            for row, alpha in enumerate((1.0, 0.0)):
+                for column, n in enumerate(samples):
+                    found = luminance(
+                        point.simulate(pixel.visible, n=n, replicates=batches * 16, set=kind,
+                                       alpha=alpha, seed=1000 * n + i)
+                    )  # fmt: skip
+                    squares[row, column] += ((found[:, 0] - truth) ** 2).reshape(batches, -1).sum(1)
+        ratios = squares[0] / squares[1]
+        slopes[kind] = np.polyfit(np.log(samples), np.log(ratios), 1)[0]
+        if kind == PointSet.INDEPENDENT:
+            sums = [exact(made, p, made.estimate(p)) for p in made.pixels]
+            expected = sum(s.variance(1) for s in sums) / sum(s.variance(0) for s in sums)
+            mean, error = ratios.mean(1), ratios.std(1, ddof=1) / np.sqrt(batches)
+            assert (np.abs(mean - expected) < 4 * error + 0.01 * expected).all()
+    t = {kind: s.mean() / (s.std(ddof=1) / np.sqrt(batches)) for kind, s in slopes.items()}
+    assert abs(t[PointSet.INDEPENDENT]) < 3.5
+    # The trend is there, and this test can see one
+    assert t[PointSet.ZERO_TWO] > 5 and slopes[PointSet.ZERO_TWO].mean() > 0.02
 
 
 def test_degenerate_maps_and_lights() -> None:
