@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import correlation, metrics, plots, report, scenes
+from viscache import correlation, metrics, plots, report, scenes, vlf
 from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
@@ -47,4 +47,5 @@ __all__ = [
     "report",
     "scenes",
     "sweep",
+    "vlf",
 ]
