@@ -61,32 +61,36 @@ py::dict samples_of(const BoundPoint& p, const DoubleArray& u) {
                     py::arg("w") = w, py::arg("d") = d);
 }
 
-py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, int n, int passes, int replicates,
-                             PointSet set, AlphaMode mode, double value, uint64_t seed, int threads) {
+/// Passes of so many samples each, independent of each other.
+py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, const std::vector<int>& sizes,
+                             int replicates, PointSet set, AlphaMode mode, double value, uint64_t seed,
+                             int threads) {
     const py::ssize_t edge = py::ssize_t{1} << p.light->levels();
     if (visible.ndim() != 2 || visible.shape(0) != edge || visible.shape(1) != edge)
         throw py::value_error("visible must have shape (" + std::to_string(edge) + ", " +
                               std::to_string(edge) + "), got " + shape_text(visible));
-    if (n < 1 || passes < 1 || replicates < 1) throw py::value_error("n, passes and replicates must be >= 1");
+    const bool some = !sizes.empty() && *std::min_element(sizes.begin(), sizes.end()) >= 1;
+    if (!some || replicates < 1) throw py::value_error("n, passes, sizes and replicates must be >= 1");
     if (mode == AlphaMode::kLeaveOneOut && set != PointSet::kIndependent)
         throw py::value_error("leave-one-out needs independent points");
-    py::array_t<double> out({py::ssize_t(replicates), py::ssize_t(passes), py::ssize_t(3)});
+    py::array_t<double> out({py::ssize_t(replicates), py::ssize_t(sizes.size()), py::ssize_t(3)});
     double* to = out.mutable_data();
     const bool* v = visible.data();
     run_interruptible([&](Control& control) {
         parallel_for(size_t(replicates), threads, [&](size_t r, int) {
             control.check();
             AlphaSums earlier;
-            std::vector<DirectionSample> samples(static_cast<size_t>(n));
-            std::vector<uint8_t> seen(samples.size());
-            for (int pass = 0; pass < passes; ++pass) {
-                const PointStream stream(set, seed, Purpose::kProduct, r, uint64_t(pass));
+            std::vector<DirectionSample> samples;
+            std::vector<uint8_t> seen;
+            for (size_t pass = 0; pass < sizes.size(); ++pass) {
+                const PointStream stream(set, seed, Purpose::kProduct, r, pass);
+                samples.resize(size_t(sizes[pass])), seen.resize(samples.size());
                 for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i)
                     samples[i] = p.draw(stream.at(uint32_t(i))), seen[i] = v[p.row_major(samples[i].texel)];
                 const Rgbd e = p.point.dark()
                                    ? Rgbd{}
                                    : finish_pass(p.point.moments(), samples, seen, {mode, value}, earlier);
-                std::copy(e.begin(), e.end(), to + (r * size_t(passes) + size_t(pass)) * 3);
+                std::copy(e.begin(), e.end(), to + (r * sizes.size() + pass) * 3);
             }
         });
     });
@@ -181,11 +185,21 @@ void bind_point(py::module_& s) {
             "J and ∫ L·B̃·Ṽ² by the joint quadtree walk, and the nodes visited.")
         .def("sample", &samples_of, py::arg("u"),
              "texel, f, g, z, w and D of the points (N, 2) of the square.")
-        .def("simulate", &simulate, py::arg("visible"), py::kw_only(), py::arg("n"), py::arg("passes") = 1,
+        .def(
+            "simulate",
+            [](const BoundPoint& p, const BoolArray& visible, int n, int passes, int replicates, PointSet set,
+               AlphaMode mode, double alpha, uint64_t seed, int threads) {
+                const std::vector<int> sizes(size_t(std::max(passes, 0)), n);
+                return simulate(p, visible, sizes, replicates, set, mode, alpha, seed, threads);
+            },
+            py::arg("visible"), py::kw_only(), py::arg("n"), py::arg("passes") = 1, py::arg("replicates") = 1,
+            py::arg("set") = PointSet::kIndependent, py::arg("mode") = AlphaMode::kFixed,
+            py::arg("alpha") = 1.0, py::arg("seed") = 0, py::arg("threads") = 1,
+            "Estimates (replicates, passes, 3) with the true visibility (R, R) of bool.")
+        .def("simulate", &simulate, py::arg("visible"), py::kw_only(), py::arg("sizes"),
              py::arg("replicates") = 1, py::arg("set") = PointSet::kIndependent,
              py::arg("mode") = AlphaMode::kFixed, py::arg("alpha") = 1.0, py::arg("seed") = 0,
-             py::arg("threads") = 1,
-             "Estimates (replicates, passes, 3) with the true visibility (R, R) of bool.");
+             py::arg("threads") = 1, "The same for passes of these sizes; `alpha` is the first's.");
 }
 
 void bind_equations(py::module_& s) {

@@ -129,6 +129,19 @@ def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Sce
     assert not np.array_equal(a.image, plain.image)
 
 
+def test_the_first_pass_takes_the_trials_alpha_or_the_papers(scene: vc.Scene) -> None:
+    given: dict[str, Any] = {"n_startup": 60, "sampling": "product"}
+    pilot, one = (
+        vc.render(scene, direct(), visibility=vc.VisMaps(first_alpha=f, **given), size=SIZE)
+        for f in ("pilot", "one")
+    )
+    for frame, alpha in ((pilot, pilot.counters["pilot_alpha"]), (one, "one")):
+        same = vc.VisMaps(alpha=alpha, **given)
+        expected = vc.render(scene, direct(), visibility=same, size=SIZE)
+        np.testing.assert_array_equal(frame.image, expected.image)
+    assert not np.array_equal(pilot.image, one.image)
+
+
 def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
     plain = vc.render(scene, vc.Direct(), size=SIZE)
     for use in ("correct", "replace"):
@@ -302,6 +315,8 @@ def test_a_scene_without_environment_is_refused() -> None:
     ("given", "message"),
     [
         ({"alpha": "best"}, "alpha must be one of"),
+        ({"alpha": "oracle"}, "viscache.vismap.simulation alone has"),
+        ({"first_alpha": "zero"}, 'first_alpha must be "pilot" or "one"'),
         ({"alpha": float("nan")}, "alpha must be"),
         ({"alpha": True}, "alpha must be"),
         ({"eta": 0.0}, r"eta must be in \(0, 1\]"),

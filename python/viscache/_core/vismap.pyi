@@ -105,9 +105,15 @@ class PointEstimate:
         """
         texel, f, g, z, w and D of the points (N, 2) of the square.
         """
+    @typing.overload
     def simulate(self, visible: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, n: typing.SupportsInt | typing.SupportsIndex, passes: typing.SupportsInt | typing.SupportsIndex = 1, replicates: typing.SupportsInt | typing.SupportsIndex = 1, set: viscache._core.PointSet = viscache._core.PointSet.INDEPENDENT, mode: viscache._core.AlphaMode = viscache._core.AlphaMode.FIXED, alpha: typing.SupportsFloat | typing.SupportsIndex = 1.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> numpy.typing.NDArray[numpy.float64]:
         """
         Estimates (replicates, passes, 3) with the true visibility (R, R) of bool.
+        """
+    @typing.overload
+    def simulate(self, visible: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, sizes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], replicates: typing.SupportsInt | typing.SupportsIndex = 1, set: viscache._core.PointSet = viscache._core.PointSet.INDEPENDENT, mode: viscache._core.AlphaMode = viscache._core.AlphaMode.FIXED, alpha: typing.SupportsFloat | typing.SupportsIndex = 1.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The same for passes of these sizes; `alpha` is the first's.
         """
     def walk(self) -> tuple[float, float, int]:
         """

@@ -2,7 +2,9 @@
 
 Random pixels of a picture are estimated many times in the world of the environment's texels, where
 the true value is a sum (`viscache.vismap.simulation`). Both sides take the same number of samples
-from the same kind of points. Rendered pictures in equal time follow (`vismap_time`).
+from the same kind of points. In the steady state α comes from passes before the one that counts;
+*one shot*: these samples are all there are, in passes of 10, 20, 40, …. Rendered pictures in equal
+time follow (`vismap_time`).
 """
 
 from __future__ import annotations
@@ -31,7 +33,11 @@ WAYS: dict[str, Way] = {
     "control variate, alpha 1": Way(alpha=1.0),
     "control variate, alpha of earlier passes": Way(alpha="previous_pass", passes=STEADY),
     "guided": Way(alpha="previous_pass", eta=ETA, passes=STEADY),
+    "one shot, first alpha of a pilot": Way(alpha="previous_pass", one_shot=True, first="pilot"),
+    "one shot, first alpha 1": Way(alpha="previous_pass", one_shot=True),
+    "one shot, guided": Way(alpha="previous_pass", eta=ETA, one_shot=True, first="pilot"),
 }
+#: All samples in one pass, so one shot too.
 IID_ONLY = {"control variate, leave-one-out": Way(alpha="loo", points="iid")}
 
 

@@ -41,9 +41,12 @@ class VisMaps(MapSettings):
         are drawn by: guided densities send fewer where the records see nothing.
     alpha : {"previous_pass", "loo", "one", "zero"} or float
         The control variate's coefficient. "previous_pass": by regression on the samples of all
-        earlier passes of the pixel, in the first pass on those of a trial on some pixels. "loo":
+        earlier passes of the pixel, in the first pass by `first_alpha`. "loo":
         on the other samples of the pass, for `Direct(points="independent")` only. "one": the paper.
         "zero": product sampling alone.
+    first_alpha : {"pilot", "one"}
+        α of the first pass with "previous_pass": regressed on the samples of a trial on some
+        pixels, or the paper's.
     sampling : {"auto", "product", "guided"}
         "guided": the maps, dilated, shape the density too. "product": the paper. "auto": guided
         where a trial on some pixels promises a tenth less variance.
@@ -57,6 +60,7 @@ class VisMaps(MapSettings):
     update: bool = True
     count_misses: bool = False
     alpha: Alpha = "previous_pass"
+    first_alpha: Literal["pilot", "one"] = "pilot"
     sampling: Literal["auto", "product", "guided"] = "auto"
     eta: float = 0.25
 
@@ -64,12 +68,16 @@ class VisMaps(MapSettings):
         MapSettings.__post_init__(self)
         own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
         require(own, "cache must be a VisibilityMapCache", self.cache)
+        require(self.alpha != "oracle", 'alpha must not be "oracle": it sums over the true '
+                "visibility, which viscache.vismap.simulation alone has", self.alpha)  # fmt: skip
         if isinstance(self.alpha, str):
             fits = self.alpha in ALPHAS
         else:
             number = isinstance(self.alpha, Real) and not isinstance(self.alpha, bool)
             fits = number and math.isfinite(self.alpha)
         require(fits, f"alpha must be one of {ALPHAS} or a finite number", self.alpha)
+        first = self.first_alpha in ("pilot", "one")
+        require(first, 'first_alpha must be "pilot" or "one"', self.first_alpha)
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
 
@@ -93,8 +101,9 @@ class VisMaps(MapSettings):
         word = self.alpha if isinstance(self.alpha, str) else ""
         value = {"zero": 0.0}.get(word, 1.0) if word else float(self.alpha)
         return _core.VisMapSettings(
-            alpha=modes.get(word, _core.AlphaMode.FIXED), alpha_value=value, pilot_alpha=True,
-            sampling=self.sampling, eta=self.eta, replace=replace, points=points,
+            alpha=modes.get(word, _core.AlphaMode.FIXED), alpha_value=value,
+            pilot_alpha=self.first_alpha == "pilot", sampling=self.sampling, eta=self.eta,
+            replace=replace, points=points,
         )  # fmt: skip
 
     def parameters(self) -> dict[str, Any]:
@@ -103,5 +112,5 @@ class VisMaps(MapSettings):
         return made.parameters() | {
             "cache": self.cache is not None, "update": self.update,
             "count_misses": self.count_misses, "alpha": self.alpha,
-            "sampling": self.sampling, "eta": self.eta,
+            "first_alpha": self.first_alpha, "sampling": self.sampling, "eta": self.eta,
         }  # fmt: skip

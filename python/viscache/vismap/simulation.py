@@ -7,7 +7,7 @@ are those of the scene at the texels' middles.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -15,16 +15,19 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.checks import checked_threads, require
-from viscache.scene import Scene
-from viscache.scenes.light_product import LUMINANCE, environment_texels, first_hits, reflected
-from viscache.vismap.cache import Lookup, VisibilityMapCache
+from viscache.scenes.light_product import LUMINANCE
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.simulated_pixels import Pixel, Pixels, pooled_alpha
 
-__all__ = ["PixelEstimates", "Way", "simulate"]
+__all__ = ["PixelEstimates", "Way", "one_shot_passes", "simulate"]
 
-Floats: TypeAlias = npt.NDArray[np.floating[Any]]
-Bools: TypeAlias = npt.NDArray[np.bool_]
+Alpha: TypeAlias = float | Literal["loo", "previous_pass", "oracle"]
+
+#: The first pass of a frame of few samples, and the least that is worth a pass.
+FIRST_PASS = 10
+#: Set apart from the seeds of estimates, which count up from the given one.
+PILOT_SEED = 1 << 40
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,29 +36,49 @@ class Way:
 
     Parameters
     ----------
-    alpha : float or {"loo", "previous_pass"}
-        Factor of the control variate: 1 is the paper's, 0 plain product sampling.
+    alpha : float or {"loo", "previous_pass", "oracle"}
+        Factor of the control variate: 1 is the paper's, 0 plain product sampling. "oracle": the
+        best for independent points, by summation over the true visibility.
     eta : float in (0, 1]
         Floor of the guided density; 1: product sampling.
     points : {"iid", "rqmc"}
         Independent points, or a randomised (0,2)-sequence.
     passes : int >= 1
         Passes before and with the one that counts: with "previous_pass", α comes from the others.
+    one_shot : bool
+        The samples are all there are: with "previous_pass", they are parted as `one_shot_passes`
+        says, and the mean of all counts.
+    first : {"one", "pilot"}
+        α of the first pass with "previous_pass": the paper's, or pooled from 16 samples at 1000
+        random pixels.
     """
 
-    alpha: float | Literal["loo", "previous_pass"] = 0.0
+    alpha: Alpha = 0.0
     eta: float = 1.0
     points: Literal["iid", "rqmc"] = "rqmc"
     passes: int = 1
+    one_shot: bool = False
+    first: Literal["one", "pilot"] = "one"
 
     def __post_init__(self) -> None:
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.passes >= 1, "passes must be >= 1", self.passes)
-        named = self.alpha in ("loo", "previous_pass")
+        named = self.alpha in ("loo", "previous_pass", "oracle")
         require(named or isinstance(self.alpha, (int, float)),
-                'alpha must be a number, "loo" or "previous_pass"', self.alpha)  # fmt: skip
+                'alpha must be a number, "loo", "previous_pass" or "oracle"',
+                self.alpha)  # fmt: skip
         require(self.alpha != "loo" or self.points == "iid", 'alpha="loo" needs points="iid"',
                 self.points)  # fmt: skip
+        once = not self.one_shot or self.passes == 1
+        require(once, "passes must be 1 with one_shot", self.passes)
+        require(self.first in ("one", "pilot"), 'first must be "one" or "pilot"', self.first)
+        by_passes = self.alpha == "previous_pass" or not (self.one_shot or self.first == "pilot")
+        require(by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"',
+                self.alpha)  # fmt: skip
+
+    def sizes(self, samples: int) -> list[int]:
+        """Samples of every pass."""
+        return one_shot_passes(samples) if self.one_shot else [samples] * self.passes
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -66,6 +89,22 @@ class PixelEstimates:
     """(P,)"""
     estimates: dict[tuple[Way, int], npt.NDArray[np.float64]]
     """(replicates, P) of every way and number of samples."""
+
+
+def one_shot_passes(samples: int) -> list[int]:
+    """How a single frame's samples are parted: 10, 20, 40, …, the rest; none below ten.
+
+    Examples
+    --------
+    >>> one_shot_passes(10), one_shot_passes(30), one_shot_passes(100)
+    ([10], [10, 20], [10, 20, 40, 30])
+    """
+    require(samples >= 1, "samples must be >= 1", samples)
+    sizes, left, size = [], samples, FIRST_PASS
+    while left >= size + FIRST_PASS:
+        sizes.append(size)
+        left, size = left - size, 2 * size
+    return [*sizes, left]
 
 
 def simulate(
@@ -88,7 +127,7 @@ def simulate(
         Of a scene that `viscache.scenes.light_product` takes; stays as it is.
     ways : sequence of Way
     samples : sequence of int >= 1
-        Per pixel and pass.
+        Per pixel and pass, or in all where the way is `one_shot`.
     size : (width, height)
         Of the picture: pixels decide how far records are looked for.
     n_pixels : int >= 1
@@ -102,102 +141,40 @@ def simulate(
     """
     require(n_pixels >= 1, "n_pixels must be >= 1", n_pixels)
     require(replicates >= 2, "replicates must be >= 2", replicates)
-    _, texels = environment_texels(cache.scene)
-    light = _core.vismap.EnvironmentPyramid(texels)
+    pixels = Pixels(cache, camera, size)
+    first: dict[tuple[float, str], float] = {
+        (eta, kind): pooled_alpha(pixels, eta, _points(kind), PILOT_SEED + seed)
+        for eta, kind in sorted({(w.eta, w.points) for w in ways if w.first == "pilot"})
+    }
     truth: list[float] = []
-    found: dict[tuple[Way, int], list[Floats]] = {(w, n): [] for w in ways for n in samples}
-    for number, pixel in enumerate(_pixels(cache, camera, size, n_pixels, seed)):
-        truth.append(pixel.truth(texels))
-        points = {eta: pixel.estimate(light, eta) for eta in {way.eta for way in ways}}
+    found: dict[tuple[Way, int], list[npt.NDArray[np.floating[Any]]]] = {
+        (w, n): [] for w in ways for n in samples
+    }
+    for number, pixel in enumerate(pixels.at(pixels.chosen(n_pixels, seed))):
+        truth.append(pixel.truth())
+        points = {eta: pixel.estimate(pixels.light, eta) for eta in {way.eta for way in ways}}
         for way, n in found:
-            made = points[way.eta].simulate(
-                pixel.visible, n=n, passes=way.passes, replicates=replicates,
-                set=_core.PointSet.INDEPENDENT if way.points == "iid" else _core.PointSet.ZERO_TWO,
-                mode=_mode(way), alpha=_number(way), seed=seed + number,
+            point, sizes = points[way.eta], way.sizes(n)
+            made = point.simulate(
+                pixel.visible, sizes=sizes, replicates=replicates, set=_points(way.points),
+                mode=_mode(way), alpha=_alpha(way, pixel, point, first), seed=seed + number,
                 threads=checked_threads(threads),
             )  # fmt: skip
-            found[way, n].append(made[:, -1] @ LUMINANCE)
+            found[way, n].append(_counts(made @ LUMINANCE, way, sizes))
     return PixelEstimates(
         truth=np.array(truth), estimates={k: np.stack(v, axis=1) for k, v in found.items()}
     )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class _Pixel:
-    """What is known of one pixel, over the texels and over the cells of its maps."""
-
-    b: npt.NDArray[np.float32]  # (R, R, 3)
-    visible: Bools  # (R, R)
-    maps: Bools  # (n, 2^m, 2^m)
-    beta: npt.NDArray[np.float32]  # (n,)
-    dilated: list[Bools]
-
-    def truth(self, texels: Floats) -> float:
-        light = (texels.astype(float) * self.b)[self.visible].sum(axis=0) @ LUMINANCE
-        return float(light * 4 * np.pi / self.visible.size)
-
-    def estimate(self, light: Any, eta: float) -> Any:
-        return _core.vismap.PointEstimate(
-            light, self.b, self.maps, self.beta, dilated=self.dilated, eta=eta
-        )
+def _counts(
+    passes: npt.NDArray[np.float64], way: Way, sizes: list[int]
+) -> npt.NDArray[np.floating[Any]]:
+    """What counts of the passes (replicates, passes): the last, or the mean of all samples."""
+    return passes @ np.array(sizes) / sum(sizes) if way.one_shot else passes[:, -1]
 
 
-def _pixels(
-    cache: VisibilityMapCache, camera: Any, size: tuple[int, int], n_pixels: int, seed: int
-) -> Iterator[_Pixel]:
-    scene, m = cache.scene, cache.settings.m
-    view = find_camera(scene, camera)
-    directions, texels = environment_texels(scene)
-    edge = len(texels)
-    hits = first_hits(scene, view, size)
-    rules = _core.vismap.PixelRules(cache.settings.d_max)
-    asking, _, _ = _core.vismap.pixel_points(
-        scene._core, scene.caster(), view, *size, (0.5, 0.5), rules
-    )
-    there = np.flatnonzero((asking.d_max > 0) & (hits.materials >= 0))
-    rng = np.random.Generator(np.random.PCG64(seed))
-    chosen = np.sort(rng.permutation(there)[:n_pixels])
-    lookup = cache.lookup(asking.positions[chosen], asking.normals[chosen], asking.d_max[chosen])
-    bits = cache.records().bits
-    for row, pixel in enumerate(chosen):
-        b = reflected(scene, hits, pixel, directions).astype(np.float32)
-        maps, beta, dilated = _blended(lookup, row, bits, m)
-        yield _Pixel(
-            b=b.reshape(edge, edge, 3),
-            visible=_visible(scene, hits.starts[pixel], hits.normals[pixel], directions),
-            maps=maps, beta=beta, dilated=dilated,
-        )  # fmt: skip
-
-
-def _visible(scene: Scene, start: Floats, normal: Floats, directions: Floats) -> Bools:
-    above = directions @ normal > 0
-    seen = np.zeros(len(directions), bool)
-    seen[above] = ~scene.occluded(np.broadcast_to(start, (int(above.sum()), 3)), directions[above])
-    edge = round(len(directions) ** 0.5)
-    return seen.reshape(edge, edge)
-
-
-def _blended(
-    lookup: Lookup, row: int, bits: npt.NDArray[np.uint64], m: int
-) -> tuple[Bools, npt.NDArray[np.float32], list[Bools]]:
-    """Maps of a looked-up point, their shares, and what grew from them (V^1, V^2, V^3)."""
-    speaks = lookup.beta[row] > 0
-    words = [bits[i] for i in lookup.ids[row][speaks]]
-    grown = 3 if m >= 6 else 2
-    if not words:
-        return np.zeros((0, 1 << m, 1 << m), bool), np.zeros(0, np.float32), []
-    dilated = [
-        np.stack([_as_image(_core.vismap.dilated(w, m, level), m - level + 1) for w in words])
-        for level in range(1, grown + 1)
-    ]
-    return np.stack([_as_image(w, m) for w in words]), lookup.beta[row][speaks], dilated
-
-
-def _as_image(words: npt.NDArray[np.uint64], m: int) -> Bools:
-    """A map's cells, row by row, from its words in Z order."""
-    axis = np.arange(1 << m, dtype=np.uint32)
-    z = _core.vismap.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
-    return np.asarray((words[z // 64] >> (z % 64).astype(np.uint64) & np.uint64(1)) > 0)
+def _points(kind: str) -> Any:
+    return _core.PointSet.INDEPENDENT if kind == "iid" else _core.PointSet.ZERO_TWO
 
 
 def _mode(way: Way) -> Any:
@@ -205,5 +182,10 @@ def _mode(way: Way) -> Any:
     return modes.get(str(way.alpha), _core.AlphaMode.FIXED)
 
 
-def _number(way: Way) -> float:
-    return 1.0 if isinstance(way.alpha, str) else float(way.alpha)
+def _alpha(way: Way, pixel: Pixel, point: Any, first: Mapping[tuple[float, str], float]) -> float:
+    """The number, or the first pass's."""
+    if way.alpha == "oracle":
+        return pixel.oracle_alpha(point)
+    if isinstance(way.alpha, str):
+        return first[way.eta, way.points] if way.first == "pilot" else 1.0
+    return float(way.alpha)

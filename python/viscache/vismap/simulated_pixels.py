@@ -1,0 +1,196 @@
+"""Single pixels of a picture in the world of the environment's texels, and what is true of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.cameras import find_camera
+from viscache.scene import Scene
+from viscache.scenes.light_product import (
+    LUMINANCE,
+    Hits,
+    environment_texels,
+    first_hits,
+    reflected,
+)
+from viscache.vismap.cache import Lookup, VisibilityMapCache
+
+__all__ = ["PILOT_POINTS", "PILOT_SAMPLES", "Pixel", "Pixels", "pooled_alpha"]
+
+Floats: TypeAlias = npt.NDArray[np.floating[Any]]
+Doubles: TypeAlias = npt.NDArray[np.float64]
+Bools: TypeAlias = npt.NDArray[np.bool_]
+
+#: The pilot: so many samples at so many points, from random numbers of its own.
+PILOT_POINTS, PILOT_SAMPLES = 1000, 16
+#: Largest α that samples may give.
+MOST_ALPHA = 1.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pixel:
+    """What is known of one pixel, over the texels and over the cells of its maps."""
+
+    scene: Scene
+    start: Floats
+    """(3,) where its shadow rays start."""
+    normal: Floats
+    texels: Floats
+    """(R, R, 3) radiance."""
+    directions: Floats
+    """(R², 3) to the texels' middles."""
+    b: npt.NDArray[np.float32]
+    """(R, R, 3)"""
+    maps: Bools
+    """(n, 2^m, 2^m)"""
+    beta: npt.NDArray[np.float32]
+    """(n,)"""
+    dilated: list[Bools]
+
+    @cached_property
+    def visible(self) -> Bools:
+        """(R, R) by one ray per texel."""
+        return self.sees(np.arange(len(self.directions))).reshape(self.b.shape[:2])
+
+    def sees(self, texels: npt.NDArray[np.integer[Any]]) -> Bools:
+        """Whether the middles of these texels, by row-major number, are visible."""
+        towards = self.directions[texels]
+        above = towards @ self.normal > 0
+        seen = np.zeros(len(texels), bool)
+        origins = np.broadcast_to(self.start, (int(above.sum()), 3))
+        seen[above] = ~self.scene.occluded(origins, towards[above])
+        return seen
+
+    def truth(self) -> float:
+        """Luminance, exactly."""
+        light = (self.texels.astype(float) * self.b)[self.visible].sum(axis=0) @ LUMINANCE
+        return float(light * 4 * np.pi / self.visible.size)
+
+    def estimate(self, light: Any, eta: float) -> Any:
+        """The estimator of the core."""
+        return _core.vismap.PointEstimate(
+            light, self.b, self.maps, self.beta, dilated=self.dilated, eta=eta
+        )
+
+    def oracle_alpha(self, point: Any) -> float:
+        """α* = Cov(f/p, g/p)/Var(g/p) of luminances under p, by summation over the texels."""
+        p = point.probabilities()
+        drawn = p > 0
+        light = (self.texels.astype(float) @ LUMINANCE)[drawn] * (4 * np.pi / p.size)
+        f = light * (self.b.astype(float) @ LUMINANCE * self.visible)[drawn]
+        g = light * point.b_tilde()[drawn] * self._blended()[drawn]
+        variance = float((g * g / p[drawn]).sum() - g.sum() ** 2)
+        covariance = float((f * g / p[drawn]).sum() - f.sum() * g.sum())
+        return covariance / variance if variance > 1e-12 * float(g.sum()) ** 2 else 0.0
+
+    def _blended(self) -> Doubles:
+        """Ṽ of the texels; where no map speaks it is zero."""
+        edge = len(self.b)
+        if not len(self.beta):
+            return np.zeros((edge, edge))
+        mean = np.tensordot(self.beta.astype(float), self.maps.astype(float), axes=1)
+        return np.asarray(np.kron(mean, np.ones((edge // len(mean), edge // len(mean)))), float)
+
+
+class Pixels:
+    """The pixels of a picture that see a surface.
+
+    Parameters
+    ----------
+    cache : VisibilityMapCache
+        Of a scene that `viscache.scenes.light_product` takes.
+    camera : str, int or Camera, optional
+    size : (width, height)
+
+    Raises
+    ------
+    ValueError
+        A scene with other lights.
+    """
+
+    def __init__(self, cache: VisibilityMapCache, camera: Any, size: tuple[int, int]) -> None:
+        self.cache = cache
+        self._directions, self.texels = environment_texels(cache.scene)
+        view = find_camera(cache.scene, camera)
+        self._hits: Hits = first_hits(cache.scene, view, size)
+        rules = _core.vismap.PixelRules(cache.settings.d_max)
+        self._asking, _, _ = _core.vismap.pixel_points(
+            cache.scene._core, cache.scene.caster(), view, *size, (0.5, 0.5), rules
+        )
+        self.there = np.flatnonzero((self._asking.d_max > 0) & (self._hits.materials >= 0))
+        self.light = _core.vismap.EnvironmentPyramid(self.texels)
+
+    def chosen(self, count: int, seed: int) -> npt.NDArray[np.int64]:
+        """At most so many of them at random, in increasing order."""
+        rng = np.random.Generator(np.random.PCG64(seed))
+        return np.sort(rng.permutation(self.there)[:count])
+
+    def at(self, chosen: npt.NDArray[np.int64]) -> Iterator[Pixel]:
+        """These pixels, with the maps that speak for them."""
+        cache, hits, asking = self.cache, self._hits, self._asking
+        m, edge = cache.settings.m, len(self.texels)
+        lookup = cache.lookup(asking.positions[chosen], asking.normals[chosen],
+                              asking.d_max[chosen])  # fmt: skip
+        bits = cache.records().bits
+        for row, pixel in enumerate(chosen):
+            b = reflected(cache.scene, hits, pixel, self._directions).astype(np.float32)
+            maps, beta, dilated = _blended(lookup, row, bits, m)
+            yield Pixel(
+                scene=cache.scene, start=hits.starts[pixel], normal=hits.normals[pixel],
+                texels=self.texels, directions=self._directions,
+                b=b.reshape(edge, edge, 3), maps=maps, beta=beta, dilated=dilated,
+            )  # fmt: skip
+
+
+def pooled_alpha(pixels: Pixels, eta: float, points: Any, seed: int) -> float:
+    """α of a pilot: one regression over all its points, clamped to [0, 1.5].
+
+    Parameters
+    ----------
+    eta : float in (0, 1]
+        Floor of the density the samples are drawn from.
+    points : PointSet
+    seed : int
+        Of points and samples; must not be that of the estimates.
+    """
+    covariance = variance = 0.0
+    for number, pixel in enumerate(pixels.at(pixels.chosen(PILOT_POINTS, seed))):
+        point = pixel.estimate(pixels.light, eta)
+        if not point.l_ns > 0:
+            continue
+        u = _core.vismap.points(points, PILOT_SAMPLES, seed=seed, pixel=number)
+        s = point.sample(u)
+        z, w, mean_w = s["z"] * pixel.sees(s["texel"]), s["w"], point.mean_w
+        covariance += point.l_ns**2 * float((z * w).mean() - z.mean() * mean_w)
+        variance += point.l_ns**2 * max(0.0, float((w * w).mean() - mean_w**2))
+    return min(max(covariance / variance, 0.0), MOST_ALPHA) if variance > 0 else 1.0
+
+
+def _blended(
+    lookup: Lookup, row: int, bits: npt.NDArray[np.uint64], m: int
+) -> tuple[Bools, npt.NDArray[np.float32], list[Bools]]:
+    """Maps of a looked-up point, their shares, and what grew from them (V^1, V^2, V^3)."""
+    speaks = lookup.beta[row] > 0
+    words = [bits[i] for i in lookup.ids[row][speaks]]
+    grown = 3 if m >= 6 else 2
+    if not words:
+        return np.zeros((0, 1 << m, 1 << m), bool), np.zeros(0, np.float32), []
+    dilated = [
+        np.stack([_as_image(_core.vismap.dilated(w, m, level), m - level + 1) for w in words])
+        for level in range(1, grown + 1)
+    ]
+    return np.stack([_as_image(w, m) for w in words]), lookup.beta[row][speaks], dilated
+
+
+def _as_image(words: npt.NDArray[np.uint64], m: int) -> Bools:
+    """A map's cells, row by row, from its words in Z order."""
+    axis = np.arange(1 << m, dtype=np.uint32)
+    z = _core.vismap.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
+    return np.asarray((words[z // 64] >> (z % 64).astype(np.uint64) & np.uint64(1)) > 0)
