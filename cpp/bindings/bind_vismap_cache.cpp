@@ -179,7 +179,8 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
         if (misses.at(k) > rays.at(k))
             throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
                                   std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));
-        t.rays[i] = rays.at(k), t.misses[i] = misses.at(k), t.used[i] = used.at(k) != 0;
+        t.rays[i] = rays.at(k) * RecordTally::kRay, t.misses[i] = misses.at(k) * RecordTally::kRay;
+        t.used[i] = used.at(k) != 0;
     }
     add_tally(cache, t, frame);
 }

@@ -117,7 +117,31 @@ void uses_are_marked_on_threads_and_the_rest_removed() {
     check_equal(cache.size() + stats.unused, before, "records before and after");
 }
 
+void fractions_of_rays_are_right_on_average() {
+    MapCache cache = cache_of(Criterion::kVisibility);
+    const std::vector<Word> map(map_words(4), 0);
+    constexpr uint32_t n = 4000;
+    for (uint32_t i = 0; i < n; ++i) cache.add({{float(i), 0, 0}, {0, 1, 0}}, map.data(), {});
+    RecordTally tally(n);
+    // Under D = 4 a ray counts a quarter, under D = 0.3 three and a third: 3.583, of which 0.25 wrong
+    for (uint32_t i = 0; i < n; ++i) {
+        tally.compare(i, false, true, RecordTally::weight(4));
+        tally.compare(i, false, false, RecordTally::weight(0.3));
+    }
+    add_tally(cache, tally, 7);
+    uint64_t rays = 0, misses = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        const RecordHead& h = cache.records().head(i);
+        check(h.misses <= 1 && (h.rays == 3 || h.rays == 4) && h.misses <= h.rays, "next whole numbers");
+        rays += h.rays, misses += h.misses;
+    }
+    check(std::abs(double(rays) / n - (0.25 + 1 / 0.3)) < 0.03, "rays on average");
+    check(std::abs(double(misses) / n - 0.25) < 0.03, "misses on average");
+    check_equal(RecordTally::weight(1), RecordTally::kRay, "product sampling counts whole rays");
+}
+
 const Suite suite{
+    {"vismap: fractions of rays are right on average", fractions_of_rays_are_right_on_average},
     {"vismap: threads under a lock serve every point", threads_under_a_lock_serve_every_point},
     {"vismap: batches give the same records on any number of threads",
      batches_give_the_same_records_on_any_number_of_threads},

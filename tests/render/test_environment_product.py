@@ -222,6 +222,30 @@ def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
     assert after.misses.sum() / after.rays.sum() > 1.5 * before
 
 
+def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
+    """Counted one for one, the window's border would make records wrong twenty times as often."""
+    room = vc.scenes.window_room()
+    given, at = direct(n_environment=64, centred=True), {"size": (32, 24)}
+    cache = vc.VisibilityMapCache(room, vc.MapSettings(n_best=1))
+    cache.update(**at)
+    shares, counted = {}, []
+    for sampling, threads in (("product", 1), ("guided", 1), ("guided", 3)):
+        maps = vc.VisMaps(cache=cache, update=False, count_misses=True, sampling=sampling)
+        cache.reset_errors()
+        frame = vc.render(room, given, visibility=maps, threads=threads, **at)
+        records, c = cache.records(), frame.counters
+        rays = c["groups"]["environment"]["rays"] - c["pilot_rays"]
+        assert records.rays.sum() == pytest.approx(
+            rays, rel=1e-12 if sampling == "product" else 0.03
+        )
+        assert (records.misses <= records.rays).all()
+        shares[sampling] = records.misses.sum() / records.rays.sum()
+        counted.append((records.rays, records.misses))
+    np.testing.assert_array_equal(counted[1], counted[2])
+    assert 0 < shares["product"] < 0.006
+    assert shares["guided"] == pytest.approx(shares["product"], rel=0.25)
+
+
 @pytest.mark.stat
 def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
     garage = vc.scenes.garage(triangles=60_000)

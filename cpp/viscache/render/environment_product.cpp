@@ -93,8 +93,9 @@ void EnvironmentProduct::compare_records() {
     for (const uint32_t sample : asked_) {
         const BlendedMaps& maps = slots_[sample / n].maps;
         const size_t cell = samples_[sample].texel >> below;
+        const uint64_t weight = RecordTally::weight(samples_[sample].d);
         for (int i = 0; i < maps.count; ++i)
-            tally_.compare(maps.id[i], get_bit(maps.bits[i], cell), visible_[sample] != 0);
+            tally_.compare(maps.id[i], get_bit(maps.bits[i], cell), visible_[sample] != 0, weight);
     }
 }
 

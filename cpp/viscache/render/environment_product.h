@@ -52,7 +52,7 @@ public:
     explicit EnvironmentProduct(const ProductContext& context)
         : c_(context), tally_(context.maps ? context.maps->records : 0) {}
 
-    /// Every ray of the tiles so far against what each blended record said.
+    /// Every ray of the tiles so far against what each blended record said, as under product sampling.
     const RecordTally& tally() const { return tally_; }
 
     /// Adds the mean of all passes to `sum`, and the last pass to `last`; both are the tile's pixels.

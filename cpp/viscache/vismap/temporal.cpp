@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "viscache/sampling/rng.h"
+
 namespace viscache {
 
 namespace {
@@ -49,7 +51,10 @@ void add_tally(MapCache& cache, const RecordTally& tally, uint32_t frame) {
                                     std::to_string(tally.rays.size()));
     for (uint32_t id = 0; id < records.size(); ++id) {
         RecordHead& h = records.head(id);
-        uint64_t rays = uint64_t(h.rays) + tally.rays[id], misses = uint64_t(h.misses) + tally.misses[id];
+        // One fraction for both, so that there are never more misses than rays
+        const uint64_t up = mix64(uint64_t(frame) << 32 | id) % RecordTally::kRay;
+        uint64_t rays = h.rays + (tally.rays[id] + up) / RecordTally::kRay,
+                 misses = h.misses + (tally.misses[id] + up) / RecordTally::kRay;
         // Counters that would overflow are halved: the share stays
         while (rays > 0xffffffffu) rays /= 2, misses /= 2;
         h.rays = uint32_t(rays), h.misses = uint32_t(misses);

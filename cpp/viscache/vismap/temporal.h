@@ -1,5 +1,6 @@
 #pragma once
 // Records over the frames of an animation: who is often wrong or no longer used has to go.
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,18 +11,27 @@
 namespace viscache {
 
 /// What one thread, or one frame, learnt about the records; sums of integers, so their order does not matter.
+/// A ray counts 1/D where it was drawn by a density D times that of product sampling, so that shares of wrong
+/// answers are those under product sampling whatever the density; in units of 1/kRay.
 struct RecordTally {
-    std::vector<uint32_t> rays,
+    static constexpr uint64_t kRay = 1 << 16;
+
+    std::vector<uint64_t> rays,
         misses;                 ///< per record: exact rays it was compared with, and where it was wrong
     std::vector<uint8_t> used;  ///< per record: 1 if it spoke for a point
 
     explicit RecordTally(size_t records = 0) : rays(records), misses(records), used(records) {}
+    /// What a ray counts.
+    static uint64_t weight(double d) { return uint64_t(std::min(double(kRay) / d + 0.5, 0x1p40)); }
     /// A record of a blend said `bit` where an exact ray said `visible`.
-    void compare(uint32_t id, bool bit, bool visible) { ++rays[id], misses[id] += bit != visible; }
+    void compare(uint32_t id, bool bit, bool visible, uint64_t weight = kRay) {
+        rays[id] += weight, misses[id] += bit != visible ? weight : 0;
+    }
     void merge(const RecordTally& other);
 };
 
-/// Adds a frame's tally to the records; one per record of the cache.
+/// Adds a frame's tally to the records; one per record of the cache. Counters are whole: fractions go up or
+/// down by the record's and the frame's number, right on average.
 void add_tally(MapCache& cache, const RecordTally& tally, uint32_t frame);
 
 /// Every record that is blended at one of the points counts as used in the frame.

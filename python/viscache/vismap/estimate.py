@@ -37,8 +37,8 @@ class VisMaps(MapSettings):
         Give records to pixels of this image that want one before it is rendered.
     count_misses : bool
         Count in the cache how often its records were wrong about the frame's rays, which
-        `VisibilityMapCache.end_frame` removes them by. The share is that under the density the rays
-        are drawn by: guided densities send fewer where the records see nothing.
+        `VisibilityMapCache.end_frame` removes them by. Rays of guided densities count in proportion
+        to product sampling, whose share of wrong answers `eps_max` thus means either way.
     alpha : {"previous_pass", "loo", "one", "zero"} or float
         The control variate's coefficient. "previous_pass": by regression on the samples of all
         earlier passes of the pixel, in the first pass by `first_alpha`. "loo":
