@@ -12,8 +12,10 @@ import pytest
 
 import viscache as vc
 from viscache import cli
+from viscache.figures.outcome import Outcome
 from viscache.figures.vismap_animation import Frame, _rows, crate_and_garage, swinging_camera
 from viscache.figures.vismap_equal_time import noisiest_windows, samples_in
+from viscache.figures.vismap_living_room import living_rooms, variance_rows
 from viscache.figures.vismap_pictures import project
 from viscache.figures.vismap_table3 import Times
 
@@ -71,6 +73,37 @@ def test_time_is_split_by_a_line_and_equal_time_is_where_it_meets() -> None:
             return SimpleNamespace(timings={"cpu_s": 2.0 + 0.1 * samples})
 
     assert samples_in(Fake(), 6.0) == 40  # type: ignore[arg-type]
+
+
+def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("VISCACHE_SCENES", raising=False)
+    outcome = Outcome()
+    assert list(living_rooms(outcome)) == []
+    names = ["living-room, noon", "living-room, sunset"]
+    assert [s["what"] for s in outcome.skipped] == names
+    assert "VISCACHE_SCENES" in outcome.skipped[0]["reason"]
+    # A room of our own in its place, under one sky
+    (tmp_path / "living-room").mkdir()
+    (tmp_path / "hdr").mkdir()
+    room = (
+        '<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="60"/>'
+        '<transform name="to_world"><lookat origin="0,1,4" target="0,0,0" up="0,1,0"/></transform>'
+        '</sensor><shape type="cube"/></scene>'
+    )
+    (tmp_path / "living-room" / "scene.xml").write_text(room)
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16 +X 32\n"
+    (tmp_path / "hdr" / "venice_sunset_1k.hdr").write_bytes(head + bytes([128] * 4) * 16 * 32)
+    monkeypatch.setenv("VISCACHE_SCENES", str(tmp_path))
+    outcome = Outcome()
+    found = next(living_rooms(outcome))
+    assert found[0] == names[1]
+    assert [s["what"] for s in outcome.skipped] == names[:1]
+    assert "hdr/kloppenheim_05_1k.hdr is absent" in outcome.skipped[0]["reason"]
+    rows = variance_rows(*found, quick=True)
+    assert [row.what.split(", rendered")[0] for row in rows] == [names[1]] * 2
+    assert all(row.measured is not None and 0 < row.measured < 2 for row in rows)
 
 
 #: Rows with a band, and pictures, of a quick run.

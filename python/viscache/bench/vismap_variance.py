@@ -33,6 +33,7 @@ WAYS: dict[str, Way] = {
     "control variate, alpha 1": Way(alpha=1.0),
     "control variate, alpha of earlier passes": Way(alpha="previous_pass", passes=STEADY),
     "guided": Way(alpha="previous_pass", eta=ETA, passes=STEADY),
+    "one pass, alpha of a pilot": Way(alpha="previous_pass", first="pilot"),
     "one shot, first alpha of a pilot": Way(alpha="previous_pass", one_shot=True, first="pilot"),
     "one shot, first alpha 1": Way(alpha="previous_pass", one_shot=True),
     "one shot, guided": Way(alpha="previous_pass", eta=ETA, one_shot=True, first="pilot"),

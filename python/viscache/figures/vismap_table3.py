@@ -11,6 +11,7 @@ import numpy as np
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_living_room import living_rooms, variance_rows
 from viscache.figures.vismap_records import VIEWS
 from viscache.figures.vismap_renders import Picture, images, paper_maps
 from viscache.variance import VarianceRatio, variance_ratio
@@ -71,6 +72,8 @@ def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
                          replicates=QUICK_REPLICATES if quick else REPLICATES)  # fmt: skip
         rows = _simulated_rows(name, found, samples)
         outcome.rows += [replace(row, band=None) for row in rows] if quick else rows
+    for label, scene in living_rooms(outcome):
+        outcome.rows += variance_rows(label, scene, quick)
     outcome.notes.append(
         "rendered: variance over independent pictures, the cache built once before. Simulated: "
         "random pixels in the world of the environment's texels, steady state unless it says "

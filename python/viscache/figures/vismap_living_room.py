@@ -1,0 +1,56 @@
+"""The living room made by others, under two measured skies, beside our stand-ins of the tables."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_renders import Picture, paper_maps
+from viscache.scene import Scene, load_scene
+from viscache.variance import variance_ratio
+from viscache.visibility import VisMaps
+
+__all__ = ["SKIES", "living_rooms", "variance_rows"]
+
+SCENES_VARIABLE = "VISCACHE_SCENES"
+SCENE = "living-room/scene.xml"
+#: Skies measured outdoors, in the folder of scenes.
+SKIES = {"noon": "hdr/kloppenheim_05_1k.hdr", "sunset": "hdr/venice_sunset_1k.hdr"}
+SAMPLES, QUICK_SAMPLES = (10, 30), (10,)
+RENDERS, SIZE = 8, (160, 120)
+QUICK_RENDERS, QUICK_SIZE = 3, (32, 24)
+
+
+def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
+    """The room under every sky there is; files that are absent are named in `outcome.skipped`."""
+    folder = os.environ.get(SCENES_VARIABLE)
+    room: Scene | None = None
+    for name, sky in SKIES.items():
+        label = f"living-room, {name}"
+        absent = [p for p in (SCENE, sky) if not folder or not (Path(folder) / p).is_file()]
+        if absent:
+            outcome.skip(label, f"{absent[0]} is absent: set {SCENES_VARIABLE} to its folder")
+            continue
+        room = room or load_scene(Path(folder or "") / SCENE)
+        yield label, room.with_environment(Path(folder or "") / sky)
+
+
+def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:
+    """What is left of the variance in rendered pictures, the cache built before."""
+    renders = QUICK_RENDERS if quick else RENDERS
+    picture = Picture(scene=scene, size=QUICK_SIZE if quick else SIZE)
+    cache = picture.build_cache()
+    ways = {"alpha one": paper_maps(cache), "default": VisMaps(cache=cache, update=False)}
+    rows = []
+    for n in QUICK_SAMPLES if quick else SAMPLES:
+        base = [picture.product(n, 100 + seed).image for seed in range(renders)]
+        for name, maps in ways.items():
+            left = variance_ratio([picture.maps(n, maps, s).image for s in range(renders)], base)
+            rows.append(Row(what=f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
+                            measured=left.ratio,
+                            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
+                                 f"z of the means {left.energy_z:.1f}; "
+                                 f"{len(cache)} records"))  # fmt: skip
+    return rows
