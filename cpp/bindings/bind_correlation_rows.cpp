@@ -1,12 +1,11 @@
 // Surface points and their rows of visibility.
 #include <pybind11/stl.h>
 
-#include "arrays.h"
+#include "checked_rows.h"
 #include "interrupt.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/visibility_rows.h"
 
@@ -43,23 +42,6 @@ py::dict area_points(const Scene& scene, size_t n, uint64_t seed) {
     SurfacePoints points;
     run_interruptible([&](Control& control) { points = viscache::area_points(scene, n, seed, control); });
     return points_dict(points);
-}
-
-std::span<const Vec3> usable(const FloatArray& a, const char* name) {
-    const std::span<const Vec3> rows(rows3(a, name), size_t(a.shape(0)));
-    if (const auto i = first_unusable(rows))
-        throw py::value_error(std::string(name) + " must be finite and at most 1e16 in size, row " +
-                              std::to_string(*i) + " is not");
-    return rows;
-}
-
-std::span<const Vec3> units(const FloatArray& a, const char* name) {
-    const std::span<const Vec3> rows = usable(a, name);
-    for (size_t i = 0; i < rows.size(); ++i)
-        if (!(std::fabs(length2(rows[i]) - 1) < 1e-3f))
-            throw py::value_error(std::string(name) + " must be unit vectors, row " + std::to_string(i) +
-                                  " has length " + std::to_string(length(rows[i])));
-    return rows;
 }
 
 py::tuple visibility_rows(const Scene& scene, const EmbreeCaster& caster, const FloatArray& positions,

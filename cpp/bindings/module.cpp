@@ -24,6 +24,7 @@ void bind_vismap_cache_maps(py::module_& m);
 void bind_vismap_points(py::module_& m);
 void bind_vismap_product(py::module_& m);
 void bind_vismap_render(py::module_& m);
+void bind_vlf_aligned(py::module_& m);
 void bind_vlf_directions(py::module_& m);
 void bind_warp(py::module_& m);
 }  // namespace viscache::bindings
@@ -53,4 +54,5 @@ PYBIND11_MODULE(_core, m) {
     bind_warp(m);
     bind_vismap_render(m);
     bind_vlf_directions(m);
+    bind_vlf_aligned(m);
 }

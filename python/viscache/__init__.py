@@ -17,6 +17,7 @@ from viscache.vismap import (
     VisMaps,
     cached_ambient_occlusion,
 )
+from viscache.vlf import aligned_occlusion
 
 __version__ = "0.1.0"
 
@@ -37,6 +38,7 @@ __all__ = [
     "VisibilityMapCache",
     "Whitted",
     "__version__",
+    "aligned_occlusion",
     "cached_ambient_occlusion",
     "correlation",
     "load_scene",

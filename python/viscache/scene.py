@@ -58,6 +58,7 @@ class Scene:
         #: What the scene was made from: a path or `room?triangles=…`; None for arrays.
         self.spec = spec
         self._casters: dict[bool, _core.EmbreeCaster] = {}
+        self._batch: _core.vlf.AlignedBatch | None = None
 
     @classmethod
     def from_description(
@@ -237,6 +238,12 @@ class Scene:
         if robust not in self._casters:
             self._casters[robust] = _core.EmbreeCaster(self._core, robust=robust)
         return self._casters[robust]
+
+    def aligned_batch(self) -> _core.vlf.AlignedBatch:
+        """The triangles as aligned rays meet them, put in order on first use."""
+        if self._batch is None:
+            self._batch = _core.vlf.AlignedBatch(self._core)
+        return self._batch
 
     def visible(
         self, x: npt.ArrayLike, y: npt.ArrayLike, *, threads: int | None = None

@@ -379,6 +379,88 @@ void EmbreeCaster::occluded(const RayArrays& rays, std::span<const uint32_t> ord
     occluded_by_plan(impl_->top, rays, Sorted{order.data()}, order.size(), occluded, impl_->sound(plan));
 }
 
+namespace {
+
+/// Sends kWidth lanes along the axes at their sides; returns the lanes blocked. Origins are in the packet.
+template <class Packet, int kWidth>
+uint32_t blocked_lanes(rtc::Query& query, RTCScene scene, Packet& packet, const int* valid, float t_max) {
+    for (int i = 0; i < kWidth; ++i) packet.tnear[i] = 0, packet.tfar[i] = t_max;
+    trace(query, scene, valid, packet);
+    uint32_t blocked = 0;
+    for (int i = 0; i < kWidth; ++i) blocked |= uint32_t(packet.tfar[i] < 0) << i;
+    return blocked;
+}
+
+template <class Packet, int kWidth>
+void trace_along(rtc::Query& query, RTCScene scene, const PointLanes& p, Vec3 axis, float t_max,
+                 uint16_t* blocked) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[kWidth];
+    constexpr size_t kRow = sizeof(float) * kWidth;
+    set_common(packet);
+    for (size_t at = 0; at < p.packets * 16; at += kWidth) {
+        const uint32_t asked = uint32_t(p.asked[at / 16]) >> (at % 16);
+        std::memcpy(packet.org_x, p.x + at, kRow), std::memcpy(packet.org_y, p.y + at, kRow);
+        std::memcpy(packet.org_z, p.z + at, kRow);
+        for (int i = 0; i < kWidth; ++i) {
+            const size_t k = at + size_t(i);
+            const float side = axis.x * p.nx[k] + axis.y * p.ny[k] + axis.z * p.nz[k] >= 0 ? 1.f : -1.f;
+            packet.dir_x[i] = side * axis.x, packet.dir_y[i] = side * axis.y, packet.dir_z[i] = side * axis.z;
+            valid[i] = -int(asked >> i & 1);
+        }
+        const uint32_t found =
+            blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & asked & ((1u << kWidth) - 1);
+        if (at % 16 == 0) blocked[at / 16] = 0;
+        blocked[at / 16] = uint16_t(blocked[at / 16] | found << (at % 16));
+    }
+}
+
+template <class Packet, int kWidth>
+void trace_from(rtc::Query& query, RTCScene scene, Vec3 o, Vec3 n, const AxisLanes& axes, float t_max,
+                Word* blocked) {
+    alignas(64) Packet packet;
+    alignas(64) int valid[kWidth];
+    set_common(packet);
+    for (int i = 0; i < kWidth; ++i) packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z;
+    for (size_t at = 0; at < axes.count; at += kWidth) {
+        for (int i = 0; i < kWidth; ++i) {
+            const size_t k = at + size_t(i);
+            const float x = axes.x[k], y = axes.y[k], z = axes.z[k];
+            const float side = x * n.x + y * n.y + z * n.z >= 0 ? 1.f : -1.f;
+            packet.dir_x[i] = side * x, packet.dir_y[i] = side * y, packet.dir_z[i] = side * z;
+            valid[i] = k < axes.count ? -1 : 0;
+        }
+        const size_t left = std::min<size_t>(kWidth, axes.count - at);
+        const uint32_t found =
+            blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & ((1u << left) - 1);
+        if (at % kWordBits == 0) blocked[at / kWordBits] = 0;
+        blocked[at / kWordBits] |= Word{found} << (at % kWordBits);
+    }
+}
+
+/// Plans for shared directions.
+bool is_wide(const PacketPlan& plan) {
+    if (plan.width != 8 && plan.width != 16)
+        throw std::invalid_argument("width must be 8 or 16, got " + std::to_string(plan.width));
+    return plan.width == 16;
+}
+
+}  // namespace
+
+void EmbreeCaster::blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,
+                                 const PacketPlan& plan) const {
+    rtc::Query query(plan.coherence);
+    const auto run = is_wide(impl_->sound(plan)) ? trace_along<RTCRay16, 16> : trace_along<RTCRay8, 8>;
+    run(query, impl_->top, points, axis, t_max, blocked);
+}
+
+void EmbreeCaster::blocked_from(Vec3 origin, Vec3 normal, const AxisLanes& axes, float t_max, Word* blocked,
+                                const PacketPlan& plan) const {
+    rtc::Query query(plan.coherence);
+    const auto run = is_wide(impl_->sound(plan)) ? trace_from<RTCRay16, 16> : trace_from<RTCRay8, 8>;
+    run(query, impl_->top, origin, normal, axes, t_max, blocked);
+}
+
 bool EmbreeCaster::native16() const { return impl_->native16; }
 
 }  // namespace viscache

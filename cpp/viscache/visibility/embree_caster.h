@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "viscache/math/bits.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/ray_arrays.h"
 #include "viscache/visibility/ray_caster.h"
@@ -28,6 +29,13 @@ public:
     /// The same of the rays numbered in `order`, one after another.
     void occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
                   const PacketPlan& plan) const;
+    /// Every point's ray along an axis or against it, on the side of its normal (n·axis = 0: along): the lanes
+    /// blocked, 16 bits per packet. Plans of width 8 and 16.
+    void blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,
+                       const PacketPlan& plan) const;
+    /// One point's rays along all axes, the same way: bits, words_for(axes) words.
+    void blocked_from(Vec3 origin, Vec3 normal, const AxisLanes& axes, float t_max, Word* blocked,
+                      const PacketPlan& plan) const;
     const Scene& scene() const { return *scene_; }
     /// True if Embree has packets of 16 on this CPU (AVX-512); else 16 rays go as two packets of 8.
     bool native16() const;

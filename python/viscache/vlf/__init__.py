@@ -1,5 +1,6 @@
 """The visibility field (Mortensen, Khanna, Yu, Slater 2007)."""
 
+from viscache.vlf.aligned import AlignedRows, aligned_occlusion, trace_aligned
 from viscache.vlf.directions import (
     DIRECTION_COUNTS,
     direction_frames,
@@ -10,8 +11,11 @@ from viscache.vlf.directions import (
 
 __all__ = [
     "DIRECTION_COUNTS",
+    "AlignedRows",
+    "aligned_occlusion",
     "direction_frames",
     "direction_weights",
     "directions",
     "nearest_direction",
+    "trace_aligned",
 ]

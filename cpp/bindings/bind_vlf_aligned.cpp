@@ -1,0 +1,109 @@
+// Aligned rays: what points see along shared axes.
+#include <pybind11/stl.h>
+
+#include "checked_rows.h"
+#include "interrupt.h"
+#include "isa_argument.h"
+#include "viscache/vlf/aligned_batch.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+/// (l, 3, 3) rows u, v, w of orthonormal frames.
+std::span<const Frame3> checked_frames(const FloatArray& a) {
+    if (a.ndim() != 3 || a.shape(1) != 3 || a.shape(2) != 3)
+        throw py::value_error("frames must have shape (l, 3, 3), got " + shape_text(a));
+    const std::span frames(reinterpret_cast<const Frame3*>(a.data()), size_t(a.shape(0)));
+    const auto is_one = [](float v) { return std::fabs(v - 1) < 1e-4f; };
+    for (size_t i = 0; i < frames.size(); ++i) {
+        const Frame3& f = frames[i];
+        if (!is_one(length2(f.z)) || !is_one(length2(f.x)) || !is_one(dot(cross(f.x, f.y), f.z)))
+            throw py::value_error("frames must be orthonormal and right-handed, row " + std::to_string(i) +
+                                  " is not");
+    }
+    return frames;
+}
+
+/// The arguments of a call, checked; origins have left their surfaces.
+struct Call {
+    std::vector<Vec3> origin;
+    AlignedInput input;
+    py::array_t<uint64_t> bits;
+
+    Call(const Scene& scene, const FloatArray& positions, const FloatArray& normals, const FloatArray& frames,
+         float t_max) {
+        const auto p = usable(positions, "points"), n = units(normals, "normals");
+        if (p.size() != n.size())
+            throw py::value_error("points and normals must have equal numbers of rows, got " +
+                                  shape_text(positions) + " and " + shape_text(normals));
+        if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
+        origin.reserve(p.size());
+        for (size_t i = 0; i < p.size(); ++i) origin.push_back(spawn(p[i], n[i], scene.offset_extent()));
+        input = {origin, n, checked_frames(frames), t_max};
+        bits = py::array_t<uint64_t>({p.size(), words_for(input.axes.size())});
+    }
+    /// work(rows, control) without the interpreter's lock.
+    template <class Work>
+    void run(Work work, const py::object& progress) {
+        run_interruptible(
+            [&, rows = std::span(bits.mutable_data(), size_t(bits.size()))](Control& control) {
+                control.total = input.axes.size();
+                work(rows, control);
+            },
+            progress);
+    }
+};
+
+py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatArray& positions,
+                     const FloatArray& normals, const FloatArray& frames, float t_max, int threads,
+                     const std::optional<std::string>& isa, const py::object& progress) {
+    Call call(scene, positions, normals, frames, t_max);
+    const Isa variant = isa_of(isa);
+    AlignedCounts counts;
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            counts = batch.rows(call.input, rows, threads, control, variant);
+        },
+        progress);
+    py::dict d;
+    d["nodes"] = counts.nodes, d["pairs"] = counts.pairs, d["tests"] = counts.tests;
+    d["exact"] = counts.exact;
+    return py::make_tuple(call.bits, d);
+}
+
+py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& positions,
+                                  const FloatArray& normals, const FloatArray& frames, float t_max,
+                                  bool by_axis, int width, bool coherent, int threads,
+                                  const py::object& progress) {
+    Call call(caster.scene(), positions, normals, frames, t_max);
+    const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            viscache::embree_rows(caster, call.input, rows,
+                                  by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint, plan, threads,
+                                  control);
+        },
+        progress);
+    return call.bits;
+}
+
+}  // namespace
+
+void bind_vlf_aligned(py::module_& m) {
+    py::module_ v = m.attr("vlf");
+    py::class_<AlignedBatch>(v, "AlignedBatch")
+        .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"), py::call_guard<py::gil_scoped_release>())
+        .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
+             py::arg("isa") = py::none(), py::arg("progress") = py::none(),
+             "Rows of bits (N, words), 1 = free, and how much work it was.")
+        .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
+        .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
+    v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),
+          py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = true,
+          py::arg("width") = 16, py::arg("coherent") = false, py::arg("threads") = 0,
+          py::arg("progress") = py::none(), "The same bits by Embree.");
+}
+
+}  // namespace viscache::bindings

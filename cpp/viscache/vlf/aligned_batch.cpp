@@ -1,0 +1,76 @@
+#include "viscache/vlf/aligned_batch.h"
+
+#include "viscache/vlf/aligned_kernels.h"
+#include "viscache/vlf/axis_bits.h"
+
+namespace viscache {
+
+AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows, int threads,
+                                 Control& control, Isa isa) const {
+    const TraceAxis trace = trace_axis_kernel(isa);
+    if (input.origin.empty()) return {};
+    const PointPackets points(triangles_.placement, input.origin, input.normal, control);
+    const float reach = input.t_max * triangles_.placement.scale;
+    threads = resolve_threads(threads);
+    std::vector<AxisState> states;
+    for (int t = 0; t < std::min<int>(threads, int(std::max<size_t>(1, input.axes.size()))); ++t)
+        states.emplace_back(points);
+    rows_by_axis(input.axes.size(), points.order, rows, threads, control,
+                 [&](size_t axis, int worker, uint16_t* lanes) {
+                     AxisState& state = states[size_t(worker)];
+                     trace(triangles_, points, input.axes[axis], reach, state, control);
+                     for (const TurnedPacket& p : state.packets) *lanes++ = p.free;
+                 });
+    AlignedCounts counts;
+    for (const AxisState& state : states) counts.merge(state.counts);
+    return counts;
+}
+
+namespace {
+
+/// Axes side by side, filled up with copies of the last.
+struct AxisArrays {
+    std::vector<float> x, y, z;
+    explicit AxisArrays(std::span<const Frame3> axes) {
+        for (size_t k = 0; k < in_lanes(axes.size()) * kLanes; ++k) {
+            const Vec3 w = axes[std::min(k, axes.size() - 1)].z;
+            x.push_back(w.x), y.push_back(w.y), z.push_back(w.z);
+        }
+    }
+};
+
+}  // namespace
+
+void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
+                 AlignedOrder order, const PacketPlan& plan, int threads, Control& control) {
+    if (input.origin.empty() || input.axes.empty()) return;
+    const PointPackets points(Placement{}, input.origin, input.normal, control);
+    if (order == AlignedOrder::kByAxis) {
+        const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
+                               points.ny.data(), points.nz.data(), points.asked.data(), points.packets};
+        rows_by_axis(input.axes.size(), points.order, rows, threads, control,
+                     [&](size_t axis, int, uint16_t* free) {
+                         caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, plan);
+                         for (size_t p = 0; p < points.packets; ++p)
+                             free[p] = uint16_t(points.asked[p] & ~free[p]);
+                     });
+        return;
+    }
+    const AxisArrays axes(input.axes);
+    const AxisLanes lanes{axes.x.data(), axes.y.data(), axes.z.data(), input.axes.size(), axes.x.size()};
+    const size_t words = words_for(lanes.count), tail = lanes.count % kWordBits;
+    constexpr size_t kPointsPerChunk = 64;
+    parallel_for((points.points + kPointsPerChunk - 1) / kPointsPerChunk, threads, [&](size_t chunk, int) {
+        control.check();
+        const size_t last = std::min(points.points, (chunk + 1) * kPointsPerChunk);
+        for (size_t p = chunk * kPointsPerChunk; p < last; ++p) {
+            const size_t i = points.order[p];
+            Word* row = &rows[i * words];
+            caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, plan);
+            for (size_t w = 0; w < words; ++w) row[w] = ~row[w];
+            if (tail) row[words - 1] &= (Word{1} << tail) - 1;
+        }
+    });
+}
+
+}  // namespace viscache

@@ -1,0 +1,125 @@
+#include "viscache/vlf/aligned_blocks.h"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace viscache {
+
+namespace {
+
+/// How far points may be from the scene, in its sizes: floats there are farther apart than it is large, and
+/// products of three coordinates are still floats.
+constexpr float kFarthest = 1e9f;
+
+constexpr size_t kPointsPerCheck = 1 << 16;
+
+/// Where a run of n is cut: near the middle, at a multiple of the largest run that is to be compact.
+size_t cut(size_t n) {
+    const size_t unit = n > kLanes * kLanes * kLanes ? kLanes * kLanes * kLanes
+                        : n > kLanes * kLanes        ? kLanes * kLanes
+                                                     : kLanes;
+    const size_t middle = (n / 2 + unit / 2) / unit * unit;
+    return middle == 0 ? unit : middle >= n ? (n - 1) / unit * unit : middle;
+}
+
+void kd_sort(std::span<uint32_t> order, std::span<const Vec3> points, const Control& control) {
+    while (order.size() > kLanes) {
+        if (order.size() > kPointsPerCheck) control.check();
+        Bounds box;
+        for (uint32_t i : order) box.add(points[i]);
+        const Vec3 size = box.hi - box.lo;
+        const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+        const size_t middle = cut(order.size());
+        std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(middle), order.end(),
+                         [&](uint32_t a, uint32_t b) {
+                             const float x = points[a][axis], y = points[b][axis];
+                             return x < y || (x == y && a < b);
+                         });
+        kd_sort(order.first(middle), points, control);
+        order = order.subspan(middle);
+    }
+}
+
+}  // namespace
+
+std::vector<uint32_t> kd_order(std::span<const Vec3> points, const Control& control) {
+    std::vector<uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    kd_sort(order, points, control);
+    return order;
+}
+
+Placement Placement::of(const Bounds& bounds) {
+    if (bounds.empty()) return {{}, 0};  // nothing there: all points are one
+    const float radius = 0.5f * bounds.diagonal();
+    const int power = radius > 0 ? std::clamp(std::ilogb(radius) + 1, -100, 100) : 0;
+    return {bounds.center(), std::ldexp(1.f, -power)};
+}
+
+TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::move(of)) {
+    const FlatTriangles flat = flat_triangles(*scene);
+    const auto& list = flat.triangles;
+    placement = Placement::of(flat.bounds);
+    triangles = list.size();
+    std::vector<uint32_t> kinds[2];
+    for (uint32_t i = 0; i < triangles; ++i) kinds[scene->has_cutout(flat.sources[i].mesh)].push_back(i);
+    first_masked = in_lanes(kinds[0].size());
+    blocks = first_masked + in_lanes(kinds[1].size());
+    for (auto& row : corner)
+        for (LaneArray& a : row) a.resize(blocks * kLanes);
+    for (int kind = 0; kind < 2; ++kind) {
+        const std::vector<uint32_t>& some = kinds[kind];
+        std::vector<Vec3> middle;
+        for (uint32_t i : some) middle.push_back(placement.apply(list[i].bounds().center()));
+        const std::vector<uint32_t> order = kd_order(middle, Control{});
+        const size_t first = kind ? first_masked * kLanes : 0;
+        for (size_t lane = 0; lane < in_lanes(some.size()) * kLanes; ++lane) {
+            const uint32_t i = some[order[std::min(lane, some.size() - 1)]];
+            set_lane(first + lane, list[i]);
+            if (kind) masked.push_back(flat.sources[i]);
+        }
+    }
+}
+
+void TriangleBlocks::set_lane(size_t lane, const FlatTriangle& t) {
+    const Vec3 corners[3] = {placement.apply(t.a), placement.apply(t.b), placement.apply(t.c)};
+    for (size_t c = 0; c < 3; ++c)
+        for (int axis = 0; axis < 3; ++axis) corner[c][axis][lane] = corners[c][axis];
+}
+
+PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> position,
+                           std::span<const Vec3> normal, const Control& control)
+    : points(position.size()), packets(in_lanes(points)) {
+    if (points > UINT32_MAX - kLanes) throw std::length_error("points must be fewer than 2^32 - 16");
+    std::vector<Vec3> placed(points);
+    for (size_t i = 0; i < points; ++i) {
+        placed[i] = placement.apply(position[i]);
+        const float far = std::max({std::fabs(placed[i].x), std::fabs(placed[i].y), std::fabs(placed[i].z)});
+        if (!(far <= kFarthest))
+            throw std::invalid_argument("points must lie within 1e9 times the scene's size, row " +
+                                        std::to_string(i) + " does not");
+    }
+    order = kd_order(placed, control);
+    asked.assign(packets, 0);
+    for (LaneArray* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(packets * kLanes);
+    for (size_t lane = 0; lane < packets * kLanes; ++lane) {
+        const size_t i = order[std::min(lane, points - 1)];
+        const Vec3 p = placed[i], n = normal[i];
+        x[lane] = p.x, y[lane] = p.y, z[lane] = p.z, nx[lane] = n.x, ny[lane] = n.y, nz[lane] = n.z;
+        if (lane < points) asked[lane / kLanes] |= uint16_t(1u << lane % kLanes);
+    }
+}
+
+AxisState::AxisState(const PointPackets& points) : packets(points.packets) {
+    for (size_t n = points.packets;; n = in_lanes(n)) {
+        BoxLevel& level = levels.emplace_back();
+        level.nodes = n;
+        for (LaneArray* a : {&level.x0, &level.x1, &level.y0, &level.y1, &level.from_up, &level.from_down})
+            a->resize(in_lanes(n) * kLanes);
+        if (n <= kLanes) break;
+    }
+}
+
+}  // namespace viscache

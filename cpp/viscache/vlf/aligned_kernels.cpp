@@ -1,0 +1,107 @@
+#include "viscache/vlf/aligned_kernels.h"
+
+#include "viscache/math/x86_intrinsics.h"
+
+#define VISCACHE_LAMBDA __attribute__((always_inline))
+
+namespace viscache {
+
+ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bool up, float reach) {
+    const auto product = [](float x, float y) { return double(x) * double(y); };
+    const double ea = product(b[0], c[1]) - product(b[1], c[0]);
+    const double eb = product(c[0], a[1]) - product(c[1], a[0]);
+    const double ec = product(a[0], b[1]) - product(a[1], b[0]);
+    const bool left = ea >= 0 && eb >= 0 && ec >= 0, right = ea <= 0 && eb <= 0 && ec <= 0;
+    if (left == right) return {};  // outside, or seen edge-on
+    const double t = (ea * double(a[2]) + eb * double(b[2])) + ec * double(c[2]);
+    const double det = std::fabs((ea + eb) + ec);
+    const bool hit = (left == up ? t > 0 : t < 0) && (reach == kInfinity || std::fabs(t) <= double(reach) * det);
+    return {hit, float(std::fabs(eb) / det), float(std::fabs(ec) / det)};
+}
+
+namespace {
+
+namespace portable {
+typedef float Part __attribute__((vector_size(16), may_alias));
+constexpr size_t kPartLanes = 4;
+inline Part all(float v) { return Part{v, v, v, v}; }
+inline uint32_t lanes_of(decltype(Part{} > Part{}) m) {
+    return uint32_t((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
+}
+inline uint32_t at_least(Part a, Part b) { return lanes_of(a >= b); }
+inline uint32_t above(Part a, Part b) { return lanes_of(a > b); }
+inline Part smaller(Part a, Part b) { return a < b ? a : b; }
+inline Part larger(Part a, Part b) { return a > b ? a : b; }
+inline float smallest(Part a) { return std::min(std::min(a[0], a[1]), std::min(a[2], a[3])); }
+inline float largest(Part a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+inline Part select(uint32_t lanes, Part a, Part b) {
+    Part r;
+    for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
+    return r;
+}
+#include "aligned_kernels.inc"
+}  // namespace portable
+
+#if VISCACHE_X86
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,popcnt")
+namespace avx2 {
+typedef float Part __attribute__((vector_size(32), may_alias));
+constexpr size_t kPartLanes = 8;
+inline Part all(float v) { return _mm256_set1_ps(v); }
+inline uint32_t at_least(Part a, Part b) {
+    return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GE_OQ)));
+}
+inline uint32_t above(Part a, Part b) {
+    return uint32_t(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ)));
+}
+inline Part smaller(Part a, Part b) { return _mm256_min_ps(a, b); }
+inline Part larger(Part a, Part b) { return _mm256_max_ps(a, b); }
+inline float smallest(Part a) {
+    __m128 v = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    v = _mm_min_ps(v, _mm_movehl_ps(v, v));
+    return _mm_cvtss_f32(_mm_min_ss(v, _mm_shuffle_ps(v, v, 1)));
+}
+inline float largest(Part a) {
+    __m128 v = _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    v = _mm_max_ps(v, _mm_movehl_ps(v, v));
+    return _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps(v, v, 1)));
+}
+inline Part select(uint32_t lanes, Part a, Part b) {
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
+    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
+}
+#include "aligned_kernels.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,popcnt,prefer-vector-width=512")
+namespace avx512 {
+typedef float Part __attribute__((vector_size(64), may_alias));
+constexpr size_t kPartLanes = 16;
+inline Part all(float v) { return _mm512_set1_ps(v); }
+inline uint32_t at_least(Part a, Part b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
+inline uint32_t above(Part a, Part b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ); }
+inline Part smaller(Part a, Part b) { return _mm512_min_ps(a, b); }
+inline Part larger(Part a, Part b) { return _mm512_max_ps(a, b); }
+inline float smallest(Part a) { return _mm512_reduce_min_ps(a); }
+inline float largest(Part a) { return _mm512_reduce_max_ps(a); }
+inline Part select(uint32_t lanes, Part a, Part b) { return _mm512_mask_blend_ps(__mmask16(lanes), b, a); }
+#include "aligned_kernels.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+#endif
+
+}  // namespace
+
+TraceAxis trace_axis_kernel([[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return avx512::trace_axis;
+    if (isa == Isa::kAvx2) return avx2::trace_axis;
+#endif
+    return portable::trace_axis;
+}
+
+}  // namespace viscache

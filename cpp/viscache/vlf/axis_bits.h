@@ -1,0 +1,45 @@
+#pragma once
+// Answers by axis, turned into rows by point.
+#include "viscache/math/bits.h"
+#include "viscache/math/parallel.h"
+#include "viscache/vlf/aligned_blocks.h"
+
+namespace viscache {
+
+/// So many axes are traced before their bits are written to the rows: two bytes per packet and axis are kept.
+constexpr size_t kAxesPerWave = 1024;
+static_assert(kAxesPerWave % kWordBits == 0);
+
+/// Traces all axes, wave by wave: trace(axis, worker, lanes) puts the answers of one axis, 16 bits per packet.
+/// Then bit k of row `order[16·packet + lane]` is that of axis k.
+template <class Trace>
+void rows_by_axis(size_t axes, std::span<const uint32_t> order, std::span<Word> rows, int threads,
+                  Control& control, Trace trace) {
+    const size_t packets = in_lanes(order.size()), row_words = words_for(axes);
+    std::vector<uint16_t> lanes(packets * std::min(axes, kAxesPerWave));
+    for (size_t first = 0; first < axes; first += kAxesPerWave) {
+        const size_t n = std::min(axes - first, kAxesPerWave), words = words_for(n);
+        parallel_for(n, threads, [&](size_t k, int worker) {
+            control.check();
+            trace(first + k, worker, &lanes[k * packets]);
+            control.check();
+            ++control.done;
+        });
+        constexpr size_t kPacketsPerChunk = 256;
+        parallel_for((packets + kPacketsPerChunk - 1) / kPacketsPerChunk, threads, [&](size_t chunk, int) {
+            const size_t last = std::min(packets, (chunk + 1) * kPacketsPerChunk);
+            for (size_t p = chunk * kPacketsPerChunk; p < last; ++p)
+                for (size_t w = 0; w < words; ++w) {
+                    Word word[kLanes] = {};
+                    for (size_t j = 0; j < std::min(kWordBits, n - w * kWordBits); ++j) {
+                        const Word bits = lanes[(w * kWordBits + j) * packets + p];
+                        for (size_t i = 0; i < kLanes; ++i) word[i] |= (bits >> i & 1) << j;
+                    }
+                    for (size_t i = 0; i < std::min(kLanes, order.size() - p * kLanes); ++i)
+                        rows[order[p * kLanes + i] * row_words + first / kWordBits + w] = word[i];
+                }
+        });
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,129 @@
+"""Aligned rays one by one: a plain transcription of what one ray along an axis hits, in NumPy.
+
+Every triangle is tried for every ray; the batch must give the same bits. And an oracle in double
+that says which answers rounding may turn.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import viscache as vc
+
+Array = npt.NDArray[Any]
+f32 = np.float32
+
+
+def corners(scene: vc.Scene) -> Array:
+    """Triangles of the world's meshes (T, 3, 3) float32, without area left out."""
+    parts = [
+        np.asarray(m["vertices"], f32)[np.asarray(m["triangles"])]
+        for m in scene.meshes()
+        if m["in_world"] and len(m["triangles"])
+    ]
+    if not parts:
+        return np.zeros((0, 3, 3), f32)
+    all_of_them = np.concatenate(parts)
+    a, b, c = (all_of_them[:, i].astype(float) for i in range(3))
+    kept: Array = all_of_them[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0]
+    return kept
+
+
+def origins(scene: vc.Scene, points: Array, normals: Array) -> Array:
+    """Where rays start (visibility/query.h): 8 units in the last place off the surface."""
+    extent = f32(scene._core.offset_extent)
+    size = np.maximum(np.abs(points).max(1), extent)
+    step = f32(8) * f32(2.0**-23) * size
+    return np.asarray(points + normals * step[:, None], f32)
+
+
+def placement(triangles: Array) -> tuple[Array, np.float32]:
+    """Centre and power of two that bring the scene to a radius of about one."""
+    lo, hi = triangles.min((0, 1)), triangles.max((0, 1))
+    d = hi - lo
+    radius = f32(0.5) * np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+    return (lo + hi) * f32(0.5), f32(2.0) ** f32(-(np.floor(np.log2(float(radius))) + 1))
+
+
+def along(row: Array, p: Array) -> Array:
+    """row·p, term by term."""
+    out: Array = row[0] * p[..., 0] + row[1] * p[..., 1] + row[2] * p[..., 2]
+    return out
+
+
+def free_along(
+    triangles: Array, o: Array, normals: Array, frames: Array, t_max: float = np.inf
+) -> Array:
+    """(N, l) bool: is the ray of each origin along each axis free?"""
+    free = np.ones((len(o), len(frames)), bool)
+    if not len(triangles):
+        return free
+    centre, scale = placement(triangles)
+    v, p = (triangles - centre) * scale, (o - centre) * scale
+    for k, frame in enumerate(frames):
+        up = along(frame[2], normals) >= 0
+        corner = [along(row, v) for row in frame]  # x, y, z of (T, 3)
+        point = [along(row, p) for row in frame]
+        for i in range(len(o)):
+            x, y, z = (c - q[i] for c, q in zip(corner, point, strict=True))
+            free[i, k] = not blocked(x, y, z, bool(up[i]), f32(t_max) * scale)
+    return free
+
+
+def blocked(x: Array, y: Array, z: Array, up: bool, reach: np.float32) -> bool:
+    """Corners (T, 3) relative to the point: does any triangle block?"""
+    edge, det, t = functions(x, y, z)
+    unsure = (edge == 0).any(1)
+    edge64, det64, t64 = functions(*(c[unsure].astype(float) for c in (x, y, z)))
+    hit = decided(edge, det, t, up, reach)
+    hit[unsure] = decided(edge64, det64, t64, up, float(reach))
+    return bool(hit.any())
+
+
+def functions(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Edge functions, their sum, and depth times that sum."""
+    edge = np.stack(
+        [x[:, (i + 1) % 3] * y[:, (i + 2) % 3] - y[:, (i + 1) % 3] * x[:, (i + 2) % 3]
+         for i in range(3)], 1
+    )  # fmt: skip
+    det = edge[:, 0] + edge[:, 1] + edge[:, 2]
+    return edge, det, edge[:, 0] * z[:, 0] + edge[:, 1] * z[:, 1] + edge[:, 2] * z[:, 2]
+
+
+def decided(edge: Array, det: Array, t: Array, up: bool, reach: Any) -> Array:
+    left, right = (edge >= 0).all(1), (edge <= 0).all(1)
+    farther = np.where(left == up, t > 0, t < 0)
+    hit: Array = (left != right) & farther
+    if np.isfinite(reach):
+        hit &= np.abs(t) <= reach * np.abs(det)
+    return hit
+
+
+def excused(triangles: Array, o: Array, d: Array, tolerance: float, t_max: float = np.inf) -> bool:
+    """May rounding turn the answer of this ray?
+
+    In double: no triangle blocks it by more than `tolerance`, and one would if larger by it.
+    """
+    n = d.astype(float) / np.linalg.norm(d.astype(float))
+    u = np.cross(n, [1.0, 0, 0] if abs(n[0]) < 0.5 else [0, 1.0, 0])
+    u /= np.linalg.norm(u)
+    v = np.cross(n, u)
+    p = triangles.astype(float) - o.astype(float)
+    x, y, z = p @ u, p @ v, p @ n
+    edge, det, t = functions(x, y, z)
+    sign = np.where(det < 0, -1.0, 1.0)
+    j, k = [1, 2, 0], [2, 0, 1]
+    length = np.hypot(x[:, j] - x[:, k], y[:, j] - y[:, k])
+    inside = (edge * sign[:, None] / np.maximum(length, 1e-300)).min(1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = t / det
+    # Seen so flatly that its depth hangs on the last digits
+    thin = np.abs(det) < tolerance * length.max(1)
+    surely = ~thin & (inside > tolerance) & (depth > tolerance) & (depth < t_max - tolerance)
+    near_z = (z.max(1) > -tolerance) & (z.min(1) < t_max + tolerance)
+    maybe = thin | ((depth > -tolerance) & (depth < t_max + tolerance))
+    close = (inside > -tolerance) | (thin & (np.hypot(x, y).min(1) < length.max(1) + tolerance))
+    return bool(not surely.any() and (close & maybe & near_z).any())
