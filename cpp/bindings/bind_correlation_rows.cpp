@@ -6,7 +6,7 @@
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/visibility_rows.h"
 
 namespace viscache::bindings {
@@ -28,7 +28,7 @@ py::dict points_dict(const SurfacePoints& p) {
     return d;
 }
 
-py::dict camera_points(const Scene& scene, const EmbreeCaster& caster, const Camera& camera, size_t n,
+py::dict camera_points(const Scene& scene, const RayCaster& caster, const Camera& camera, size_t n,
                        uint64_t seed, int threads) {
     check_camera(camera);
     SurfacePoints points;
@@ -44,7 +44,7 @@ py::dict area_points(const Scene& scene, size_t n, uint64_t seed) {
     return points_dict(points);
 }
 
-py::tuple visibility_rows(const Scene& scene, const EmbreeCaster& caster, const FloatArray& positions,
+py::tuple visibility_rows(const Scene& scene, const RayCaster& caster, const FloatArray& positions,
                           const FloatArray& normals, const FloatArray& directions, float t_max,
                           std::optional<PacketOrder> order, int threads, const py::object& progress) {
     const RowInput input{usable(positions, "positions"), units(normals, "normals"),

@@ -2,14 +2,14 @@
 #include "arrays.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/ray_caster.h"
 
 namespace viscache::bindings {
 
 void bind_eye_paths(py::module_& m) {
     m.def(
         "trace_eye_points",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame) {
             check_camera(camera);
             EyeTile eyes;

@@ -6,7 +6,7 @@
 #include "pixel_maps.h"
 #include "viscache/render/relighting.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/environment_pyramid.h"
 #include "viscache/vismap/record.h"
 
@@ -14,7 +14,7 @@ namespace viscache::bindings {
 
 namespace {
 
-std::unique_ptr<Relighting> trace(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+std::unique_ptr<Relighting> trace(const Scene& scene, const RayCaster& caster, const Camera& camera,
                                   const IntegratorSettings& integrator, const FrameSettings& frame,
                                   const MapCache& cache, const FloatArray& d_max, const FloatArray& footprint,
                                   const py::object& progress) {

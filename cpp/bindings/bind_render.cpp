@@ -8,8 +8,8 @@
 #include "viscache/aqvc/quantized_cache.h"
 #include "viscache/render/frame.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
+#include "viscache/visibility/ray_caster.h"
 
 namespace viscache::bindings {
 
@@ -60,7 +60,7 @@ py::dict counters_of(const FrameResult& f) {
     return d;
 }
 
-FrameResult render(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+FrameResult render(const Scene& scene, const RayCaster& caster, const Camera& camera,
                    const IntegratorSettings& integrator, const FrameSettings& frame,
                    const OracleFactory& oracle, const py::object& progress) {
     FrameResult result;
@@ -165,7 +165,7 @@ void bind_render(py::module_& m) {
         "Pinhole camera at `origin` looking at `target`; `fov_deg` is the vertical angle of view.");
     m.def(
         "render_exact",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame, PacketOrder order,
            std::optional<bool> coherent, const py::object& progress) {
             std::optional<Coherence> flag;
@@ -180,7 +180,7 @@ void bind_render(py::module_& m) {
         py::arg("progress") = py::none());
     m.def(
         "render_aqvc",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame, const AqvcParameters& parameters,
            const py::object& progress) {
             parameters.validate();

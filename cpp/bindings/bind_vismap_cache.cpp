@@ -3,7 +3,8 @@
 
 #include "cache_points.h"
 #include "interrupt.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/ambient.h"
 #include "viscache/vismap/insertion.h"
 #include "viscache/vismap/temporal.h"
@@ -56,7 +57,7 @@ void bind_parameters(py::module_& v) {
             py::arg("filter") = "during", py::arg("criterion") = "visibility");
 }
 
-py::dict insert(MapCache& cache, const Scene& scene, const EmbreeCaster& caster, const Points& points,
+py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
                 const std::string& mode, size_t batch, bool settle, uint32_t frame, int threads,
                 const py::object& progress) {
     if (batch < 1) throw py::value_error("batch must be >= 1, got 0");
@@ -76,8 +77,8 @@ py::dict insert(MapCache& cache, const Scene& scene, const EmbreeCaster& caster,
     return d;
 }
 
-py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const EmbreeCaster& caster,
-                         const Points& points, uint32_t frame, int threads) {
+py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
+                         uint32_t frame, int threads) {
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
     BootstrapStatistics s;

@@ -4,7 +4,7 @@
 #include "cache_points.h"
 #include "interrupt.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/pixel_points.h"
 
 namespace viscache::bindings {
@@ -86,7 +86,7 @@ void bind_vismap_points(py::module_& m) {
              py::arg("least_cos") = PixelRules{}.least_cos);
     v.def(
         "pixel_points",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
            std::array<float, 2> at, const PixelRules& rules, int threads) {
             check_view(camera, width, height, rules);
             PixelPoints found;
@@ -101,7 +101,7 @@ void bind_vismap_points(py::module_& m) {
         "First hits through one place of every pixel, row-major; misses; bad normals.");
     v.def(
         "sample_points",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
            uint64_t seed, uint32_t sample, const PixelRules& rules, int threads) {
             check_view(camera, width, height, rules);
             PixelPoints found;
@@ -116,8 +116,8 @@ void bind_vismap_points(py::module_& m) {
         "The same through the places where render's sample of every pixel lies.");
     v.def(
         "startup_points",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera, int width, int height,
-           size_t n, uint64_t seed, const PixelRules& rules) {
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height, size_t n,
+           uint64_t seed, const PixelRules& rules) {
             check_view(camera, width, height, rules);
             if (n < 1 || n > 1 << 24)
                 throw py::value_error("n must be in [1, 2^24], got " + std::to_string(n));

@@ -5,8 +5,8 @@
 #include "frame_dict.h"
 #include "interrupt.h"
 #include "pixel_maps.h"
-#include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/exact.h"
+#include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/temporal.h"
 
 namespace viscache::bindings {
@@ -30,7 +30,7 @@ VisMapSettings settings_of(AlphaMode alpha, double alpha_value, bool pilot_alpha
     return s;
 }
 
-FrameResult render_maps(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+FrameResult render_maps(const Scene& scene, const RayCaster& caster, const Camera& camera,
                         const IntegratorSettings& integrator, const FrameSettings& frame,
                         const EnvironmentMaps& maps, const py::object& progress) {
     if (!scene.environment())
@@ -57,7 +57,7 @@ void bind_vismap_render(py::module_& m) {
              py::arg("points"));
     m.def(
         "render_vismap",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
            MapCache& cache, const FloatArray& d_max, const FloatArray& footprint, bool count_misses,
            uint32_t cache_frame, const py::object& progress) {
@@ -74,7 +74,7 @@ void bind_vismap_render(py::module_& m) {
         "footprint are those of the pixels' centres, (H·W,).");
     m.def(
         "render_given_maps",
-        [](const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
            const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
            const BoolArray& bits, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
             const BoundMaps given(bits, beta, dilated);

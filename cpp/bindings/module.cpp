@@ -5,6 +5,7 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
+void bind_bsp(py::module_& m);
 void bind_correlation_pairs(py::module_& m);
 void bind_correlation_rows(py::module_& m);
 void bind_description(py::module_& m);
@@ -42,6 +43,7 @@ PYBIND11_MODULE(_core, m) {
     bind_scene(m);
     bind_scene_info(m);
     bind_triangles(m);
+    bind_bsp(m);
     bind_render(m);
     bind_eye_paths(m);
     bind_correlation_rows(m);

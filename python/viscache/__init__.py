@@ -5,7 +5,7 @@ from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Whitted
-from viscache.rays import Embree
+from viscache.rays import Bsp, Embree
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
@@ -24,6 +24,7 @@ __version__ = "0.1.0"
 __all__ = [
     "AmbientOcclusion",
     "Aqvc",
+    "Bsp",
     "Direct",
     "Embree",
     "Exact",

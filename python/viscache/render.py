@@ -16,7 +16,7 @@ from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Integrator, Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
-from viscache.rays import Embree
+from viscache.rays import Embree, Rays, check_rays
 from viscache.scene import Env, Scene
 from viscache.visibility import Aqvc, Exact, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
@@ -30,7 +30,7 @@ def render(
     scene: Scene,
     integrator: Integrator,
     *,
-    rays: Embree | None = None,
+    rays: Rays | None = None,
     visibility: Visibility | None = None,
     use: Literal["replace", "correct"] | None = None,
     size: tuple[int, int] | None = None,
@@ -47,8 +47,8 @@ def render(
     ----------
     scene : Scene
     integrator : Direct, Whitted or AmbientOcclusion
-    rays : Embree, optional
-        The ray caster.
+    rays : Embree or Bsp, optional
+        The ray caster: all rays of the frame go through it.
     visibility : Exact, Aqvc or VisMaps, optional
         Who answers "does x see y?"; exact by default.
     use : {"replace", "correct"}, optional
@@ -96,15 +96,16 @@ def render(
     >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
     (20, 32, 3)
     """
-    rays, visibility = rays or Embree(), visibility or Exact()
+    rays = Embree() if rays is None else rays
+    visibility = visibility or Exact()
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     for name, value, known in (
         ("integrator", integrator, typing.get_args(Integrator)),
-        ("rays", rays, (Embree,)),
         ("visibility", visibility, typing.get_args(Visibility)),
     ):
         classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
         require(isinstance(value, known), f"{name} must be {classes}", value)
+    check_rays(rays)
     _check_use(use, visibility, integrator)
     geometry = scene
     if env is not None:
@@ -114,7 +115,7 @@ def render(
     core = core_settings(integrator)
 
     start, cpu = time.perf_counter(), time.process_time()
-    caster = scene.caster(rays.robust)
+    caster = scene.caster(rays, threads=frame.threads)
     build_s = time.perf_counter() - start
     with progress_bar(progress) as report:
         parts = (scene._core, caster, view, core, frame)
@@ -122,8 +123,9 @@ def render(
             result = _core.render_aqvc(*parts, visibility.core(), progress=report)
         elif isinstance(visibility, VisMaps):
             result = render_with_maps(
-                scene, geometry, *parts[1:], visibility, replace=use == "replace", progress=report
-            )
+                scene, geometry, rays, *parts[1:], visibility, replace=use == "replace",
+                progress=report,
+            )  # fmt: skip
         else:
             order, coherent = visibility.core()
             result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)

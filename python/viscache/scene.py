@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from viscache import _core
 from viscache._core import SceneDescription, SceneError
 from viscache.checks import checked_points, checked_threads
 from viscache.environments import apply_environment, decode_images
+from viscache.rays import Bsp, Caster, Embree, Rays, check_rays
 from viscache.scenes.coplanar import coplanar_share
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
@@ -57,7 +58,8 @@ class Scene:
         self._core = core
         #: What the scene was made from: a path or `room?triangles=…`; None for arrays.
         self.spec = spec
-        self._casters: dict[bool, _core.EmbreeCaster] = {}
+        self._embree: dict[Embree, _core.EmbreeCaster] = {}
+        self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
 
     @classmethod
@@ -233,11 +235,40 @@ class Scene:
 
     # What it answers
 
-    def caster(self, robust: bool = True) -> _core.EmbreeCaster:
-        """Embree's structure over the scene, built on first use."""
-        if robust not in self._casters:
-            self._casters[robust] = _core.EmbreeCaster(self._core, robust=robust)
-        return self._casters[robust]
+    @overload
+    def caster(
+        self, rays: Embree | None = None, *, threads: int | None = None
+    ) -> _core.EmbreeCaster: ...
+    @overload
+    def caster(self, rays: Bsp, *, threads: int | None = None) -> _core.visibility.BspCaster: ...
+    @overload
+    def caster(self, rays: Rays | None, *, threads: int | None = None) -> Caster: ...
+    def caster(self, rays: Rays | None = None, *, threads: int | None = None) -> Caster:
+        """A ray caster over the scene, built on first use.
+
+        Embree's stay with the scene; of the others, the one asked for last.
+
+        Parameters
+        ----------
+        rays : Embree or Bsp, optional
+            Embree, robust, by default.
+        threads : int, optional
+            To build with; all cores by default. The caster is the same on any number.
+
+        Raises
+        ------
+        MemoryError
+            The structure would need more than the settings allow.
+        """
+        rays = Embree() if rays is None else check_rays(rays)
+        if isinstance(rays, Embree):
+            if rays not in self._embree:
+                self._embree[rays] = rays.build(self._core)
+            return self._embree[rays]
+        if self._other is None or self._other[0] != rays:
+            self._other = None  # before the next one takes memory
+            self._other = rays, rays.build(self._core, checked_threads(threads))
+        return self._other[1]
 
     def aligned_batch(self) -> _core.vlf.AlignedBatch:
         """The triangles as aligned rays meet them, put in order on first use."""
@@ -246,7 +277,12 @@ class Scene:
         return self._batch
 
     def visible(
-        self, x: npt.ArrayLike, y: npt.ArrayLike, *, threads: int | None = None
+        self,
+        x: npt.ArrayLike,
+        y: npt.ArrayLike,
+        *,
+        rays: Rays | None = None,
+        threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does x see y?
 
@@ -255,6 +291,8 @@ class Scene:
         x, y : (N, 3) float
             End points, in scene units. The segment is shortened at both ends by 32 units in the
             last place of the larger coordinate, so that surfaces at the ends do not block it.
+        rays : Embree or Bsp, optional
+            Who traces; Embree by default.
         threads : int, optional
             All cores by default.
 
@@ -268,7 +306,7 @@ class Scene:
             Wrong shapes, or coordinates that are not finite or above 1e16.
         """
         ends = checked_points(x, "x"), checked_points(y, "y")
-        return self.caster().visible(*ends, checked_threads(threads))
+        return self.caster(rays, threads=threads).visible(*ends, checked_threads(threads))
 
     def occluded(
         self,
@@ -276,6 +314,7 @@ class Scene:
         directions: npt.ArrayLike,
         t_max: float | npt.ArrayLike = np.inf,
         *,
+        rays: Rays | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything in [0, t_max]?
@@ -286,20 +325,29 @@ class Scene:
             Directions of any length; a zero direction hits nothing.
         t_max : float or (N,) float, >= 0
             In units of the direction's length.
+        rays : Embree or Bsp, optional
+            Who traces; Embree by default.
 
         Returns
         -------
         (N,) bool
         """
         o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return self.caster().occluded(o, d, t_max, checked_threads(threads))
+        cores = checked_threads(threads)
+        return self.caster(rays, threads=threads).occluded(o, d, t_max, cores)
 
     def intersect(
-        self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        rays: Rays | None = None,
+        threads: int | None = None,
     ) -> Intersection:
         """Nearest hits of (N, 3) rays; see `Intersection`."""
         o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return Intersection(*self.caster().intersect(o, d, checked_threads(threads)))
+        caster = self.caster(rays, threads=threads)
+        return Intersection(*caster.intersect(o, d, checked_threads(threads)))
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"

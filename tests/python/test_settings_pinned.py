@@ -87,6 +87,18 @@ def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
     assert {n: resolved[n] for n in names} == {n: approximately(v) for n, v in struct.items()}
 
 
+def test_the_bsp_has_the_names_and_defaults_of_its_struct() -> None:
+    struct = values(_core.visibility.BspSettings())
+    assert {f.name for f in dataclasses.fields(vc.Bsp)} == set(struct)
+    assert values(vc.Bsp().core()) == struct
+    changed = vc.Bsp(max_depth=9, leaf_size=2, kernel="wald", max_bytes=10**6)
+    made = values(changed.core())
+    assert made == {
+        "max_depth": 9, "leaf_size": 2, "kernel": _core.visibility.TriangleKernel.WALD,
+        "max_bytes": 10**6,
+    }  # fmt: skip
+
+
 def test_render_has_the_defaults_of_the_frame_struct() -> None:
     struct = values(_core.FrameSettings())
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
@@ -108,6 +120,11 @@ BAD = [
     (vc.AmbientOcclusion, {"distribution": 1}, "distribution must be"),
     (vc.AmbientOcclusion, {"max_distance": float("inf")}, "max_distance must be a finite number"),
     (vc.Embree, {"robust": "maybe"}, "robust must be true or false"),
+    (vc.Bsp, {"max_depth": 0}, r"max_depth must be in \[1, 40\], got 0"),
+    (vc.Bsp, {"max_depth": 41}, "max_depth must be"),
+    (vc.Bsp, {"leaf_size": 0}, r"leaf_size must be in \[1, 1024\], got 0"),
+    (vc.Bsp, {"kernel": "woop"}, "kernel must be"),
+    (vc.Bsp, {"max_bytes": 0}, "max_bytes must be"),
     (vc.Exact, {"order": "by_row"}, "order must be"),
     (vc.Exact, {"coherent": 1}, "coherent must be true or false"),
     (vc.Aqvc, {"c_e": "12"}, "c_e must be a finite number"),

@@ -39,7 +39,7 @@ def test_hits_are_those_of_all_triangles_tried(robust: bool) -> None:
     scene = vc.Scene.from_arrays(vertices, triangles)
     o, d = rays(5000)
     truth = cross_all(vertices, triangles, o, d)
-    t, triangle, uv, instance = scene.caster(robust=robust).intersect(o, d)
+    t, triangle, uv, instance = scene.caster(vc.Embree(robust=robust)).intersect(o, d)
     clear = truth.margin > 1e-5
     assert clear.mean() > 0.97 and 0.3 < (truth.triangle[clear] >= 0).mean() < 0.99
     np.testing.assert_array_equal(triangle[clear], truth.triangle[clear])

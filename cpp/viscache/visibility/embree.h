@@ -26,6 +26,7 @@ public:
     void occluded8(const int* v, RTCScene s, RTCRay8& r) { rtcOccluded8(v, s, &r, &occluded_); }
     void occluded16(const int* v, RTCScene s, RTCRay16& r) { rtcOccluded16(v, s, &r, &occluded_); }
     void intersect16(const int* v, RTCScene s, RTCRayHit16& r) { rtcIntersect16(v, s, &r, &intersect_); }
+    void intersect1(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &r, &intersect_); }
 
 private:
     RTCRayQueryContext context_;
@@ -42,6 +43,7 @@ private:
     void occluded8(const int* v, RTCScene s, RTCRay8& r) { rtcOccluded8(v, s, &context_, &r); }
     void occluded16(const int* v, RTCScene s, RTCRay16& r) { rtcOccluded16(v, s, &context_, &r); }
     void intersect16(const int* v, RTCScene s, RTCRayHit16& r) { rtcIntersect16(v, s, &context_, &r); }
+    void intersect1(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &context_, &r); }
 
 private:
     RTCIntersectContext context_;

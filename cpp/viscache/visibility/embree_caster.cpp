@@ -226,6 +226,20 @@ void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) con
     }
 }
 
+void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hits) const {
+    rtc::Query query(Coherence::kIncoherent);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Ray& r = rays[i];
+        hits[i] = {};
+        if (!(r.t_max > r.t_min)) continue;
+        RTCRayHit h{};
+        h.ray = {r.o.x, r.o.y, r.o.z, r.t_min, r.d.x, r.d.y, r.d.z, 0, r.t_max, ~0u, 0, 0};
+        h.hit.geomID = h.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        query.intersect1(impl_->top, h);
+        hits[i] = impl_->hit_of(h.hit.geomID, h.hit.instID[0], h.hit.primID, h.hit.u, h.hit.v, h.ray.tfar);
+    }
+}
+
 namespace {
 
 void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) {

@@ -36,6 +36,8 @@ public:
     /// One point's rays along all axes, the same way: bits, words_for(axes) words.
     void blocked_from(Vec3 origin, Vec3 normal, const AxisLanes& axes, float t_max, Word* blocked,
                       const PacketPlan& plan) const;
+    /// Nearest hits by one call of Embree per ray: what single-ray tracers are compared with.
+    void intersect_singly(std::span<const Ray> rays, std::span<Hit> hits) const;
     const Scene& scene() const { return *scene_; }
     /// True if Embree has packets of 16 on this CPU (AVX-512); else 16 rays go as two packets of 8.
     bool native16() const;

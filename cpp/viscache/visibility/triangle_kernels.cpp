@@ -13,22 +13,23 @@ WaldTriangle wald_triangle(Vec3 a, Vec3 b, Vec3 c, uint32_t id) {
     if (std::fabs(n[2]) > std::fabs(n[k])) k = 2;
     const int u = (k + 1) % 3, v = (k + 2) % 3;
     // Without area these are infinite or NaN, and no comparison holds
-    const double bu = e2[v] / n[k], bv = -e2[u] / n[k], cu = -e1[v] / n[k], cv = e1[u] / n[k];
+    const double b_u = e2[v] / n[k], b_v = -e2[u] / n[k], c_u = -e1[v] / n[k], c_v = e1[u] / n[k];
     WaldTriangle tri{};
     tri.axis = uint32_t(k), tri.id = id;
     tri.n_u = float(n[u] / n[k]), tri.n_v = float(n[v] / n[k]);
     tri.n_d = float(a[k] + n[u] / n[k] * a[u] + n[v] / n[k] * a[v]);
-    tri.b_u = float(bu), tri.b_v = float(bv), tri.b_d = float(-(a[u] * bu + a[v] * bv));
-    tri.c_u = float(cu), tri.c_v = float(cv), tri.c_d = float(-(a[u] * cu + a[v] * cv));
+    tri.b_u = float(b_u), tri.b_v = float(b_v), tri.b_d = float(-(a[u] * b_u + a[v] * b_v));
+    tri.c_u = float(c_u), tri.c_v = float(c_v), tri.c_d = float(-(a[u] * c_u + a[v] * c_v));
     return tri;
 }
 
-ShearedRay::ShearedRay(const Ray& ray) : o(ray.o), t_min(ray.t_min) {
+ShearedRay::ShearedRay(const Ray& ray) : t_min(ray.t_min) {
     const Vec3 size{std::fabs(ray.d.x), std::fabs(ray.d.y), std::fabs(ray.d.z)};
     z = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     x = (z + 1) % 3, y = (z + 2) % 3;
     const float along = ray.d[int(z)];
     if (along < 0) std::swap(x, y);
+    o_x = component(ray.o, x), o_y = component(ray.o, y), o_z = component(ray.o, z);
     s_x = ray.d[int(x)] / along, s_y = ray.d[int(y)] / along, s_z = 1 / along;
 }
 

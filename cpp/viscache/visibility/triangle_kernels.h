@@ -10,6 +10,12 @@
 
 namespace viscache {
 
+/// One coordinate by a number known at run time only.
+inline float component(const Vec3& v, uint32_t axis) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(float));
+    return reinterpret_cast<const float*>(&v)[axis];
+}
+
 enum class TriangleKernel {
     kWatertight,  ///< no ray passes between two triangles that share an edge
     kWald,        ///< the paper's: fewer operations, may lose a ray in a million at an edge
@@ -51,12 +57,14 @@ WaldTriangle wald_triangle(Vec3 a, Vec3 b, Vec3 c, uint32_t id);
 
 inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit, TriangleHit& hit) {
     constexpr uint32_t kNext[5] = {0, 1, 2, 0, 1};
-    const float o[3] = {ray.o.x, ray.o.y, ray.o.z}, d[3] = {ray.d.x, ray.d.y, ray.d.z};
     const uint32_t k = tri.axis, u = kNext[k + 1], v = kNext[k + 2];
-    const float towards = d[k] + tri.n_u * d[u] + tri.n_v * d[v];
-    const float t = (tri.n_d - o[k] - tri.n_u * o[u] - tri.n_v * o[v]) / towards;
+    const float towards = component(ray.d, k) + tri.n_u * component(ray.d, u) + tri.n_v * component(ray.d, v);
+    const float t =
+        (tri.n_d - component(ray.o, k) - tri.n_u * component(ray.o, u) - tri.n_v * component(ray.o, v)) /
+        towards;
     if (!(t > ray.t_min && t <= limit)) return false;
-    const float at_u = o[u] + t * d[u], at_v = o[v] + t * d[v];
+    const float at_u = component(ray.o, u) + t * component(ray.d, u),
+                at_v = component(ray.o, v) + t * component(ray.d, v);
     const float beta = at_u * tri.b_u + at_v * tri.b_v + tri.b_d;
     const float gamma = at_u * tri.c_u + at_v * tri.c_v + tri.c_d;
     if (!(beta >= 0 && gamma >= 0 && beta + gamma <= 1)) return false;
@@ -67,8 +75,7 @@ inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit,
 /// What the watertight test needs to know of a ray: its direction sheared to the axis it follows most
 /// [Woop, Benthin, Wald 2013].
 struct ShearedRay {
-    Vec3 o;
-    float t_min;
+    float o_x, o_y, o_z, t_min;  ///< in the order of the axes below
     float s_x, s_y, s_z;
     uint32_t x, y, z;  ///< which axes; z is the one of the largest component, x and y keep the winding
 
@@ -92,11 +99,14 @@ bool intersect_watertight_in_double(const std::array<float, 9>& sheared, const S
 /// (floating-point contraction is off), so a ray cannot lie outside of both.
 inline bool intersect_watertight(const WatertightTriangle& tri, const ShearedRay& ray, float limit,
                                  TriangleHit& hit) {
-    const Vec3 a = tri.a - ray.o, b = tri.b - ray.o, c = tri.c - ray.o;
-    const float az = a[int(ray.z)], bz = b[int(ray.z)], cz = c[int(ray.z)];
-    const float ax = a[int(ray.x)] - ray.s_x * az, ay = a[int(ray.y)] - ray.s_y * az;
-    const float bx = b[int(ray.x)] - ray.s_x * bz, by = b[int(ray.y)] - ray.s_y * bz;
-    const float cx = c[int(ray.x)] - ray.s_x * cz, cy = c[int(ray.y)] - ray.s_y * cz;
+    const float az = component(tri.a, ray.z) - ray.o_z, bz = component(tri.b, ray.z) - ray.o_z,
+                cz = component(tri.c, ray.z) - ray.o_z;
+    const float ax = component(tri.a, ray.x) - ray.o_x - ray.s_x * az,
+                ay = component(tri.a, ray.y) - ray.o_y - ray.s_y * az;
+    const float bx = component(tri.b, ray.x) - ray.o_x - ray.s_x * bz,
+                by = component(tri.b, ray.y) - ray.o_y - ray.s_y * bz;
+    const float cx = component(tri.c, ray.x) - ray.o_x - ray.s_x * cz,
+                cy = component(tri.c, ray.y) - ray.o_y - ray.s_y * cz;
     const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
     const float det = u + v + w;
     // Products below this may have lost digits to underflow

@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -169,12 +169,20 @@ class Scene:
     @property
     def unique_triangles(self) -> int:
         ...
-class EmbreeCaster:
+class RayCaster:
+    """
+    Which rays hit, and where?
+    """
+class EmbreeCaster(RayCaster):
     """
     Exact rays by Embree.
     """
     def __init__(self, scene: Scene, *, robust: bool = True) -> None:
         ...
+    def bare_intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Distances of nearest hits by one call of Embree per ray: the baseline of single-ray tracers.
+        """
     def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, *, coherent: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         """
         Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.
@@ -183,7 +191,7 @@ class EmbreeCaster:
         ...
     def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
-    def visible(self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+    def visible(self: RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
     @property
     def native16(self) -> bool:
@@ -424,15 +432,15 @@ def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
     """
-def render_aqvc(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
+def render_aqvc(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...
-def render_exact(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
+def render_exact(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
-def render_given_maps(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> dict:
+def render_given_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> dict:
     """
     The same with one blend of maps for all points, whatever they see (tests).
     """
-def render_vismap(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
+def render_vismap(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
     """
     A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and footprint are those of the pixels' centres, (H·W,).
     """
@@ -456,7 +464,7 @@ def scene_mesh_count(scene: Scene) -> int:
     ...
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
-def trace_eye_points(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:
+def trace_eye_points(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:
     """
     Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).
     """

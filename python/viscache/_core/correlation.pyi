@@ -23,7 +23,7 @@ def area_points(scene: viscache._core.Scene, n: typing.SupportsInt | typing.Supp
     """
     The same uniform over the area.
     """
-def camera_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+def camera_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """
     Primary hits: position, normal, shading_normal (N, 3), group, stratum (N,), width, height, bad_normals, misses.
     """
@@ -55,7 +55,7 @@ def total_intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.u
     """
     Sum of the intersections of all pairs of rows.
     """
-def visibility_rows(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: viscache._core.PacketOrder | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
+def visibility_rows(scene: viscache._core.Scene, caster: viscache._core.RayCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: viscache._core.PacketOrder | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
     """
     Rows of bits (N, words) uint64 and the number of rays.
     """

@@ -222,11 +222,11 @@ class MapCache:
         """
         Takes records in without rays.
         """
-    def bootstrap(self, scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+    def bootstrap(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
         """
         A record at every point; what they say of each other.
         """
-    def insert(self, scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, points: CachePoints, *, mode: str = 'batch', batch: typing.SupportsInt | typing.SupportsIndex = 4096, settle: bool = True, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
+    def insert(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, *, mode: str = 'batch', batch: typing.SupportsInt | typing.SupportsIndex = 4096, settle: bool = True, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
         """
         Records where they are needed; counts.
         """
@@ -274,7 +274,7 @@ class Relighting:
     See viscache.Relighting.
     """
     @staticmethod
-    def trace(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, integrator: viscache._core.IntegratorSettings, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
+    def trace(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, integrator: viscache._core.IntegratorSettings, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
         """
         Everything but the light; d_max and footprint of the pixels' centres, (H·W,).
         """
@@ -356,7 +356,7 @@ def normalized_weight(t: typing.SupportsFloat | typing.SupportsIndex, theta: typ
     """
     ŵ.
     """
-def pixel_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, at: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+def pixel_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, at: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
     First hits through one place of every pixel, row-major; misses; bad normals.
     """
@@ -392,11 +392,11 @@ def residual_variance(var_z: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     """
     Eq. 4: variance of Z − αW.
     """
-def sample_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, sample: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, sample: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
     The same through the places where render's sample of every pixel lies.
     """
-def startup_points(scene: viscache._core.Scene, caster: viscache._core.EmbreeCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
+def startup_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
     """
     First hits of n rays, stratified over the image; misses; bad normals.
     """

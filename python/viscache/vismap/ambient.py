@@ -99,7 +99,7 @@ def cached_ambient_occlusion(
 
     start, cpu = time.perf_counter(), time.process_time()
     before = cache.rays, len(cache)
-    parts = (scene._core, scene.caster(), view, columns, rows, seed)
+    parts = (scene._core, scene.caster(cache.rays_by), view, columns, rows, seed)
     rules = _core.vismap.PixelRules(cache.settings.d_max)
     total, seen = np.zeros(columns * rows), np.zeros(columns * rows)
     unserved, jumps = 0, []

@@ -15,6 +15,7 @@ from viscache import _core
 from viscache.cameras import find_camera
 from viscache.checks import checked_points, checked_threads, is_whole, require
 from viscache.progress import progress_bar
+from viscache.rays import Caster, Embree, Rays, check_rays
 from viscache.scene import Scene
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
@@ -104,6 +105,8 @@ class VisibilityMapCache:
     ----------
     scene : Scene
     settings : MapSettings, optional
+    rays : Embree or Bsp, optional
+        Who traces the rays of the records; Embree by default.
 
     Examples
     --------
@@ -115,12 +118,15 @@ class VisibilityMapCache:
     (True, True)
     """
 
-    def __init__(self, scene: Scene, settings: MapSettings | None = None) -> None:
+    def __init__(
+        self, scene: Scene, settings: MapSettings | None = None, *, rays: Rays | None = None
+    ) -> None:
         settings = settings or MapSettings()
         require(isinstance(scene, Scene), "scene must be a Scene", scene)
         require(isinstance(settings, MapSettings), "settings must be a MapSettings", settings)
         self.scene = scene
         self.settings = settings
+        self.rays_by = Embree() if rays is None else check_rays(rays)
         self._core = _core.vismap.MapCache(settings.core(), settings.seed)
         self._lock = threading.RLock()
         #: Number of the current frame; `end_frame` counts on.
@@ -134,6 +140,9 @@ class VisibilityMapCache:
 
     def __len__(self) -> int:
         return len(self._core)
+
+    def _caster(self) -> Caster:
+        return self.scene.caster(self.rays_by)
 
     @property
     def nbytes(self) -> int:
@@ -229,7 +238,7 @@ class VisibilityMapCache:
         require(inside, "at must be two numbers in [0, 1)", at)
         rules = _core.vismap.PixelRules(self.settings.d_max)
         return _core.vismap.pixel_points(
-            self.scene._core, self.scene.caster(), view, width, height, at, rules, threads
+            self.scene._core, self._caster(), view, width, height, at, rules, threads
         )
 
     def _insert(
@@ -238,7 +247,7 @@ class VisibilityMapCache:
         """Records for those of the points that want one."""
         with progress_bar(progress, unit="pixel") as report:
             found = self._core.insert(
-                self.scene._core, self.scene.caster(), points, frame=self.frame,
+                self.scene._core, self._caster(), points, frame=self.frame,
                 mode=self.settings.mode, batch=self.settings.batch, settle=self.settings.settle,
                 threads=threads, progress=report,
             )  # fmt: skip
@@ -250,13 +259,11 @@ class VisibilityMapCache:
         if self.started:
             return {"inserted": 0, "duplicates": 0, "rays": 0}
         points, _, _ = _core.vismap.startup_points(
-            self.scene._core, self.scene.caster(), view, width, height, self.settings.n_startup,
+            self.scene._core, self._caster(), view, width, height, self.settings.n_startup,
             self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
         )  # fmt: skip
         before = len(self)
-        found = self._core.bootstrap(
-            self.scene._core, self.scene.caster(), points, self.frame, threads
-        )
+        found = self._core.bootstrap(self.scene._core, self._caster(), points, self.frame, threads)
         self.started = True
         self.rays += found["rays"]
         self.thresholds = self.settings.thresholds(found)

@@ -85,7 +85,7 @@ class Relighting:
         with cache._lock, progress_bar(progress) as report:
             points, _, _ = cache._pixels(view, *self.size, (0.5, 0.5), self._threads)
             self._core = _core.vismap.Relighting.trace(
-                cache.scene._core, cache.scene.caster(), view, integrator, frame,
+                cache.scene._core, cache._caster(), view, integrator, frame,
                 cache._core, points.d_max, points.footprint, progress=report,
             )  # fmt: skip
 

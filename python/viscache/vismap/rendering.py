@@ -7,6 +7,7 @@ from typing import Any
 
 from viscache import _core
 from viscache.checks import require
+from viscache.rays import Rays
 from viscache.scene import Scene
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.estimate import VisMaps
@@ -17,7 +18,8 @@ __all__ = ["render_with_maps"]
 def render_with_maps(
     scene: Scene,
     geometry: Scene,
-    caster: _core.EmbreeCaster,
+    rays: Rays,
+    caster: _core.RayCaster,
     view: _core.Camera,
     core: _core.IntegratorSettings,
     frame: _core.FrameSettings,
@@ -46,7 +48,7 @@ def render_with_maps(
     settings = visibility.estimate(replace, core.points)
     cache = visibility.cache
     if cache is None:
-        cache = VisibilityMapCache(geometry, visibility.map_settings())
+        cache = VisibilityMapCache(geometry, visibility.map_settings(), rays=rays)
     require(cache.settings.criterion == "visibility",
             'the cache\'s criterion must be "visibility"', cache.settings.criterion)  # fmt: skip
     of_scene = cache.scene is geometry or cache.scene.content_hash in (
@@ -54,11 +56,11 @@ def render_with_maps(
     )  # fmt: skip
     require(of_scene, "cache must be of the scene", "one of another scene")
 
-    start, rays, records = time.perf_counter(), cache.rays, len(cache)
+    start, before, records = time.perf_counter(), cache.rays, len(cache)
     size = (frame.width, frame.height)
     if visibility.update:
         cache.update(view, size=size, threads=frame.threads)
-    inserted, traced = len(cache) - records, cache.rays - rays
+    inserted, traced = len(cache) - records, cache.rays - before
     points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)
     records_s = time.perf_counter() - start
     with cache._lock:

@@ -1,0 +1,56 @@
+// The single-ray BSP tracer.
+#include "caster_queries.h"
+#include "viscache/visibility/bsp_caster.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+py::dict stats_dict(const BspStats& s) {
+    py::dict d;
+    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["nodes"] = s.nodes;
+    d["leaves"] = s.leaves, d["empty_leaves"] = s.empty_leaves, d["references"] = s.references;
+    d["max_depth"] = s.max_depth, d["depth"] = s.depth, d["bytes"] = s.bytes;
+    return d;
+}
+
+std::shared_ptr<BspCaster> build(const std::shared_ptr<Scene>& scene, const BspSettings& settings,
+                                 int threads) {
+    std::shared_ptr<BspCaster> caster;
+    run_interruptible(
+        [&](Control& control) { caster = std::make_shared<BspCaster>(scene, settings, threads, control); });
+    return caster;
+}
+
+py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatArray& d) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    std::vector<Ray> rays(size_t(o.shape(0)));
+    for (size_t i = 0; i < rays.size(); ++i) rays[i] = endless(origins[i], directions[i]);
+    const BspSteps s = caster.count_steps(rays);
+    return py::dict(py::arg("nodes") = s.nodes, py::arg("leaves") = s.leaves, py::arg("tests") = s.tests);
+}
+
+}  // namespace
+
+void bind_bsp(py::module_& m) {
+    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::class_<BspSettings>(v, "BspSettings")
+        .def(py::init<>())
+        .def_readwrite("max_depth", &BspSettings::max_depth)
+        .def_readwrite("leaf_size", &BspSettings::leaf_size)
+        .def_readwrite("kernel", &BspSettings::kernel)
+        .def_readwrite("max_bytes", &BspSettings::max_bytes);
+    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(v, "BspCaster",
+                                                                        "Single rays through a BSP.");
+    caster
+        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(),
+             py::arg("threads") = 0)
+        .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
+        .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),
+             "Nodes and leaves visited and triangles tested for the nearest hits, over all rays.");
+    bind_queries(caster);
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,151 @@
+#pragma once
+// Rays of numpy arrays through any ray caster: `intersect`, `occluded` and `visible` of the bound classes.
+#include "arrays.h"
+#include "interrupt.h"
+#include "viscache/visibility/check_rays.h"
+#include "viscache/visibility/ray_caster.h"
+
+namespace viscache::bindings {
+
+constexpr size_t kChunk = 1 << 13;
+constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
+
+inline void require_usable(const FloatArray& a, const char* name) {
+    const Vec3* rows = rows3(a, name);
+    if (const auto i = first_unusable({rows, size_t(a.shape(0))}))
+        throw py::value_error(std::string(name) + " must be finite and at most 1e16 in size, row " +
+                              std::to_string(*i) + " is (" + std::to_string(rows[*i].x) + ", " +
+                              std::to_string(rows[*i].y) + ", " + std::to_string(rows[*i].z) + ")");
+}
+
+inline void require_same_rows(const py::array& a, const py::array& b, const char* names) {
+    if (a.shape(0) != b.shape(0))
+        throw py::value_error(std::string(names) + " must have equal numbers of rows, got " + shape_text(a) +
+                              " and " + shape_text(b));
+}
+
+/// t_max: one number for all rays, or one per ray; never NaN.
+inline FloatArray distances(const py::object& t_max, size_t n) {
+    auto a = FloatArray::ensure(t_max);
+    if (!a) PyErr_Clear();
+    if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
+        throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
+    for (py::ssize_t i = 0; i < a.size(); ++i)
+        if (!(a.data()[i] >= 0))
+            throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
+    return a;
+}
+
+/// A ray without direction has nowhere to go: it is empty.
+inline Ray endless(Vec3 origin, Vec3 direction) {
+    return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
+}
+
+/// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
+template <class Work>
+void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
+    const auto chunk = [&](size_t c, int worker) { work(c * size, std::min(n, (c + 1) * size), worker); };
+    const size_t chunks = (n + size - 1) / size;
+    if (n < kQuick) {
+        py::gil_scoped_release release;
+        parallel_for(chunks, threads, chunk);
+    } else {
+        run_interruptible([&](Control& control) {
+            parallel_for(chunks, threads, [&](size_t c, int worker) {
+                control.check();
+                chunk(c, worker);
+            });
+        });
+    }
+}
+
+/// Any hits in [0, t_max].
+inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, const FloatArray& d,
+                                  const py::object& t_max, int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const size_t n = size_t(o.shape(0));
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    const FloatArray t = distances(t_max, n);
+    const float* ends = t.data();
+    const size_t stride = size_t(t.ndim() == 1);
+    py::array_t<bool> result{py::ssize_t(n)};
+    auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
+    in_chunks(n, threads, [&](size_t first, size_t last, int) {
+        std::vector<Ray> rays(last - first);
+        for (size_t i = first; i < last; ++i) {
+            Ray& ray = rays[i - first] = endless(origins[i], directions[i]);
+            ray.t_max = std::min(ray.t_max, ends[i * stride]);
+        }
+        caster.occluded(rays, {out + first, last - first});
+    });
+    return result;
+}
+
+inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray& xs, const FloatArray& ys,
+                                       int threads) {
+    require_usable(xs, "x"), require_usable(ys, "y");
+    require_same_rows(xs, ys, "x and y");
+    const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
+    const size_t n = size_t(xs.shape(0));
+    py::array_t<bool> result{py::ssize_t(n)};
+    bool* out = result.mutable_data();
+    in_chunks(n, threads, [&](size_t first, size_t last, int) {
+        std::vector<Ray> rays(last - first);
+        std::vector<uint8_t> blocked(last - first);
+        for (size_t i = first; i < last; ++i) {
+            const float e = std::min(segment_epsilon(x[i], y[i]), 1.f);
+            rays[i - first] = {x[i], e, y[i] - x[i], 1 - e};
+        }
+        caster.occluded(rays, blocked);
+        for (size_t i = first; i < last; ++i) out[i] = !blocked[i - first];
+    });
+    return result;
+}
+
+/// Nearest hits; `caster.scene()` numbers the triangles.
+template <class Caster>
+py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArray& d, int threads) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    const size_t n = size_t(o.shape(0));
+    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+    py::array_t<float> t{py::ssize_t(n)}, uv({py::ssize_t(n), py::ssize_t(2)});
+    py::array_t<int64_t> triangle{py::ssize_t(n)}, instance{py::ssize_t(n)};
+    float *t_out = t.mutable_data(), *uv_out = uv.mutable_data();
+    int64_t *triangle_out = triangle.mutable_data(), *instance_out = instance.mutable_data();
+    run_interruptible([&](Control& control) {
+        parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
+            control.check();
+            const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
+            std::vector<Ray> rays(last - first);
+            std::vector<Hit> hits(last - first);
+            for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
+            caster.intersect(rays, hits);
+            for (size_t i = first; i < last; ++i) {
+                const Hit& h = hits[i - first];
+                const float nan = std::numeric_limits<float>::quiet_NaN();
+                t_out[i] = h.t;
+                triangle_out[i] =
+                    h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
+                instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
+                uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
+            }
+        });
+    });
+    return py::make_tuple(t, triangle, uv, instance);
+}
+
+/// The three on a bound class; `intersect` needs Caster::scene.
+template <class Class>
+void bind_queries(Class& bound) {
+    using Caster = typename Class::type;
+    bound
+        .def("occluded", &any_hits, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
+             py::arg("threads") = 0)
+        .def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
+        .def("intersect", &nearest_hits<Caster>, py::arg("origins"), py::arg("directions"),
+             py::arg("threads") = 0);
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,228 @@
+#include "viscache/visibility/bsp_caster.h"
+
+namespace viscache {
+
+namespace {
+
+/// Where a scene lies far from the origin along an axis, its middle there: differences to it are exact,
+/// because all coordinates are within a factor of two of each other. 0 elsewhere.
+float middle(float lo, float hi) {
+    const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
+    return far ? lo * 0.5f + hi * 0.5f : 0.f;
+}
+
+/// 1 / d, kept finite: a plane that is parallel to a ray lies far ahead of it or far behind.
+float inverse(float d) {
+    constexpr float kLeast = 1e-30f;
+    return 1 / (std::fabs(d) > kLeast ? d : std::copysign(kLeast, d));
+}
+
+/// For rays whose steps nobody counts.
+struct NoSteps {
+    void node() {}
+    void leaf(uint32_t) {}
+};
+
+struct WaldKernel {
+    const std::vector<WaldTriangle>& records;
+    const Ray& ray;
+    bool operator()(uint32_t record, float limit, TriangleHit& hit) const {
+        return intersect_wald(records[record], ray, limit, hit);
+    }
+    uint32_t id(uint32_t record) const { return records[record].id; }
+};
+
+struct WatertightKernel {
+    const std::vector<WatertightTriangle>& records;
+    ShearedRay ray;
+    bool operator()(uint32_t record, float limit, TriangleHit& hit) const {
+        return intersect_watertight(records[record], ray, limit, hit);
+    }
+    uint32_t id(uint32_t record) const { return records[record].id; }
+};
+
+}  // namespace
+
+BspCaster::BspCaster(std::shared_ptr<const Scene> scene, const BspSettings& settings, int threads,
+                     Control& control)
+    : scene_(std::move(scene)), kernel_(settings.kernel) {
+    settings.validate();
+    FlatTriangles flat = flat_triangles(*scene_);
+    const Bounds& b = flat.bounds;
+    if (!b.empty()) origin_ = {middle(b.lo.x, b.hi.x), middle(b.lo.y, b.hi.y), middle(b.lo.z, b.hi.z)};
+    for (FlatTriangle& t : flat.triangles) t = {t.a - origin_, t.b - origin_, t.c - origin_};
+    tree_ = build_bsp(flat.triangles, settings, threads, control);
+    extent_ = tree_.bounds.magnitude();
+    place_records(flat.triangles);
+    sources_ = std::move(flat.sources);
+    for (uint32_t m = 0; m < scene_->meshes().size(); ++m) cutouts_ |= scene_->has_cutout(m);
+    stats_ = {.triangles = sources_.size(), .degenerate = flat.degenerate};
+    count_nodes();
+}
+
+/// Records in the order in which leaves name them, so that those of a leaf lie together; they keep the number
+/// of their triangle.
+void BspCaster::place_records(std::span<const FlatTriangle> triangles) {
+    std::vector<uint32_t> place(triangles.size(), kNoHit);
+    uint32_t next = 0;
+    for (uint32_t& id : tree_.ids) {
+        const FlatTriangle& t = triangles[id];
+        if (place[id] == kNoHit) {
+            place[id] = next++;
+            if (kernel_ == TriangleKernel::kWald)
+                wald_.push_back(wald_triangle(t.a, t.b, t.c, id));
+            else
+                corners_.push_back({t.a, t.b, t.c, id, {}});
+        }
+        id = place[id];
+    }
+}
+
+void BspCaster::count_nodes() {
+    for (const BspNode& n : tree_.nodes)
+        if (n.is_leaf()) ++stats_.leaves, stats_.empty_leaves += n.count() == 0;
+    stats_.nodes = tree_.nodes.size(), stats_.references = tree_.ids.size();
+    stats_.max_depth = tree_.max_depth, stats_.depth = tree_.depth;
+    stats_.bytes = tree_.bytes() + sources_.size() * (sizeof(WaldTriangle) + sizeof(TriangleSource));
+}
+
+/// Calls limit = leaf(node, limit) for the leaves along a ray, front to back; no leaf beyond the limit is
+/// entered, and none after one that returns a negative one.
+///
+/// Planes are met up to `slack` earlier or later: what rounding may do to an origin, a hit or a plane.
+template <class Leaf, class OnNode>
+void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) const {
+    if (tree_.nodes.empty() || ray.d == Vec3{}) return;
+    const float o[3] = {ray.o.x, ray.o.y, ray.o.z};
+    const float inv[3] = {inverse(ray.d.x), inverse(ray.d.y), inverse(ray.d.z)};
+    const float off = kCellUlps * kUlp * std::max(max_abs(ray.o), extent_);
+    const float slack[3] = {off * std::fabs(inv[0]), off * std::fabs(inv[1]), off * std::fabs(inv[2])};
+    float near = ray.t_min, far = limit;
+    for (int a = 0; a < 3; ++a) {
+        const float t0 = (tree_.bounds.lo[a] - o[a]) * inv[a], t1 = (tree_.bounds.hi[a] - o[a]) * inv[a];
+        // A NaN (infinity less infinity) leaves the interval as it is
+        near = std::max(near, std::min(t0, t1) - slack[a]), far = std::min(far, std::max(t0, t1) + slack[a]);
+    }
+    struct Entry {
+        uint32_t node;
+        float near, far;
+    };
+    Entry stack[kMostBspDepth + 1];
+    int entries = 0;
+    uint32_t at = 0;
+    if (!(near <= far)) return;
+    for (;;) {
+        const BspNode node = tree_.nodes[at];
+        on_node();
+        if (!node.is_leaf()) {
+            const int a = node.axis();
+            const float t = (node.plane() - o[a]) * inv[a];
+            const uint32_t first = node.children() + (inv[a] < 0), second = node.children() + (inv[a] > 0);
+            if (t - slack[a] > far) {
+                at = first;
+            } else if (t + slack[a] < near) {
+                at = second;
+            } else {
+                stack[entries++] = {second, std::max(near, t - slack[a]), far};
+                at = first, far = std::min(far, t + slack[a]);
+            }
+            continue;
+        }
+        if (node.count()) limit = leaf(node, limit);
+        do {
+            if (entries == 0) return;
+            --entries;
+        } while (stack[entries].near > limit);
+        at = stack[entries].node, near = stack[entries].near, far = std::min(stack[entries].far, limit);
+    }
+}
+
+bool BspCaster::solid(uint32_t id, const TriangleHit& hit) const {
+    const TriangleSource& from = sources_[id];
+    return scene_->solid_at(from.mesh, from.triangle, hit.u, hit.v);
+}
+
+template <class Kernel, class Steps>
+NearestHit BspCaster::nearest_in(const Kernel& kernel, const Ray& local, Steps& steps) const {
+    NearestHit best{local.t_max};
+    walk(
+        local, local.t_max, [&] { steps.node(); },
+        [&](BspNode node, float) {
+            steps.leaf(node.count());
+            for (uint32_t i = node.first(), end = i + node.count(); i < end; ++i) {
+                TriangleHit hit;
+                if (!kernel(tree_.ids[i], best.t, hit)) continue;
+                const uint32_t id = kernel.id(tree_.ids[i]);
+                if (best.nearer(hit, id) && (!cutouts_ || solid(id, hit))) best.take(hit, id);
+            }
+            return best.t;
+        });
+    return best;
+}
+
+template <class Kernel>
+bool BspCaster::any_in(const Kernel& kernel, const Ray& local) const {
+    bool found = false;
+    walk(
+        local, local.t_max, [] {},
+        [&](BspNode node, float limit) {
+            for (uint32_t i = node.first(), end = i + node.count(); i < end; ++i) {
+                TriangleHit hit;
+                if (!kernel(tree_.ids[i], limit, hit) || !(hit.t < limit)) continue;
+                if (cutouts_ && !solid(kernel.id(tree_.ids[i]), hit)) continue;
+                found = true;
+                return -kInfinity;
+            }
+            return limit;
+        });
+    return found;
+}
+
+Hit BspCaster::nearest(const Ray& ray) const {
+    const Ray local = to_local(ray);
+    NoSteps none;
+    const NearestHit best = kernel_ == TriangleKernel::kWald
+                                ? nearest_in(WaldKernel{wald_, local}, local, none)
+                                : nearest_in(WatertightKernel{corners_, ShearedRay(local)}, local, none);
+    if (best.id == kNoHit) return {};
+    const TriangleSource& from = sources_[best.id];
+    return {best.t, from.mesh, from.triangle, from.instance, best.u, best.v};
+}
+
+bool BspCaster::any(const Ray& ray) const {
+    const Ray local = to_local(ray);
+    return kernel_ == TriangleKernel::kWald ? any_in(WaldKernel{wald_, local}, local)
+                                            : any_in(WatertightKernel{corners_, ShearedRay(local)}, local);
+}
+
+void BspCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    for (size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i]);
+}
+
+void BspCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
+    for (size_t i = 0; i < rays.size(); ++i) occluded[i] = any(rays[i]);
+}
+
+uint16_t BspCaster::occluded16(uint16_t mask, RayPacket16& p, Coherence) const {
+    uint32_t answer = 0;
+    for (uint32_t left = mask; left; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        const Ray ray{{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]};
+        answer |= uint32_t(any(ray)) << i;
+    }
+    return uint16_t(answer);
+}
+
+BspSteps BspCaster::count_steps(std::span<const Ray> rays) const {
+    BspSteps steps;
+    for (const Ray& ray : rays) {
+        const Ray local = to_local(ray);
+        if (kernel_ == TriangleKernel::kWald)
+            nearest_in(WaldKernel{wald_, local}, local, steps);
+        else
+            nearest_in(WatertightKernel{corners_, ShearedRay(local)}, local, steps);
+    }
+    return steps;
+}
+
+}  // namespace viscache

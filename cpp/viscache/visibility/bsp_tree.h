@@ -1,0 +1,79 @@
+#pragma once
+// The tree of the single-ray tracer the visibility field is compared with: cells halved across their longest
+// side.
+#include <bit>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viscache/math/parallel.h"
+#include "viscache/visibility/flat_triangles.h"
+#include "viscache/visibility/triangle_kernels.h"
+
+namespace viscache {
+
+struct BspSettings {
+    int max_depth = 0;  ///< in [0, 40]; 0 = 5 + log2 of the number of triangles
+    int leaf_size = 8;  ///< cells of as many triangles or fewer are not halved; in [1, 1024]
+    TriangleKernel kernel = TriangleKernel::kWatertight;
+    uint64_t max_bytes = uint64_t{2} << 30;  ///< of nodes and lists of triangles
+
+    /// Throws std::invalid_argument that says what must hold.
+    void validate() const;
+    /// The depth of the tree over `n` triangles.
+    int depth(size_t n) const;
+};
+constexpr int kMostBspDepth = 40;
+
+/// A structure would be larger than its budget.
+class OverBudget : public std::bad_alloc {
+public:
+    explicit OverBudget(std::string text) : text_(std::move(text)) {}
+    const char* what() const noexcept override { return text_.c_str(); }
+
+private:
+    std::string text_;
+};
+
+/// 8 bytes: a plane and the first of two neighbouring children, or the triangles of a leaf.
+struct BspNode {
+    uint32_t value;  ///< bits of the plane's coordinate; of a leaf, its first entry in the list
+    uint32_t word;   ///< axis, or 3 for a leaf, and above it the first child, or the number of entries
+
+    static BspNode inner(int axis, float plane, uint32_t children) {
+        return {std::bit_cast<uint32_t>(plane), children << 2 | uint32_t(axis)};
+    }
+    static BspNode leaf(uint32_t first, uint32_t count) { return {first, count << 2 | 3}; }
+    bool is_leaf() const { return (word & 3) == 3; }
+    int axis() const { return int(word & 3); }
+    float plane() const { return std::bit_cast<float>(value); }
+    uint32_t children() const { return word >> 2; }
+    uint32_t first() const { return value; }
+    uint32_t count() const { return word >> 2; }
+};
+
+struct BspTree {
+    std::vector<BspNode> nodes;  ///< node 0 is the root; empty for no triangles
+    std::vector<uint32_t>
+        ids;            ///< triangles of the leaves; one that straddles a plane is listed on both sides
+    Bounds bounds;      ///< of the root's cell
+    int max_depth = 0;  ///< the limit
+    int depth = 0;      ///< of the deepest leaf
+
+    uint64_t bytes() const { return nodes.size() * sizeof(BspNode) + ids.size() * sizeof(uint32_t); }
+};
+
+/// Cells reach this many units in the last place of the largest coordinate beyond their planes, so that
+/// rounding cannot put a hit into a cell that does not list its triangle.
+constexpr float kCellUlps = 16;
+
+/// Builds the tree; the same for any number of threads. Throws OverBudget.
+BspTree build_bsp(std::span<const FlatTriangle> triangles, const BspSettings& settings, int threads,
+                  const Control& control);
+
+/// Whether a triangle meets a box; it may say so of one that misses by a few units in the last place.
+bool triangle_meets_box(const FlatTriangle& triangle, Vec3 center, Vec3 half);
+
+}  // namespace viscache

@@ -1,0 +1,244 @@
+"""The BSP tracer gives Embree's hits, on any tree, at any scale, for any number of threads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache.bench.ray_sets import SETS, make_ray_set
+from visibility.moeller_trumbore import cross_all
+
+Array = npt.NDArray[Any]
+
+
+def soup(n: int, size: float, seed: int = 0) -> tuple[Array, Array]:
+    """Triangles without order in the cube [-1, 1]^3."""
+    r = np.random.default_rng(seed)
+    corners = r.uniform(-1, 1, (n, 1, 3)) + r.normal(0, size, (n, 3, 3))
+    return corners.reshape(-1, 3).astype(np.float32), np.arange(3 * n).reshape(-1, 3)
+
+
+def rays(n: int, seed: int = 1) -> tuple[Array, Array]:
+    """Chords, a third along an axis, some from inside."""
+    r = np.random.default_rng(seed)
+    o, d = r.uniform(-2, 2, (n, 3)), r.normal(size=(n, 3))
+    along = np.arange(n) % 3 == 0
+    d[along] = np.eye(3)[r.integers(0, 3, along.sum())] * r.choice([-1, 1], (along.sum(), 1))
+    return o.astype(np.float32), d.astype(np.float32)
+
+
+@pytest.mark.parametrize("kernel", ["watertight", "wald"])
+@pytest.mark.parametrize("depth", [1, 7, 24])
+def test_hits_are_those_of_all_triangles_tried(kernel: Any, depth: int) -> None:
+    vertices, triangles = soup(300, 0.3)
+    scene = vc.Scene.from_arrays(vertices, triangles)
+    o, d = rays(6000)
+    truth = cross_all(vertices, triangles, o, d)
+    caster = scene.caster(vc.Bsp(max_depth=depth, leaf_size=2, kernel=kernel))
+    t, triangle, uv, instance = caster.intersect(o, d)
+    clear = truth.margin > 1e-4
+    assert clear.mean() > 0.9 and 0.2 < (truth.triangle[clear] >= 0).mean() < 0.99
+    np.testing.assert_array_equal(triangle[clear], truth.triangle[clear])
+    hit = clear & (truth.triangle >= 0)
+    np.testing.assert_allclose(t[hit], truth.t[hit], rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(uv[hit], truth.uv[hit], atol=2e-3)
+    assert (instance == -1).all() and np.isinf(t[clear & ~hit]).all()
+    np.testing.assert_array_equal(caster.occluded(o, d, np.inf), triangle >= 0)
+
+
+def excused(scene: vc.Scene, o: Array, d: Array, ours: Any, embree: Any) -> Array:
+    """Which of some differing answers lie within rounding of an edge, or at almost equal t.
+
+    A triangle one of them hit and the other did not is looked at in double precision.
+    """
+    corners = np.concatenate([m["vertices"][m["triangles"]] for m in scene.meshes()]).astype(float)
+    reach = np.linalg.norm(np.diff(scene.bounds, axis=0))
+    good = np.ones(len(o), bool)
+    for found, other in ((ours, embree), (embree, ours)):
+        hit = (found.triangle >= 0) & ~(other.t < found.t)  # the nearer of the two is in doubt
+        a, b, c = (corners[found.triangle[hit], i] for i in range(3))
+        p, w = o[hit].astype(float), d[hit].astype(float)
+        n = np.cross(b - a, c - a)
+        at = p + (np.einsum("nk,nk->n", n, a - p) / np.einsum("nk,nk->n", n, w))[:, None] * w
+        edge = np.full(len(at), np.inf)
+        for i, j in ((a, b), (b, c), (c, a)):
+            e = j - i
+            s = np.clip(np.einsum("nk,nk->n", at - i, e) / np.einsum("nk,nk->n", e, e), 0, 1)
+            edge = np.minimum(edge, np.linalg.norm(at - i - s[:, None] * e, axis=1))
+        length = np.linalg.norm(w, axis=1)
+        near = np.abs(found.t[hit] - other.t[hit]) * length < 1e-5 * reach
+        good[hit] &= (edge < 1e-6 * reach) | near
+    return good
+
+
+SCENES = ["random_triangles?triangles=20000", "bumpy_spheres?triangles=15000",
+          "room?triangles=20000", "hairball?triangles=20000"]  # fmt: skip
+
+
+@pytest.mark.parametrize("spec", SCENES)
+@pytest.mark.parametrize("kernel", ["watertight", "wald"])
+def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -> None:
+    scene = vc.scenes.build(spec)
+    caster = scene.caster(vc.Bsp(kernel=kernel))
+    for name in SETS:
+        r = make_ray_set(scene, name, 10_000)
+        o, d = r.origins, r.directions
+        ours, theirs = scene.intersect(o, d, rays=vc.Bsp(kernel=kernel)), scene.intersect(o, d)
+        assert (theirs.triangle >= 0).any()
+        differ = ours.triangle != theirs.triangle
+        assert differ.mean() < 2e-3
+        bad = ~excused(scene, o[differ], d[differ], *(
+            type(x)(*(v[differ] for v in x)) for x in (ours, theirs)
+        ))  # fmt: skip
+        assert bad.sum() == 0
+        same = ~differ & (theirs.triangle >= 0)
+        np.testing.assert_allclose(ours.t[same], theirs.t[same], rtol=1e-3, atol=1e-4)
+        blocked = caster.occluded(o, d, r.t_max)
+        assert (blocked != scene.occluded(o, d, r.t_max)).mean() < 1e-3
+        if np.isinf(r.t_max):
+            np.testing.assert_array_equal(blocked, ours.triangle >= 0)
+
+
+def test_the_excuse_is_no_pardon_for_wrong_hits() -> None:
+    """The control of the test above: hits of shifted rays are not excused."""
+    scene = vc.scenes.build(SCENES[0])
+    r = make_ray_set(scene, "hemi", 2000)
+    shifted = (r.origins + np.float32(0.01)).astype(np.float32)
+    ours, theirs = (scene.intersect(o, r.directions) for o in (shifted, r.origins))
+    differ = ours.triangle != theirs.triangle
+    parts = (type(x)(*(v[differ] for v in x)) for x in (ours, theirs))
+    assert differ.any()
+    assert not excused(scene, r.origins[differ], r.directions[differ], *parts).all()
+
+
+def test_the_tree_and_its_answers_do_not_depend_on_threads() -> None:
+    scene = vc.scenes.random_triangles(triangles=5000)
+    o, d = rays(20_000)
+    answers = []
+    for threads in (1, 2, 5):
+        caster = vc.Bsp().build(scene._core, threads)
+        hits = caster.intersect(o, d, threads)
+        answers.append((caster.stats, caster.count_steps(o[:500], d[:500]),
+                        *(part.tobytes() for part in hits)))  # fmt: skip
+    assert answers[0] == answers[1] == answers[2]
+
+
+def test_deeper_trees_test_fewer_triangles() -> None:
+    scene = vc.scenes.random_triangles(triangles=5000)
+    o, d = rays(2000)
+    tests, bytes_used = [], []
+    for depth in (2, 6, 10, 14):
+        caster = scene.caster(vc.Bsp(max_depth=depth, leaf_size=2))
+        assert caster.stats["depth"] == depth  # the limit is reached, and held
+        tests.append(caster.count_steps(o, d)["tests"])
+        bytes_used.append(caster.stats["bytes"])
+    assert tests == sorted(tests, reverse=True) and tests[0] > 20 * tests[-1]
+    assert bytes_used == sorted(bytes_used)
+
+
+def test_leaves_hold_no_more_triangles_than_asked_for() -> None:
+    scene = vc.scenes.bumpy_spheres(triangles=3000)
+    coarse, fine = (scene.caster(vc.Bsp(leaf_size=n)).stats for n in (64, 4))
+    assert coarse["leaves"] < fine["leaves"] and coarse["depth"] <= fine["depth"]
+    whole = scene.caster(vc.Bsp(leaf_size=1024, max_depth=40)).stats
+    assert whole["references"] <= 1024 * whole["leaves"]
+
+
+def test_instances_and_holes_are_seen_as_embree_sees_them() -> None:
+    alpha = np.zeros((2, 2, 1), np.float32)
+    alpha[:, 1] = 1
+    d = vc.SceneDescription()
+    material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
+    card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    mesh = d.add_mesh(*card, uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]],
+                      material=material, in_world=False)  # fmt: skip
+    for z, sx in ((0.0, 1), (-1.0, -2)):
+        d.add_instance([mesh], [[sx, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, z]])
+    scene = vc.Scene.from_description(d)
+    r = np.random.default_rng(0)
+    at = np.concatenate([r.uniform((-2, 0), (2, 1), (2000, 2)), np.ones((2000, 1))], axis=1)
+    down = np.broadcast_to(np.float32([0, 0, -1]), at.shape)
+    ours, theirs = scene.intersect(at, down, rays=vc.Bsp()), scene.intersect(at, down)
+    assert set(theirs.instance.tolist()) == {-1, 0, 1}
+    for a, b in zip(ours, theirs, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-6)
+    np.testing.assert_array_equal(scene.occluded(at, down, rays=vc.Bsp()), scene.occluded(at, down))
+
+
+@pytest.mark.parametrize("kernel", ["watertight", "wald"])
+def test_rays_end_where_they_are_told(kernel: Any) -> None:
+    scene = vc.Scene.from_arrays([[-1, -1, 2], [1, -1, 2], [0, 1, 2]], [[0, 1, 2]])
+    caster = scene.caster(vc.Bsp(kernel=kernel))
+    o, d = np.zeros((1, 3), np.float32), np.array([[0, 0, 1]], np.float32)
+    for t_max, expected in ((0, False), (1.999, False), (2.001, True), (np.inf, True)):
+        assert caster.occluded(o, d, t_max) == [expected]
+    assert not caster.occluded(o, d * 0, np.inf).any()
+    assert caster.visible(o, d * 1.9).all() and not caster.visible(o, d * 3).any()
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 1e6, 1e10])
+@pytest.mark.parametrize("offset", [0.0, 1e5])
+def test_scale_and_distance_from_the_origin_keep_the_hits(size: float, offset: float) -> None:
+    """Against Embree over the same floats: the scene itself has lost digits far from the origin."""
+    vertices, triangles = soup(500, 0.2, seed=3)
+    place = np.array([offset, 0, -offset])
+    vertices = ((vertices + place) * size).astype(np.float32)
+    scene = vc.Scene.from_arrays(vertices, triangles)
+    o, d = rays(5000)
+    o = ((o + place) * size).astype(np.float32)
+    theirs = scene.intersect(o, d)
+    assert 0.2 < (theirs.triangle >= 0).mean() < 0.99
+    for kernel, share in (("watertight", 2e-3), ("wald", 1e-2)):
+        ours = scene.intersect(o, d, rays=vc.Bsp(kernel=kernel))
+        assert (ours.triangle != theirs.triangle).mean() <= share
+
+
+@pytest.mark.extreme
+def test_scenes_without_volume_or_triangles_can_be_asked() -> None:
+    o, d = rays(200)
+    empty = vc.Scene.from_description(vc.SceneDescription())
+    assert not empty.occluded(o, d, rays=vc.Bsp()).any()
+    assert empty.caster(vc.Bsp()).stats["nodes"] == 0
+    flat = vc.Scene.from_arrays(soup(200, 0.2)[0] * [1, 1, 0], soup(200, 0.2)[1])
+    ours, theirs = flat.intersect(o, d, rays=vc.Bsp()), flat.intersect(o, d)
+    np.testing.assert_array_equal(ours.triangle >= 0, theirs.triangle >= 0)
+    degenerate = vc.Scene.from_arrays([[0, 0, 0], [1, 1, 1], [2, 2, 2]], [[0, 1, 2], [0, 0, 1]])
+    assert not degenerate.occluded(o, d, rays=vc.Bsp()).any()
+    assert degenerate.caster(vc.Bsp()).stats["degenerate"] == 2
+
+
+@pytest.mark.extreme
+def test_triangles_no_plane_tells_apart_end_in_one_leaf() -> None:
+    """A thousand copies of two triangles over the whole scene: halving gains nothing."""
+    square = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    scene = vc.Scene.from_arrays(square, [[0, 1, 2], [0, 2, 3]] * 1000)
+    stats = scene.caster(vc.Bsp(max_depth=40)).stats
+    assert stats["references"] < 400 * 2000
+    hit = scene.intersect([[0.7, 0.2, 1]], [[0, 0, -1]], rays=vc.Bsp())
+    assert hit.triangle == [0]  # the lowest of those at one t
+
+
+@pytest.mark.extreme
+def test_a_tree_above_its_budget_is_refused_with_what_to_change() -> None:
+    scene = vc.scenes.random_triangles(triangles=5000)
+    with pytest.raises(MemoryError, match=r"max_bytes must hold the tree, got 10000 .* lower"):
+        scene.caster(vc.Bsp(max_bytes=10_000))
+
+
+def test_rays_that_no_caster_could_trace_are_refused() -> None:
+    caster = vc.scenes.cube_on_plane().caster(vc.Bsp())
+    good = np.ones((2, 3), np.float32)
+    for bad in (np.nan, np.inf, 2e16):
+        wrong = good.copy()
+        wrong[1, 2] = bad
+        with pytest.raises(ValueError, match="origins must be finite"):
+            caster.occluded(wrong, good, np.inf)
+        with pytest.raises(ValueError, match="directions must be finite"):
+            caster.intersect(good, wrong)
+    with pytest.raises(ValueError, match="equal numbers of rows"):
+        caster.visible(good, good[:1])
