@@ -44,9 +44,7 @@ void bind_bsp(py::module_& m) {
         .def_readwrite("max_bytes", &BspSettings::max_bytes);
     py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(v, "BspCaster",
                                                                         "Single rays through a BSP.");
-    caster
-        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(),
-             py::arg("threads") = 0)
+    caster.def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0)
         .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
         .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),
              "Nodes and leaves visited and triangles tested for the nearest hits, over all rays.");

@@ -61,11 +61,9 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
     Call call(scene, positions, normals, frames, t_max);
     const Isa variant = isa_of(isa);
     AlignedCounts counts;
-    call.run(
-        [&](std::span<Word> rows, Control& control) {
-            counts = batch.rows(call.input, rows, threads, control, variant);
-        },
-        progress);
+    call.run([&](std::span<Word> rows,
+                 Control& control) { counts = batch.rows(call.input, rows, threads, control, variant); },
+             progress);
     py::dict d;
     d["nodes"] = counts.nodes, d["pairs"] = counts.pairs, d["tests"] = counts.tests;
     d["exact"] = counts.exact;
@@ -93,11 +91,11 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
 void bind_vlf_aligned(py::module_& m) {
     py::module_ v = m.attr("vlf");
     py::class_<AlignedBatch>(v, "AlignedBatch")
-        .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"), py::call_guard<py::gil_scoped_release>())
+        .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"),
+             py::call_guard<py::gil_scoped_release>())
         .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
-             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
-             py::arg("isa") = py::none(), py::arg("progress") = py::none(),
-             "Rows of bits (N, words), 1 = free, and how much work it was.")
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0, py::arg("isa") = py::none(),
+             py::arg("progress") = py::none(), "Rows of bits (N, words), 1 = free, and how much work it was.")
         .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
         .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
     v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),

@@ -13,7 +13,7 @@ from viscache.scenes.registry import parse
 def test_every_scene_of_the_specification_is_there() -> None:
     wanted = "random_triangles bumpy_spheres cornell_box room apartment conference hairball"
     wanted += " courtyard window_room cube_on_plane stairs slats slits thin_wall"
-    wanted += " garden mushrooms dynamics garage"
+    wanted += " garden mushrooms dynamics garage classroom_like church"
     assert sorted(scenes.SCENES) == sorted(wanted.split())
     for info in scenes.SCENES.values():
         assert info.description

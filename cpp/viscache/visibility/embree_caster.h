@@ -29,8 +29,8 @@ public:
     /// The same of the rays numbered in `order`, one after another.
     void occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
                   const PacketPlan& plan) const;
-    /// Every point's ray along an axis or against it, on the side of its normal (n·axis = 0: along): the lanes
-    /// blocked, 16 bits per packet. Plans of width 8 and 16.
+    /// Every point's ray along an axis or against it, on the side of its normal (n·axis = 0: along): the
+    /// lanes blocked, 16 bits per packet. Plans of width 8 and 16.
     void blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,
                        const PacketPlan& plan) const;
     /// One point's rays along all axes, the same way: bits, words_for(axes) words.

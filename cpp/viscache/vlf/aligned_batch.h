@@ -31,8 +31,8 @@ public:
     /// Instances are expanded; holes of alpha masks are open, as for Embree.
     explicit AlignedBatch(std::shared_ptr<const Scene> scene) : triangles_(std::move(scene)) {}
 
-    /// Bit k of row i is 1 if origin i is free along axis k. Rows have words_for(axes) words, padding bits are
-    /// 0. The bits depend neither on `threads` nor on `isa`.
+    /// Bit k of row i is 1 if origin i is free along axis k. Rows have words_for(axes) words, padding bits
+    /// are 0. The bits depend neither on `threads` nor on `isa`.
     AlignedCounts rows(const AlignedInput& input, std::span<Word> rows, int threads, Control& control,
                        Isa isa = active_isa()) const;
 

@@ -15,7 +15,7 @@
 
 namespace viscache {
 
-constexpr size_t kLanes = 16;        ///< triangles of a block, points of a packet, children of a node
+constexpr size_t kLanes = 16;            ///< triangles of a block, points of a packet, children of a node
 constexpr size_t kBlocksPerCheck = 256;  ///< between looks whether the caller gave up
 
 inline size_t in_lanes(size_t n) { return (n + kLanes - 1) / kLanes; }
@@ -102,10 +102,10 @@ struct BoxLevel {
 
 /// How much work an axis was.
 struct AlignedCounts {
-    uint64_t nodes = 0;   ///< tests of 16 boxes
-    uint64_t pairs = 0;   ///< packets that met a block
-    uint64_t tests = 0;   ///< tests of one triangle against 16 points or of one point against 16 triangles
-    uint64_t exact = 0;   ///< pairs of triangle and point decided in double
+    uint64_t nodes = 0;  ///< tests of 16 boxes
+    uint64_t pairs = 0;  ///< packets that met a block
+    uint64_t tests = 0;  ///< tests of one triangle against 16 points or of one point against 16 triangles
+    uint64_t exact = 0;  ///< pairs of triangle and point decided in double
     void merge(const AlignedCounts& c) {
         nodes += c.nodes, pairs += c.pairs, tests += c.tests, exact += c.exact;
     }
@@ -121,7 +121,7 @@ struct alignas(64) TurnedPacket {
 /// One thread's view along one axis.
 struct AxisState {
     std::vector<TurnedPacket> packets;
-    std::vector<BoxLevel> levels;   ///< 0: packets; each next level has one node per 16
+    std::vector<BoxLevel> levels;  ///< 0: packets; each next level has one node per 16
     AlignedCounts counts;
 
     explicit AxisState(const PointPackets& points);

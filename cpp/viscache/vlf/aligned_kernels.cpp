@@ -15,7 +15,8 @@ ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bo
     if (left == right) return {};  // outside, or seen edge-on
     const double t = (ea * double(a[2]) + eb * double(b[2])) + ec * double(c[2]);
     const double det = std::fabs((ea + eb) + ec);
-    const bool hit = (left == up ? t > 0 : t < 0) && (reach == kInfinity || std::fabs(t) <= double(reach) * det);
+    const bool hit =
+        (left == up ? t > 0 : t < 0) && (reach == kInfinity || std::fabs(t) <= double(reach) * det);
     return {hit, float(std::fabs(eb) / det), float(std::fabs(ec) / det)};
 }
 

@@ -10,8 +10,8 @@ namespace viscache {
 constexpr size_t kAxesPerWave = 1024;
 static_assert(kAxesPerWave % kWordBits == 0);
 
-/// Traces all axes, wave by wave: trace(axis, worker, lanes) puts the answers of one axis, 16 bits per packet.
-/// Then bit k of row `order[16·packet + lane]` is that of axis k.
+/// Traces all axes, wave by wave: trace(axis, worker, lanes) puts the answers of one axis, 16 bits per
+/// packet. Then bit k of row `order[16·packet + lane]` is that of axis k.
 template <class Trace>
 void rows_by_axis(size_t axes, std::span<const uint32_t> order, std::span<Word> rows, int threads,
                   Control& control, Trace trace) {

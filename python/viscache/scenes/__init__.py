@@ -8,6 +8,8 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 from __future__ import annotations
 
 from viscache.scenes.apartment import apartment
+from viscache.scenes.church import church
+from viscache.scenes.classroom import classroom_camera, classroom_like
 from viscache.scenes.conference import conference
 from viscache.scenes.coplanar import coplanar_share
 from viscache.scenes.courtyard import courtyard
@@ -36,6 +38,9 @@ __all__ = [
     "apartment",
     "build",
     "bumpy_spheres",
+    "church",
+    "classroom_camera",
+    "classroom_like",
     "conference",
     "coplanar_share",
     "cornell_box",

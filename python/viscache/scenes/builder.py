@@ -157,19 +157,39 @@ class Builder:
 
     def fit(self, triangles: int, *, slack: float = 1.25) -> None:
         """Tessellate all placed shapes so that they have `triangles` to `slack` * `triangles`."""
+        _, self.detail = self._details_around(triangles)
+        if self._total(self.detail) > slack * triangles:
+            total = self._total(self.detail)
+            raise ValueError(f"triangles must be >= {total}, got {triangles}")
+        self.write()
+
+    def fit_below(self, triangles: int) -> int:
+        """Tessellate all placed shapes so that they have `triangles` or fewer.
+
+        Returns
+        -------
+        int
+            How many are missing.
+        """
+        self.detail, _ = self._details_around(triangles)
+        missing = triangles - self._total(self.detail)
+        if missing < 0:
+            raise ValueError(f"triangles must be >= {triangles - missing}, got {triangles}")
+        self.write()
+        return missing
+
+    def _details_around(self, triangles: int) -> tuple[float, float]:
+        """Neighbouring details that give fewer triangles, and as many or more."""
         self._drop_clutter(triangles)
         low, high = LEAST_DETAIL, MOST_DETAIL
         if self._total(high) < triangles:
             raise ValueError(f"triangles must be <= {self._total(high)}, got {triangles}")
         if self._total(low) >= triangles:
-            high = low
+            return low, low
         for _ in range(20):
             middle = (low * high) ** 0.5
             low, high = (low, middle) if self._total(middle) >= triangles else (middle, high)
-        self.detail = high
-        if self._total(high) > slack * triangles:
-            raise ValueError(f"triangles must be >= {self._total(high)}, got {triangles}")
-        self.write()
+        return low, high
 
     def write(self, detail: float | None = None) -> None:
         """Tessellate the placed shapes at `detail` into one mesh per material and emission."""

@@ -11,8 +11,13 @@ from viscache.scenes.shapes import Array, box, bumpy_sphere, place, quad, rod
 GREY = (0.5, 0.5, 0.5)
 
 
-@scene()
-def random_triangles(triangles: int = 100_000, edge: float = 0.01, seed: int = 1) -> Builder:
+@scene(shown={"edge": 0.01})
+def random_triangles(
+    triangles: int = 100_000,
+    edge: float | None = None,
+    seed: int = 1,
+    edge_factor: float | None = None,
+) -> Builder:
     """Equilateral triangles at random places and orientations in the unit cube.
 
     Parameters
@@ -20,12 +25,20 @@ def random_triangles(triangles: int = 100_000, edge: float = 0.01, seed: int = 1
     triangles : int
         Exactly this many. At least 1.
     edge : float
-        Length of their edges; 2 triangles^(-1/3) is dense.
+        Length of their edges, 0.01 by default; 2 triangles^(-1/3) is dense.
     seed : int
         Of the random numbers.
+    edge_factor : float
+        Instead of `edge`: edges of edge_factor * triangles^(-1/3), as dense at any number.
     """
     at_least("triangles", triangles, 1)
     at_least("seed", seed, 0)
+    if edge_factor is not None:
+        if edge is not None:
+            raise ValueError(f"edge must be left out with edge_factor, got {edge}")
+        at_least("edge_factor", edge_factor, 1e-6)
+        edge = min(edge_factor * triangles ** (-1 / 3), 0.9)
+    edge = 0.01 if edge is None else edge
     if not 0 < edge < 1:
         raise ValueError(f"edge must be > 0 and < 1, got {edge}")
     rng = np.random.Generator(np.random.Philox(seed))
