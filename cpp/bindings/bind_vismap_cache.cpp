@@ -106,8 +106,9 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
         std::fill_n(id, n * best, -1), std::fill_n(share, n * best, 0.f);
         parallel_for((points.size() + 63) / 64, threads, [&](size_t chunk, int) {
             control.check();
+            NeighbourList around;
             for (size_t i = chunk * 64; i < std::min(points.size(), chunk * 64 + 64); ++i) {
-                const Selection s = points[i].usable() ? cache.select(points[i]) : Selection{};
+                const Selection s = points[i].usable() ? cache.select(points[i], around) : Selection{};
                 const BlendedMaps maps = cache.blend(s);
                 for (int k = 0; k < maps.count; ++k) {
                     id[i * size_t(best) + size_t(k)] = s.best[size_t(k)].id;
@@ -205,9 +206,10 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
     run_interruptible([&](Control& control) {
         parallel_for((points.size() + 255) / 256, threads, [&](size_t chunk, int) {
             control.check();
+            NeighbourList around;
             for (size_t i = chunk * 256; i < std::min(points.size(), chunk * 256 + 256); ++i) {
                 AmbientShade s;
-                if (points[i].usable()) s = shade_ambient(cache, points[i], {width, weighted});
+                if (points[i].usable()) s = shade_ambient(cache, points[i], {width, weighted}, around);
                 a[i] = s.visibility, j[i] = s.jump, r[i] = s.records;
             }
         });

@@ -4,7 +4,7 @@
 #include "arrays.h"
 #include "viscache/math/morton.h"
 #include "viscache/vismap/dilation.h"
-#include "viscache/vismap/kd_tree.h"
+#include "viscache/vismap/neighbour_list.h"
 #include "viscache/vismap/map_difference.h"
 #include "viscache/vismap/record_tracer.h"
 #include "viscache/vismap/temporal.h"
@@ -102,10 +102,25 @@ struct TestTree {
             NearestSet nearest(m, radius);
             tree.search(p, [](const TreePoint&) { return true; }, nearest);
             all.emplace_back();
-            for (const NearestSet::Found& f : nearest.sorted()) all.back().push_back(f.id);
+            for (const NearestSet::Found& f : nearest.sorted()) all.back().push_back(f.id());
         }
         return all;
     }
+    /// The same one after another, query q without the points of number q modulo 3.
+    std::pair<std::vector<std::vector<uint32_t>>, uint64_t> walk(const FloatArray& positions, float radius,
+                                                                 int m) {
+        std::vector<std::vector<uint32_t>> all;
+        const uint64_t before = around.answered();
+        for (Vec3 p : vec3s(positions, "positions")) {
+            NearestSet nearest(m, radius);
+            const auto accept = [&](const TreePoint& t) { return t.id % 3 != all.size() % 3; };
+            around.search(tree, p, accept, nearest);
+            all.emplace_back();
+            for (const NearestSet::Found& f : nearest.sorted()) all.back().push_back(f.id());
+        }
+        return {all, around.answered() - before};
+    }
+    NeighbourList around;
 };
 
 void bind_maps(py::module_& v) {
@@ -169,6 +184,9 @@ void bind_vismap_cache_maps(py::module_& m) {
         .def("build", &TestTree::build, py::arg("positions"))
         .def("search", &TestTree::search, py::arg("positions"), py::arg("radius"), py::arg("m"),
              "Ids of every position, nearest first.")
+        .def("walk", &TestTree::walk, py::arg("positions"), py::arg("radius"), py::arg("m"),
+             "The same by a neighbour list without ids congruent to the query's number modulo 3, and how "
+             "often the tree was not needed.")
         .def_property_readonly("rebuilds", [](const TestTree& t) { return t.tree.rebuilds(); })
         .def_property_readonly("depth", [](const TestTree& t) { return t.tree.depth(); })
         .def_property_readonly("oversized_leaves",

@@ -15,11 +15,15 @@ inline MapSource pixel_maps(const MapCache& cache, const FrameSettings& frame, c
         if (a->ndim() != 1 || a->shape(0) != pixels)
             throw py::value_error("d_max and footprint must have one entry per pixel, got " + shape_text(*a));
     const float *reach = d_max.data(), *width = footprint.data();
-    const auto look = [&cache, reach, width](Vec3 position, Vec3 normal, size_t pixel) {
-        const CachePoint p{position, normal, reach[pixel], width[pixel]};
-        return p.usable() ? cache.blend(cache.select(p)) : BlendedMaps{.m = cache.parameters().m};
+    const auto reader = [&cache, reach, width]() -> MapReader {
+        return [&cache, reach, width, around = NeighbourList()](Vec3 position, Vec3 normal,
+                                                                size_t pixel) mutable {
+            const CachePoint p{position, normal, reach[pixel], width[pixel]};
+            return p.usable() ? cache.blend(cache.select(p, around))
+                              : BlendedMaps{.m = cache.parameters().m};
+        };
     };
-    return {cache.parameters().m, look, 0};
+    return {cache.parameters().m, reader, 0};
 }
 
 }  // namespace viscache::bindings

@@ -35,7 +35,7 @@ void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, Slot& sl
     if (!c_.maps || point.dark()) return;
     const bool guide = c_.settings.sampling == DensityChoice::kGuided ||
                        (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
-    slot.maps = c_.maps->at(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
+    slot.maps = read_(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
                             pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
     counters.product_unserved += slot.maps.count == 0;
     point.look(slot.maps, guide && !c_.settings.replace);
@@ -185,7 +185,7 @@ struct PilotSums {
 class Pilot {
 public:
     Pilot(const ProductContext& c, const EyePathTracer& tracer, std::unique_ptr<VisibilityOracle> oracle)
-        : c_(c), tracer_(tracer), oracle_(std::move(oracle)) {}
+        : c_(c), tracer_(tracer), oracle_(std::move(oracle)), read_(c.maps->reader()) {}
 
     void try_pixel(size_t pixel, PilotSums& sums, Counters& counters, const Control& control) {
         const int x = int(pixel % size_t(c_.frame_width)), y = int(pixel / size_t(c_.frame_width));
@@ -194,7 +194,7 @@ public:
         if (eyes_.size() == 0 || is_black(eyes_.shading[0])) return;
         point_.begin(c_.light, SurfaceReflection(eyes_.shading[0]), c_.maps->m);
         if (point_.dark()) return;
-        point_.look(c_.maps->at(eyes_.block.position[0], eyes_.block.normal[0], pixel), true);
+        point_.look(read_(eyes_.block.position[0], eyes_.block.normal[0], pixel), true);
         if (!point_.has_maps()) return;
         const bool shaped = point_.guide(c_.settings.eta, false);
         const PointStream stream(c_.integrator.points, c_.seed, Purpose::kProduct, eyes_.stream[0],
@@ -222,6 +222,7 @@ private:
     const ProductContext& c_;
     const EyePathTracer& tracer_;
     std::unique_ptr<VisibilityOracle> oracle_;
+    MapReader read_;
     EyeTile eyes_;
     PointEstimate point_;
     std::array<DirectionSample, kPilotSamples> samples_;

@@ -50,7 +50,9 @@ struct ProductSeconds {
 class EnvironmentProduct {
 public:
     explicit EnvironmentProduct(const ProductContext& context)
-        : c_(context), tally_(context.maps ? context.maps->records : 0) {}
+        : c_(context),
+          read_(context.maps ? context.maps->reader() : MapReader()),
+          tally_(context.maps ? context.maps->records : 0) {}
 
     /// Every ray of the tiles so far against what each blended record said, as under product sampling.
     const RecordTally& tally() const { return tally_; }
@@ -72,6 +74,7 @@ private:
     void finish(const EyeTile& eyes, int pass, std::span<Rgb> sum, std::span<Rgb> last, Counters& counters);
 
     const ProductContext& c_;
+    MapReader read_;
     RecordTally tally_;
     std::vector<PointEstimate> points_;
     std::vector<Slot> slots_;

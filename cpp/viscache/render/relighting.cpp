@@ -24,6 +24,7 @@ void blend(const BlendedMaps& maps, std::vector<float>& visible) {
 /// One thread's buffers.
 struct Relighting::Worker {
     EyeTile eyes;
+    MapReader maps;
     std::vector<float> visible;
 
     /// Adds the blocks of one eye point; `colours`: 1 or 3.
@@ -65,6 +66,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
         control.check();
         Worker& w = workers[size_t(worker)];
         w.visible.resize(map_cells(m_));
+        if (!w.maps) w.maps = maps.reader();
         tracer.trace(tiles[t], w.eyes, counted[t], control);
         Part& part = parts_[t];
         for (size_t i = 0; i < w.eyes.size(); ++i) {
@@ -78,7 +80,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             if (!coloured) colour = colour * sp.base, sp.base = {1, 1, 1};
             const SurfaceReflection reflection(sp);
             if (reflection.black() || !(max_component(colour) > 0)) continue;
-            const BlendedMaps found = maps.at(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
+            const BlendedMaps found = w.maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
             if (found.count == 0) {
                 ++unserved[t];
                 continue;

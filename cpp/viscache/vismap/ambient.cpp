@@ -4,21 +4,23 @@
 
 namespace viscache {
 
-AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const AmbientRules& rules) {
+AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const AmbientRules& rules,
+                           NeighbourList& around) {
     const MapCacheParameters& p = cache.parameters();
     NearestSet set(p.m_nearest, point.d_max);
-    const auto found = cache.candidates(point, set);
+    const auto found = cache.candidates(point, set, around);
     const NormalizedWeight normalized(p.theta_max_rad, p.lambda);
     const double sigma = double(rules.width) * double(point.d_max);
     double sum = 0, total = 0, gaussian = 0;
     for (const NearestSet::Found& f : found) {
-        const double d = std::sqrt(double(f.distance2));
+        const double d = std::sqrt(double(f.distance2()));
         gaussian = std::exp(-0.5 * d * d / (sigma * sigma));
         double weight = gaussian;
         if (rules.weighted)
-            weight *= double(normalized(float(d) / point.d_max, normal_angle(point.normal, f.normal)) *
-                             geometric_weight(point.normal, f.to_record, float(d), point.d_max));
-        sum += weight * double(cache.records().ambient(f.id).visibility), total += weight;
+            weight *= double(normalized(float(d) / point.d_max, normal_angle(point.normal, f.point->normal)) *
+                             geometric_weight(point.normal, f.point->position - point.position, float(d),
+                                             point.d_max));
+        sum += weight * double(cache.records().ambient(f.id()).visibility), total += weight;
     }
     AmbientShade shade;
     if (!(total > 0)) return shade;

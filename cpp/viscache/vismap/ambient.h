@@ -17,6 +17,7 @@ struct AmbientShade {
     float jump = 0;
 };
 
-AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const AmbientRules& rules);
+AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const AmbientRules& rules,
+                           NeighbourList& around);
 
 }  // namespace viscache

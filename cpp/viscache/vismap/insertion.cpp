@@ -81,9 +81,10 @@ private:
     /// One round; the points to be looked up again.
     std::vector<uint32_t> round(std::span<const uint32_t> pending) {
         in_chunks(pending.size(), options_.threads, control_, [&](size_t first, size_t last) {
+            NeighbourList around;
             for (size_t i = first; i < last; ++i) {
                 const CachePoint& point = points_[pending[i]];
-                verdicts_[pending[i]] = cache_.judge(point, cache_.select(point));
+                verdicts_[pending[i]] = cache_.judge(point, cache_.select(point, around));
             }
         });
         stats_.lookups += pending.size();
@@ -132,9 +133,10 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
     std::mutex stats_mutex;
     in_chunks(usable.size(), options.threads, control, [&](size_t first, size_t last) {
         InsertionStats own;
+        NeighbourList around;
         for (uint32_t i : usable.subspan(first, last - first)) {
             const CachePoint& point = points[i];
-            const auto judge = [&] { verdicts[i] = cache.judge(point, cache.select(point)); };
+            const auto judge = [&] { verdicts[i] = cache.judge(point, cache.select(point, around)); };
             {
                 const std::shared_lock lock(cache.mutex());
                 judge();
@@ -235,8 +237,9 @@ BootstrapStatistics bootstrap(MapCache& cache, const RecordTracer& tracer, std::
     usable = added.points;
     stats.difference.resize(usable.size()), stats.tested.resize(usable.size());
     in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
+        NeighbourList around;
         for (size_t i = first; i < last; ++i) {
-            const Selection s = cache.select(points[usable[i]], first_id + uint32_t(i));
+            const Selection s = cache.select(points[usable[i]], around, first_id + uint32_t(i));
             stats.tested[i] = s.tested;
             stats.difference[i] =
                 s.count < 2 ? std::numeric_limits<float>::quiet_NaN() : cache.mean_difference(s);

@@ -13,7 +13,11 @@ int depth_limit(size_t n) { return 2 * int(std::bit_width(n)) + 8; }
 
 }  // namespace
 
-void KdTree::clear() { *this = {}; }
+void KdTree::clear() {
+    const uint64_t version = version_;
+    *this = {};
+    version_ = version + 1;
+}
 
 /// False if all points are in one place.
 bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
@@ -78,7 +82,7 @@ void KdTree::build(std::vector<TreePoint> points) {
     nodes_.assign(1, {}), blocks_.assign(1, {});
     size_ = built_size_ = points.size();
     depth_ = 0, oversized_ = 0;
-    ++rebuilds_;
+    ++rebuilds_, ++version_;
     build_node(0, points, 0);
     built_depth_ = depth_;
 }
@@ -107,6 +111,7 @@ void KdTree::insert(const TreePoint& point) {
         build(std::move(points));
         return;
     }
+    ++version_;
     uint32_t node = 0;
     int depth = 0;
     for (; nodes_[node].axis != kLeaf; ++depth)

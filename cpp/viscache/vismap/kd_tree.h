@@ -3,72 +3,19 @@
 //
 // What a search finds does not depend on the tree's shape: of records at equal distance the lower id counts
 // as nearer. Nothing here locks.
-#include <algorithm>
-#include <array>
-#include <span>
 #include <vector>
 
-#include "viscache/math/vec.h"
+#include "viscache/vismap/nearest_set.h"
 
 namespace viscache {
-
-struct TreePoint {
-    Vec3 position, normal;
-    uint32_t id = 0;
-};
-
-/// The nearest of a search so far, at most m of them; a heap with the farthest on top.
-class NearestSet {
-public:
-    static constexpr int kMost = 64;
-    struct Found {
-        float distance2;
-        uint32_t id;
-        Vec3 to_record, normal;  ///< from the point searched for; of the record
-        bool operator<(const Found& o) const {
-            return distance2 != o.distance2 ? distance2 < o.distance2 : id < o.id;
-        }
-    };
-
-    /// Searches within `radius`, which itself is outside.
-    NearestSet(int m, float radius) : m_(m), radius2_(radius * radius) {}
-
-    /// What lies farther than the root of this can not become part of the set.
-    float reach2() const { return size_ < m_ ? radius2_ : found_[0].distance2; }
-    void offer(const Found& f) {
-        if (!(f.distance2 < radius2_)) return;
-        if (size_ == m_) {
-            if (!(f < found_[0])) return;
-            std::pop_heap(found_.begin(), found_.begin() + size_--);
-        }
-        found_[size_t(size_++)] = f;
-        std::push_heap(found_.begin(), found_.begin() + size_);
-    }
-    /// Nearest first; ends the search.
-    std::span<const Found> sorted() {
-        std::sort_heap(found_.begin(), found_.begin() + size_);
-        return {found_.data(), size_t(size_)};
-    }
-    /// The same without those for which `drop` holds.
-    template <class Drop>
-    std::span<const Found> sorted_without(Drop drop) {
-        sorted();
-        const auto end = std::remove_if(found_.begin(), found_.begin() + size_, drop);
-        size_ = int(end - found_.begin());
-        return {found_.data(), size_t(size_)};
-    }
-
-private:
-    int m_, size_ = 0;
-    float radius2_;
-    std::array<Found, kMost> found_;
-};
 
 class KdTree {
 public:
     static constexpr size_t kLeafSize = 4;
 
     size_t size() const { return size_; }
+    /// Another one after every change.
+    uint64_t version() const { return version_; }
     size_t rebuilds() const { return rebuilds_; }
     int depth() const { return depth_; }
     /// Leaves with more than kLeafSize points, all in one place.
@@ -85,6 +32,11 @@ public:
     template <class Accept>
     void search(Vec3 position, Accept accept, NearestSet& nearest) const {
         if (size_) search(0, position, accept, nearest);
+    }
+    /// Calls visit(TreePoint, distance²) for every point up to `radius` away, in no order.
+    template <class Visit>
+    void visit(Vec3 position, float radius, Visit visit) const {
+        if (size_) this->visit(0, position, radius * radius, visit);
     }
 
 private:
@@ -118,9 +70,8 @@ private:
             for (uint32_t b = node.first; b != kNone; b = blocks_[b].next)
                 for (uint32_t i = 0; i < blocks_[b].count; ++i) {
                     const TreePoint& p = blocks_[b].points[i];
-                    const Vec3 to = p.position - x;
-                    const float d2 = length2(to);
-                    if (d2 <= nearest.reach2() && accept(p)) nearest.offer({d2, p.id, to, p.normal});
+                    const float d2 = length2(p.position - x);
+                    if (d2 <= nearest.reach2() && accept(p)) nearest.offer(d2, p);
                 }
             return;
         }
@@ -131,10 +82,28 @@ private:
         if (beyond * beyond <= nearest.reach2()) search(2 * node.first + 1 - near, x, accept, nearest);
     }
 
+    template <class Visit>
+    void visit(uint32_t index, Vec3 x, float radius2, Visit visit) const {
+        const Node& node = nodes_[index];
+        if (node.axis == kLeaf) {
+            for (uint32_t b = node.first; b != kNone; b = blocks_[b].next)
+                for (uint32_t i = 0; i < blocks_[b].count; ++i) {
+                    const float d2 = length2(blocks_[b].points[i].position - x);
+                    if (d2 <= radius2) visit(blocks_[b].points[i], d2);
+                }
+            return;
+        }
+        const float beyond = x[node.axis] - node.split;
+        const uint32_t near = node.first + (beyond >= 0);
+        this->visit(near, x, radius2, visit);
+        if (beyond * beyond <= radius2) this->visit(2 * node.first + 1 - near, x, radius2, visit);
+    }
+
     std::vector<Node> nodes_;
     std::vector<Block> blocks_;
     size_t size_ = 0, built_size_ = 0, rebuilds_ = 0, oversized_ = 0;
     int depth_ = 0, built_depth_ = 0;
+    uint64_t version_ = 0;
 };
 
 }  // namespace viscache

@@ -49,16 +49,17 @@ void MapCache::set_thresholds(float w_min, float delta_max) {
     parameters_ = changed;
 }
 
-std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point, NearestSet& set) const {
+std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point, NearestSet& set,
+                                                        NeighbourList& around) const {
     const auto similar = [&](Vec3 normal) { return dot(point.normal, normal) > cos_theta_max_; };
     if (parameters_.filter == SearchFilter::kDuring) {
-        tree_.search(point.position, [&](const TreePoint& p) { return similar(p.normal); }, set);
+        around.search(tree_, point.position, [&](const TreePoint& p) { return similar(p.normal); }, set);
         return set.sorted();
     }
     // Differs: Fig. 6 draws the test of normals after the search, the text of Sec. 5.1 puts it into the
     // search
-    tree_.search(point.position, [](const TreePoint&) { return true; }, set);
-    return set.sorted_without([&](const NearestSet::Found& f) { return !similar(f.normal); });
+    around.search(tree_, point.position, [](const TreePoint&) { return true; }, set);
+    return set.sorted_without([&](const NearestSet::Found& f) { return !similar(f.point->normal); });
 }
 
 float MapCache::tested_weight(const NearestSet::Found& f, float raw, float normalized, float full) const {
@@ -66,20 +67,21 @@ float MapCache::tested_weight(const NearestSet::Found& f, float raw, float norma
                          : parameters_.weight_test == WeightTest::kNormalized ? normalized
                                                                               : raw;
     if (parameters_.criterion == Criterion::kVisibility) return weight;
-    const float reach = records_.ambient(f.id).nearest_hit;
-    return weight * std::max(0.f, 1 - std::sqrt(f.distance2) / reach);
+    const float reach = records_.ambient(f.id()).nearest_hit;
+    return weight * std::max(0.f, 1 - std::sqrt(f.distance2()) / reach);
 }
 
-Selection MapCache::select(const CachePoint& point, uint32_t without) const {
+Selection MapCache::select(const CachePoint& point, NeighbourList& around, uint32_t without) const {
     NearestSet set(parameters_.m_nearest + (without != kNoRecord), point.d_max);
     Selection s;
-    for (const NearestSet::Found& f : candidates(point, set)) {
-        if (f.id == without || s.candidates == parameters_.m_nearest) continue;
-        const float distance = std::sqrt(f.distance2);
-        const float raw =
-            record_weight(distance / point.d_max, normal_angle(point.normal, f.normal), parameters_.lambda);
+    for (const NearestSet::Found& f : candidates(point, set, around)) {
+        if (f.id() == without || s.candidates == parameters_.m_nearest) continue;
+        const float distance = std::sqrt(f.distance2());
+        const float raw = record_weight(distance / point.d_max, normal_angle(point.normal, f.point->normal),
+                                        parameters_.lambda);
         const float normalized = normalized_(raw);
-        const float full = normalized * geometric_weight(point.normal, f.to_record, distance, point.d_max);
+        const float full = normalized * geometric_weight(point.normal, f.point->position - point.position,
+                                                         distance, point.d_max);
         if (!s.candidates++) s.nearest = distance;
         s.tested = std::max(s.tested, tested_weight(f, raw, normalized, full));
         // Insert among the best; nearer ones came before and win ties
@@ -88,7 +90,7 @@ Selection MapCache::select(const CachePoint& point, uint32_t without) const {
         if (place == parameters_.n_best) continue;
         if (s.count < parameters_.n_best) ++s.count;
         for (int i = s.count - 1; i > place; --i) s.best[size_t(i)] = s.best[size_t(i - 1)];
-        s.best[size_t(place)] = {f.id, full};
+        s.best[size_t(place)] = {f.id(), full};
     }
     return s;
 }

@@ -5,8 +5,8 @@
 #include <shared_mutex>
 
 #include "viscache/vismap/blended_maps.h"
-#include "viscache/vismap/kd_tree.h"
 #include "viscache/vismap/map_difference.h"
+#include "viscache/vismap/neighbour_list.h"
 #include "viscache/vismap/record_pool.h"
 #include "viscache/vismap/weights.h"
 
@@ -87,10 +87,12 @@ public:
     size_t size() const { return records_.size(); }
     bool full() const { return size() >= parameters_.max_records; }
 
-    /// The records in reach with similar normals, nearest first.
-    std::span<const NearestSet::Found> candidates(const CachePoint& point, NearestSet& set) const;
+    /// The records in reach with similar normals, nearest first. `around` makes searches of one point after
+    /// the other fast.
+    std::span<const NearestSet::Found> candidates(const CachePoint& point, NearestSet& set,
+                                                  NeighbourList& around) const;
     /// The best of them by weight; `without` is left out.
-    Selection select(const CachePoint& point, uint32_t without = kNoRecord) const;
+    Selection select(const CachePoint& point, NeighbourList& around, uint32_t without = kNoRecord) const;
     /// δ̄: the mean of Eq. 11 over the pairs of the chosen; 0 of less than two.
     float mean_difference(const Selection& s) const;
     /// The insertion test.

@@ -71,10 +71,11 @@ void mark_used(MapCache& cache, std::span<const CachePoint> points, uint32_t fra
         control.check();
         std::vector<uint8_t>& own = used[size_t(t)];
         own.resize(cache.size());
+        NeighbourList around;
         const size_t first = chunk * kPointsPerChunk;
         for (const CachePoint& p : points.subspan(first, std::min(kPointsPerChunk, points.size() - first))) {
             if (!p.usable()) continue;
-            const Selection s = cache.select(p);
+            const Selection s = cache.select(p, around);
             for (int i = 0; i < s.count; ++i) own[s.best[size_t(i)].id] |= s.best[size_t(i)].weight > 0;
         }
     });

@@ -5,7 +5,10 @@
 namespace viscache {
 
 /// θ of two unit normals; keeps its digits where acos of their product loses them.
-inline float normal_angle(Vec3 a, Vec3 b) { return 2 * std::atan2(length(a - b), length(a + b)); }
+inline float normal_angle(Vec3 a, Vec3 b) {
+    if (a == b) return 0;  // what follows gives the same, slower
+    return 2 * std::atan2(length(a - b), length(a + b));
+}
 
 /// [VisMap Eq. 9] w(d, θ) with t = d / d_max; falls at first with slope −1 over t, in the end slower.
 inline float record_weight(float t, float theta, float lambda) {

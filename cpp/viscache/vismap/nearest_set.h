@@ -1,0 +1,65 @@
+#pragma once
+// The nearest records of a search.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "viscache/math/vec.h"
+
+namespace viscache {
+
+struct TreePoint {
+    Vec3 position, normal;
+    uint32_t id = 0;
+};
+
+/// The nearest of a search so far, at most m of them, nearest first; of two at equal distance the one of
+/// lower id counts as nearer.
+class NearestSet {
+public:
+    static constexpr int kMost = 64;
+    struct Found {
+        uint64_t key;  ///< distance², which as a float ≥ 0 has the order of its bits, above the id
+        const TreePoint* point;
+        float distance2() const { return std::bit_cast<float>(uint32_t(key >> 32)); }
+        uint32_t id() const { return uint32_t(key); }
+    };
+
+    /// Searches within `radius`, which itself is outside.
+    NearestSet(int m, float radius) : m_(m), radius2_(radius * radius) {}
+
+    /// What lies farther than the root of this can not become part of the set.
+    float reach2() const { return size_ < m_ ? radius2_ : found_[size_t(m_ - 1)].distance2(); }
+    void clear() { size_ = 0; }
+    /// `point` must outlive the set.
+    void offer(float distance2, const TreePoint& point) {
+        if (!(distance2 < radius2_)) return;
+        const uint64_t key = uint64_t(std::bit_cast<uint32_t>(distance2)) << 32 | point.id;
+        if (size_ == m_) {
+            if (key >= found_[size_t(m_ - 1)].key) return;
+            --size_;
+        }
+        int place = size_++;
+        for (; place > 0 && found_[size_t(place - 1)].key > key; --place)
+            found_[size_t(place)] = found_[size_t(place - 1)];
+        found_[size_t(place)] = {key, &point};
+    }
+    /// Nearest first.
+    std::span<const Found> sorted() const { return {found_.data(), size_t(size_)}; }
+    /// The same without those for which `drop` holds.
+    template <class Drop>
+    std::span<const Found> sorted_without(Drop drop) {
+        const auto end = std::remove_if(found_.begin(), found_.begin() + size_, drop);
+        size_ = int(end - found_.begin());
+        return sorted();
+    }
+
+private:
+    int m_, size_ = 0;
+    float radius2_;
+    std::array<Found, kMost> found_;
+};
+
+}  // namespace viscache
