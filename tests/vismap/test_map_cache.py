@@ -14,7 +14,11 @@ from reference import vismap_records as reference
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache import _core
 from viscache.vismap.orders import pixel_order
-from viscache.vismap.settings import PRESETS, automatic_thresholds
+from viscache.vismap.settings import (
+    EXPECTED_RECORDS,
+    automatic_thresholds,
+    expected_records,
+)
 from vismap.scenes import SIZE, clutter, clutter_arrays, made, pixels, same, view
 
 Array = npt.NDArray[Any]
@@ -267,16 +271,43 @@ def test_orders_go_as_they_say() -> None:
         assert len(set(zip(x[first] * 2**k // 16, y[first] * 2**k // 16, strict=True))) == 4**k
 
 
-def test_automatic_thresholds_stay_within_the_presets_and_follow_the_scene() -> None:
+def test_automatic_thresholds_are_the_tightest_with_not_too_many_records() -> None:
+    rng = np.random.default_rng(4)
     nothing = np.array([], np.float32)
-    assert automatic_thresholds(nothing, nothing) == (0.2, 0.10)
-    assert automatic_thresholds(np.ones(4), np.zeros(4)) == (0.4, 0.04)
-    assert automatic_thresholds(np.zeros(4), np.full(4, np.nan)) == (0.2, 0.10)
+    assert automatic_thresholds(nothing, nothing) == (0.5, 0.015)
+    assert automatic_thresholds(np.ones(4), np.zeros(4)) == (0.5, 0.015)
+    assert automatic_thresholds(np.zeros(9000), np.full(9000, np.nan)) == (0.1, 0.24)
+    # Through the presets' own line: at an equal expectation the harder start-up is asked less of
+    tested, difference = rng.uniform(0, 0.6, 800), rng.uniform(0, 0.2, 800)
+    before = (1.0, 0.0)
+    for harder in (0.2, 0.4, 0.8, 1.6, 3.2):
+        w_min, delta_max = automatic_thresholds(tested / harder, difference * harder)
+        assert 0.1 <= w_min <= before[0] and before[1] <= delta_max <= 0.24
+        before = (w_min, delta_max)
+        expected = expected_records(tested / harder, difference * harder, w_min, delta_max)
+        tighter = (min(w_min + 0.0075, 0.5), delta_max * 2**-0.05)
+        assert expected <= EXPECTED_RECORDS or delta_max == pytest.approx(0.24)
+        assert expected_records(
+            tested / harder, difference * harder, *tighter
+        ) > EXPECTED_RECORDS or delta_max == pytest.approx(0.015)
+    assert before[1] > 0.1
+
+
+def test_records_to_expect_follow_from_the_unserved_and_from_differences() -> None:
+    tested = np.array([0.0, 0.2, 0.5, 0.5])
+    assert expected_records(tested, np.full(4, 0.05), 0.3, 0.1) == 4 + 10 * 2
+    two = expected_records(tested, np.array([0.1, 0.3, np.nan]), 0.0, 0.1)
+    assert two == pytest.approx(4 * (1 + 9) / 2)
+    assert expected_records(tested, np.full(4, np.nan), 0.0, 0.1) == 4
+
+
+def test_automatic_thresholds_follow_the_scene() -> None:
     easy = vc.Scene.from_arrays([[-9, 0, -9], [9, 0, -9], [9, 0, 9]], [[0, 2, 1]])
     cache, _ = made(easy, preset="auto", camera=vc.look_at((3, 4, -3), (3, 0, -3.1)))
-    assert cache.thresholds[1] == PRESETS["high"]["delta_max"]
-    hard, _ = made(clutter(n=400), preset="auto")
-    assert hard.thresholds[1] > cache.thresholds[1]
+    assert cache.thresholds[1] == pytest.approx(0.015)
+    hard, _ = made(clutter(n=400), preset="auto", n_startup=400)
+    assert hard.thresholds[0] <= cache.thresholds[0]
+    assert hard.thresholds[1] > 2 * cache.thresholds[1]
     given, _ = made(preset="auto", w_min=0.33)
     assert given.thresholds[0] == 0.33
 

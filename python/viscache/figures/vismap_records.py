@@ -87,8 +87,11 @@ def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome = Outcome()
     size = QUICK if quick else FULL
     for name, view in VIEWS.items():
-        built = build_cache(view.open(quick), view.camera, size, MapSettings(m=view.m))
+        scene = view.open(quick)
+        built = build_cache(scene, view.camera, size, MapSettings(m=view.m))
         outcome.rows += _table_rows(name, built, size)
+        automatic = MapSettings(preset="auto", m=view.m)
+        outcome.rows.append(_automatic_row(name, build_cache(scene, view.camera, size, automatic)))
     for label, scene in living_rooms(outcome):
         rows = _table_rows(label, build_cache(scene, 0, size, MapSettings()), size)
         outcome.rows += [replace(row, band=None) for row in rows]
@@ -119,6 +122,14 @@ def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
             measured=bytes_each, band=bands.RECORD_BYTES if m == 5 else None,
             note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides"),
     ]  # fmt: skip
+
+
+def _automatic_row(name: str, built: Built) -> Row:
+    said = printed.CACHES.get(name)
+    w_min, delta_max = built.cache.thresholds
+    return Row(what=f'{name}: records with preset="auto"', printed=said.records if said else None,
+               measured=len(built.cache),
+               note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}")  # fmt: skip
 
 
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:

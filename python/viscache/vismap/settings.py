@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,9 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.checks import check_types, require
 
-__all__ = ["PRESETS", "MapSettings", "automatic_thresholds"]
+__all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
+
+Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 
 #: Thresholds of the presets; the paper has three of them and prints no numbers.
 PRESETS: dict[str, dict[str, float]] = {
@@ -30,8 +32,8 @@ class MapSettings:
     Parameters
     ----------
     preset : {"low", "medium", "high", "auto"}
-        Gives `w_min` and `delta_max` where they are None. "auto": from what the start-up records
-        say about each other (`automatic_thresholds`).
+        Gives `w_min` and `delta_max` where they are None. "auto": the tightest of which the
+        start-up lets expect few enough records (`automatic_thresholds`).
     m : int in [4, 7]
         M: maps have 2^m x 2^m cells; 76, 172, 572, 2172 bytes a record.
     n_startup : int >= 1
@@ -160,15 +162,21 @@ class MapSettings:
         return asdict(self)
 
 
-def automatic_thresholds(
-    tested: npt.NDArray[np.float32], difference: npt.NDArray[np.float32]
-) -> tuple[float, float]:
-    """Starting values of w_min and delta_max from the start-up, which the paper leaves open.
+#: Records that `expected_records` may say with "auto"; images of 1600×1200 get up to three times
+#: as many (docs/performance.md).
+EXPECTED_RECORDS = 5000
+#: Records that stand behind every start-up record that none of the others serves.
+RECORDS_PER_UNSERVED = 10
+#: Steps from the preset "medium", doubling delta_max's inverse, among which "auto" chooses.
+STEPS = np.linspace(-2, 2, 81)
 
-    Each start-up record is looked up without itself. The quarter of the image where the others
-    weigh least, or disagree most, is to be refined, within the range of the presets: `w_min` is
-    the lower quartile of the greatest weights, `delta_max` the upper quartile of the mean
-    differences.
+
+def expected_records(tested: Floats, difference: Floats, w_min: float, delta_max: float) -> float:
+    """Roughly how many records an image will get, from its start-up.
+
+    Where no record serves, many small surfaces are near each other, and each wants its own. Where
+    maps differ, the difference falls with the distance of the records, their number rises with
+    its square. Each start-up record is looked up without itself.
 
     Parameters
     ----------
@@ -176,18 +184,41 @@ def automatic_thresholds(
         Greatest weight of another record; 0 where none is in reach.
     difference : (N,) float
         Mean difference of the maps that would be blended; NaN of fewer than two.
+    """
+    known = difference[np.isfinite(difference)]
+    by_weight = len(tested) + RECORDS_PER_UNSERVED * np.count_nonzero(tested < w_min)
+    finer = np.maximum(known / max(delta_max, 1e-9), 1) ** 2
+    return float(by_weight * (finer.mean() if len(finer) else 1.0))
+
+
+def automatic_thresholds(tested: Floats, difference: Floats) -> tuple[float, float]:
+    """Starting values of w_min and delta_max from the start-up, which the paper leaves open.
+
+    The tightest pair of which not too many records are to be expected (`expected_records`), on a
+    line through the presets that goes beyond them on both sides.
+
+    Parameters
+    ----------
+    tested, difference : (N,) float
+        See `expected_records`.
 
     Examples
     --------
     >>> import numpy as np
-    >>> automatic_thresholds(np.full(9, 0.25), np.full(9, 0.07))
-    (0.25, 0.07)
+    >>> flat = automatic_thresholds(np.full(999, 0.6), np.full(999, 0.05))
+    >>> hard = automatic_thresholds(np.full(999, 0.05), np.full(999, 0.15))
+    >>> flat[0] > hard[0], flat[1] < hard[1]
+    (True, True)
     """
-    low, high = PRESETS["low"], PRESETS["high"]
-    known = difference[np.isfinite(difference)]
-    weight = float(np.quantile(tested, 0.25)) if len(tested) else low["w_min"]
-    delta = float(np.quantile(known, 0.75)) if len(known) else low["delta_max"]
-    return (
-        min(max(weight, low["w_min"]), high["w_min"]),
-        min(max(delta, high["delta_max"]), low["delta_max"]),
-    )
+    chosen = _step(STEPS[0])
+    for step in STEPS:
+        if expected_records(tested, difference, *_step(step)) <= EXPECTED_RECORDS:
+            chosen = _step(step)
+    return chosen
+
+
+def _step(x: float) -> tuple[float, float]:
+    """x = 0: "medium"; 0.585: "high"; −0.74: "low"."""
+    medium = PRESETS["medium"]
+    w_min = min(max(medium["w_min"] + 0.15 * float(x), 0.1), 0.5)
+    return w_min, medium["delta_max"] * 2.0 ** -float(x)
