@@ -1,0 +1,49 @@
+"""What the visibility field's paper prints agrees with itself and lies in the bands."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from viscache.figures import vlf_bands as bands
+from viscache.figures import vlf_printed as printed
+from viscache.figures.outcome import Band
+
+
+def all_bands() -> dict[str, Band]:
+    found = {}
+    for name, value in vars(bands).items():
+        if isinstance(value, Band):
+            found[name] = value
+        elif name.isupper() and isinstance(value, dict):
+            found |= {f"{name}[{key}]": band for key, band in value.items()}
+    return found
+
+
+def test_bands_are_not_empty_and_name_their_source() -> None:
+    assert {"OCCLUSION_SPEEDUP", "CHORD_TILES[513]", "UPDATE_PAYS"} <= set(all_bands())
+    for name, band in all_bands().items():
+        assert band.low <= band.high, name
+        assert math.isfinite(band.low) or math.isfinite(band.high), name
+        assert band.source.startswith(("Tab. ", "Fig. ", "Sec. ", "expected: ")), name
+
+
+@pytest.mark.parametrize("scene", printed.OCCLUSION)
+def test_speedups_of_table_1_are_ratios_of_its_seconds(scene: str) -> None:
+    row = printed.OCCLUSION[scene]
+    assert row.crt_s / row.field_s == pytest.approx(row.speedup, abs=0.0051)
+    assert row.speedup in bands.OCCLUSION_SPEEDUP
+
+
+def test_the_churchs_rays_per_second_follow_from_its_seconds() -> None:
+    """So 513 rays were traced from every pixel."""
+    rays = printed.OCCLUSION_PIXELS * printed.OCCLUSION_RAYS / 1e6
+    church = printed.OCCLUSION["church"]
+    assert rays / church.crt_s == pytest.approx(printed.CHURCH_CRT, abs=0.05)
+    assert rays / church.field_s == pytest.approx(printed.CHURCH_FIELD, abs=0.05)
+
+
+def test_the_papers_gain_falls_with_the_triangles() -> None:
+    rows = printed.OCCLUSION
+    assert rows["tugboat"].speedup / rows["cow"].speedup in bands.OCCLUSION_DECLINE
