@@ -5,7 +5,7 @@ from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Direct, Whitted
-from viscache.rays import Bsp, Embree
+from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
@@ -18,6 +18,7 @@ from viscache.vismap import (
     cached_ambient_occlusion,
 )
 from viscache.vlf import aligned_occlusion
+from viscache.vlf.field import VisibilityField
 
 __version__ = "0.1.0"
 
@@ -36,7 +37,9 @@ __all__ = [
     "SceneDescription",
     "SceneError",
     "VisMaps",
+    "VisibilityField",
     "VisibilityMapCache",
+    "Vlf",
     "Whitted",
     "__version__",
     "aligned_occlusion",

@@ -25,8 +25,8 @@ def require(holds: bool, what: str, given: Any) -> None:
 def check_types(settings: Any) -> None:
     """Hold every field of a frozen dataclass to its annotation; numbers become plain Python ones.
 
-    Known are int, float (finite), bool, Literal, and unions of these with None; a field of another
-    type is left to its class.
+    Known are int, float (finite), bool, Literal, unions of these with None, and of a number with a
+    Literal; a field of another type is left to its class.
 
     Raises
     ------
@@ -43,6 +43,9 @@ def check_types(settings: Any) -> None:
         if optional and value is None:
             continue
         kind = next(k for k in kinds if k is not NoneType)
+        words = [k for k in kinds if typing.get_origin(k) is Literal]
+        if isinstance(value, str) and words:  # int | Literal["auto"]
+            kind = words[0]
         plain = _plain(field.name, kind, value)
         if plain is not value:
             object.__setattr__(settings, field.name, plain)

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from viscache import _core
 from viscache.checks import check_types, require
 
-__all__ = ["Bsp", "Caster", "Embree", "Rays", "check_rays"]
+__all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -82,10 +82,103 @@ class Bsp:
         return _core.visibility.BspCaster(scene, self.core(), threads=threads)
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Vlf:
+    """Rays by look-up in a visibility field (Mortensen, Khanna, Yu, Slater 2007).
+
+    Parameters
+    ----------
+    n_directions : int or "auto"
+        l: 1, 3, 9, 33, 129, 513, 2049 or 8193 (2·4^k + 1).
+    n_tiles : int in [1, 4096] or "auto"
+        n: tiles along an edge of each direction's grid.
+    bsp_depth : int in [0, 12] or "auto"
+        Most halvings of a tile's depth. "auto", for any of the three: chosen to fit `max_bytes`.
+    leaf_target : int >= 0
+        A tile is halved no further than to so many triangles a leaf; 0: all to `bsp_depth`.
+    split : {"uniform", "object"}
+        Tiles are cut into equal slabs, or at the medians of their triangles' depths.
+    walk : {"linear", "stack"}
+        The paper's two ways through a tile's leaves. Never changes an answer.
+    tile_ranges : bool
+        Depths are parted over each tile's own range, or over the scene's.
+    kernel : {"watertight", "wald"}
+        "wald" is the paper's: fewer operations, but a ray may slip through an edge.
+    head_room : float in [1, 1000]
+        Size of the field's ball over the scene's bounding sphere: room for objects that move.
+    lazy : bool
+        Directions are built by the first ray that needs them, and those longest unused given up
+        where the budget ends.
+    snap : bool
+        Approximate: every ray runs along its nearest axis, up to 5° off at l = 513.
+    max_bytes : int >= 1
+        A field that needs more raises MemoryError before it is built.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> rays = vc.Vlf(n_directions=33, n_tiles=32)
+    >>> vc.render(scene, vc.Direct(), rays=rays, size=(32, 20)).image.shape
+    (20, 32, 3)
+    """
+
+    n_directions: int | Literal["auto"] = 513
+    n_tiles: int | Literal["auto"] = 128
+    bsp_depth: int | Literal["auto"] = "auto"
+    leaf_target: int = 4
+    split: Literal["uniform", "object"] = "uniform"
+    walk: Literal["linear", "stack"] = "linear"
+    tile_ranges: bool = True
+    kernel: Literal["watertight", "wald"] = "watertight"
+    head_room: float = 1.0
+    lazy: bool = False
+    snap: bool = False
+    max_bytes: int = 2 << 30
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        require(1 <= self.max_bytes < 1 << 64, "max_bytes must be in [1, 2^64)", self.max_bytes)
+        self.core()
+
+    def core(self) -> _core.vlf.FieldSettings:
+        """The C++ settings.
+
+        Raises
+        ------
+        ValueError
+            A value out of range.
+        """
+        core = _core.vlf.FieldSettings()
+        for name, least in (("n_directions", 1), ("n_tiles", 1), ("bsp_depth", 0)):
+            value = getattr(self, name)
+            fits = value == "auto" or least <= value < 1 << 31
+            require(fits, f'{name} must be >= {least} or "auto"', value)
+            if value != "auto":
+                setattr(core, name, value)
+            else:
+                setattr(core, name, least - 1)
+        fits = 0 <= self.leaf_target < 1 << 31
+        require(fits, "leaf_target must be in [0, 2^20]", self.leaf_target)
+        core.leaf_target, core.tile_ranges, core.head_room = (
+            self.leaf_target, self.tile_ranges, self.head_room,
+        )  # fmt: skip
+        core.split = _core.vlf.DepthSplit[self.split.upper()]
+        core.walk = _core.vlf.LeafWalk[self.walk.upper()]
+        core.kernel = _core.visibility.TriangleKernel[self.kernel.upper()]
+        core.lazy, core.snap, core.max_bytes = self.lazy, self.snap, self.max_bytes
+        core.validate()
+        return core
+
+    def build(self, scene: _core.Scene, threads: int = 0) -> _core.vlf.VisibilityField:
+        """The field over a scene; 0 threads = all cores."""
+        return _core.vlf.VisibilityField(scene, self.core(), threads=threads)
+
+
 #: Settings that build a ray caster: what `rays=` takes.
-Rays: TypeAlias = Embree | Bsp
+Rays: TypeAlias = Embree | Bsp | Vlf
 #: What they build.
-Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster"
+Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster | _core.vlf.VisibilityField"
 
 
 def check_rays(rays: Rays) -> Rays:

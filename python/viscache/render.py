@@ -47,7 +47,7 @@ def render(
     ----------
     scene : Scene
     integrator : Direct, Whitted or AmbientOcclusion
-    rays : Embree or Bsp, optional
+    rays : Embree, Bsp or Vlf, optional
         The ray caster: all rays of the frame go through it.
     visibility : Exact, Aqvc or VisMaps, optional
         Who answers "does x see y?"; exact by default.

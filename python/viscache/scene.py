@@ -250,7 +250,7 @@ class Scene:
 
         Parameters
         ----------
-        rays : Embree or Bsp, optional
+        rays : Embree, Bsp or Vlf, optional
             Embree, robust, by default.
         threads : int, optional
             To build with; all cores by default. The caster is the same on any number.
@@ -291,7 +291,7 @@ class Scene:
         x, y : (N, 3) float
             End points, in scene units. The segment is shortened at both ends by 32 units in the
             last place of the larger coordinate, so that surfaces at the ends do not block it.
-        rays : Embree or Bsp, optional
+        rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
         threads : int, optional
             All cores by default.
@@ -325,7 +325,7 @@ class Scene:
             Directions of any length; a zero direction hits nothing.
         t_max : float or (N,) float, >= 0
             In units of the direction's length.
-        rays : Embree or Bsp, optional
+        rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
 
         Returns

@@ -99,6 +99,25 @@ def test_the_bsp_has_the_names_and_defaults_of_its_struct() -> None:
     }  # fmt: skip
 
 
+def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None:
+    struct = values(_core.vlf.FieldSettings())
+    assert {f.name for f in dataclasses.fields(vc.Vlf)} == set(struct)
+    assert values(vc.Vlf().core()) == struct
+    open_ = values(vc.Vlf(n_directions="auto", n_tiles="auto", bsp_depth="auto").core())
+    assert (open_["n_directions"], open_["n_tiles"], open_["bsp_depth"]) == (0, 0, -1)
+    changed = {
+        "n_directions": 33, "n_tiles": 7, "bsp_depth": 2, "leaf_target": 9, "split": "object",
+        "walk": "stack", "tile_ranges": False, "kernel": "wald", "head_room": 1.5, "lazy": True,
+        "snap": True, "max_bytes": 10**6,
+    }  # fmt: skip
+    for name, value in changed.items():
+        made = values(vc.Vlf(**{name: value}).core())
+        enums = {"split": _core.vlf.DepthSplit, "walk": _core.vlf.LeafWalk,
+                 "kernel": _core.visibility.TriangleKernel}  # fmt: skip
+        expected = enums[name][value.upper()] if name in enums else value
+        assert {n: v for n, v in made.items() if v != struct[n]} == {name: expected}
+
+
 def test_render_has_the_defaults_of_the_frame_struct() -> None:
     struct = values(_core.FrameSettings())
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
@@ -125,6 +144,17 @@ BAD = [
     (vc.Bsp, {"leaf_size": 0}, r"leaf_size must be in \[1, 1024\], got 0"),
     (vc.Bsp, {"kernel": "woop"}, "kernel must be"),
     (vc.Bsp, {"max_bytes": 0}, "max_bytes must be"),
+    (vc.Vlf, {"n_directions": 512}, r"n_directions must be .* 513, .*, got 512"),
+    (vc.Vlf, {"n_directions": "all"}, "n_directions must be"),
+    (vc.Vlf, {"n_directions": 0}, "n_directions must be"),
+    (vc.Vlf, {"n_tiles": 0}, "n_tiles must be"),
+    (vc.Vlf, {"n_tiles": 4097}, r"n_tiles must be in \[1, 4096\], got 4097"),
+    (vc.Vlf, {"bsp_depth": 13}, r"bsp_depth must be in \[0, 12\], got 13"),
+    (vc.Vlf, {"bsp_depth": -1}, "bsp_depth must be"),
+    (vc.Vlf, {"leaf_target": -1}, "leaf_target must be"),
+    (vc.Vlf, {"head_room": 0.5}, r"head_room must be in \[1, 1000\]"),
+    (vc.Vlf, {"split": "median"}, "split must be"),
+    (vc.Vlf, {"max_bytes": 0}, "max_bytes must be"),
     (vc.Exact, {"order": "by_row"}, "order must be"),
     (vc.Exact, {"coherent": 1}, "coherent must be true or false"),
     (vc.Aqvc, {"c_e": "12"}, "c_e must be a finite number"),

@@ -3,11 +3,14 @@
 The visibility field.
 """
 from __future__ import annotations
+import collections.abc
+import enum
 import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['AlignedBatch', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'is_direction_count', 'nearest_direction']
+import viscache._core.visibility
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'FieldSettings', 'LeafWalk', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
@@ -21,6 +24,101 @@ class AlignedBatch:
     @property
     def triangles(self) -> int:
         ...
+class DepthSplit(enum.Enum):
+    """
+    Where a tile is cut along its depth.
+    """
+    OBJECT: typing.ClassVar[DepthSplit]
+    UNIFORM: typing.ClassVar[DepthSplit]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class LeafWalk(enum.Enum):
+    """
+    How a ray finds the leaves of a tile.
+    """
+    LINEAR: typing.ClassVar[LeafWalk]
+    STACK: typing.ClassVar[LeafWalk]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class FieldSettings:
+    kernel: viscache._core.visibility.TriangleKernel
+    lazy: bool
+    snap: bool
+    split: DepthSplit
+    tile_ranges: bool
+    walk: LeafWalk
+    def __init__(self) -> None:
+        ...
+    def validate(self) -> None:
+        ...
+    @property
+    def bsp_depth(self) -> int:
+        ...
+    @bsp_depth.setter
+    def bsp_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def head_room(self) -> float:
+        ...
+    @head_room.setter
+    def head_room(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def leaf_target(self) -> int:
+        ...
+    @leaf_target.setter
+    def leaf_target(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_bytes(self) -> int:
+        ...
+    @max_bytes.setter
+    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_directions(self) -> int:
+        ...
+    @n_directions.setter
+    def n_directions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_tiles(self) -> int:
+        ...
+    @n_tiles.setter
+    def n_tiles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class VisibilityField(viscache._core.RayCaster):
+    """
+    Rays by look-up.
+    """
+    def __init__(self, scene: viscache._core.Scene, settings: FieldSettings, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> None:
+        ...
+    def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+        ...
+    def occluded(self: viscache._core.RayCaster, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def subfield(self, direction: typing.SupportsInt | typing.SupportsIndex) -> dict:
+        """
+        Arrays of one direction's lists.
+        """
+    def trace_by(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], axes: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], t_min: typing.Any = 0.0, t_max: typing.Any = ...) -> tuple:
+        """
+        By way of given subfields: t, triangle (N,), any (N,), steps of each kind.
+        """
+    def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    @property
+    def settings(self) -> FieldSettings:
+        ...
+    @property
+    def stats(self) -> dict:
+        ...
+def cover_tiles(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_tiles: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+    """
+    Tiles of triangles in canonical space: (triangle, x, y) (K, 3) and depth ranges (K, 2).
+    """
 def direction_frames(n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Rows u, v, w of (l, 3, 3).
@@ -37,9 +135,25 @@ def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[nu
     """
     The same bits by Embree.
     """
+def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt | typing.SupportsIndex) -> float:
+    """
+    Entries of one direction's lists by formula, without depth.
+    """
 def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
     Index of the axis nearest to each row.
+    """
+def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
+    """
+    Bytes of a field before it is built.
+    """
+def tile_depth(count: typing.SupportsInt | typing.SupportsIndex, depth: typing.SupportsInt | typing.SupportsIndex, leaf_target: typing.SupportsInt | typing.SupportsIndex) -> int:
+    ...
+def walk_leaves(z0: typing.SupportsFloat | typing.SupportsIndex, z1: typing.SupportsFloat | typing.SupportsIndex, leaves: typing.SupportsInt | typing.SupportsIndex, borders: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, upwards: bool, how: LeafWalk) -> list[int]:
+    ...
+def walk_tiles(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], n_tiles: typing.SupportsInt | typing.SupportsIndex, t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:
+    """
+    Tiles (K, 2) and t (K, 2) of a ray in canonical space.
     """

@@ -105,7 +105,7 @@ class VisibilityMapCache:
     ----------
     scene : Scene
     settings : MapSettings, optional
-    rays : Embree or Bsp, optional
+    rays : Embree, Bsp or Vlf, optional
         Who traces the rays of the records; Embree by default.
 
     Examples

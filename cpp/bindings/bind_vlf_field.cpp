@@ -1,0 +1,145 @@
+// The visibility field.
+#include <pybind11/native_enum.h>
+
+#include "caster_queries.h"
+#include "viscache/vlf/auto_settings.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+py::dict stats_dict(const FieldStats& s) {
+    py::dict d;
+    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["subfields"] = s.subfields;
+    d["built"] = s.built, d["given_up"] = s.given_up;
+    d["tiles"] = s.tiles, d["empty_tiles"] = s.empty_tiles, d["leaves"] = s.leaves;
+    d["references"] = s.references, d["bytes"] = s.bytes;
+    return d;
+}
+
+std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
+                                       int threads, const py::object& progress) {
+    std::shared_ptr<VisibilityField> field;
+    run_interruptible(
+        [&](Control& control) {
+            field = std::make_shared<VisibilityField>(scene, settings, threads, control);
+        },
+        progress);
+    return field;
+}
+
+uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& settings, int threads) {
+    settings.validate();
+    uint64_t bytes = 0;
+    run_interruptible([&](Control& control) {
+        const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
+        bytes = predicted_bytes(triangles, chosen_settings(triangles, settings, threads, control), threads,
+                                control);
+    });
+    return bytes;
+}
+
+uint32_t checked_direction(const VisibilityField& field, uint32_t direction) {
+    if (direction >= field.directions().size())
+        throw py::value_error("direction must be < " + std::to_string(field.directions().size()) + ", got " +
+                              std::to_string(direction));
+    return direction;
+}
+
+template <class T>
+py::array_t<T> copied(const std::vector<T>& v) {
+    return py::array_t<T>(py::ssize_t(v.size()), v.data());
+}
+
+/// The lists of one direction as they are stored.
+py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
+    const SubfieldLease lease = field.subfield(checked_direction(field, direction));
+    const Subfield& f = *lease.field;
+    py::dict d;
+    d["first_leaf"] = copied(f.first_leaf), d["first_id"] = copied(f.first_id), d["ids"] = copied(f.ids);
+    py::array_t<float> ranges({py::ssize_t(f.ranges.size()), py::ssize_t(2)});
+    if (!f.ranges.empty())
+        std::memcpy(ranges.mutable_data(), f.ranges.data(), f.ranges.size() * sizeof(Subfield::Range));
+    d["ranges"] = ranges, d["borders"] = copied(f.borders);
+    return d;
+}
+
+/// Nearest hits by way of the k-th nearest axis, or any hits; and the steps on the way.
+py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
+                   const UintArray& directions, const py::object& t_min, const py::object& t_max) {
+    require_usable(o, "origins"), require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions"), require_same_rows(o, directions, "origins and axes");
+    const size_t n = size_t(o.shape(0));
+    const FloatArray near = distances(t_min, n), far = distances(t_max, n);
+    py::array_t<float> t{py::ssize_t(n)};
+    py::array_t<int64_t> triangle{py::ssize_t(n)};
+    py::array_t<bool> any{py::ssize_t(n)};
+    FieldSteps nearest_steps, any_steps;
+    for (size_t i = 0; i < n; ++i) {
+        const uint32_t axis = checked_direction(field, directions.at(py::ssize_t(i)));
+        const Ray ray{rows3(o, "origins")[i], near.data()[near.ndim() ? i : 0], rows3(d, "directions")[i],
+                      far.data()[far.ndim() ? i : 0]};
+        const Hit hit = field.nearest(ray, axis, &nearest_steps);
+        t.mutable_data()[i] = hit.t;
+        triangle.mutable_data()[i] =
+            hit.valid() ? int64_t(field.scene().first_triangle(hit.mesh) + hit.triangle) : -1;
+        any.mutable_data()[i] = field.any(ray, axis, &any_steps);
+    }
+    const auto steps = [](const FieldSteps& s) {
+        return py::dict(py::arg("tiles") = s.tiles, py::arg("leaves") = s.leaves, py::arg("tests") = s.tests);
+    };
+    return py::make_tuple(t, triangle, any, steps(nearest_steps), steps(any_steps));
+}
+
+}  // namespace
+
+void bind_vlf_field(py::module_& m) {
+    py::module_ v = m.def_submodule("vlf");
+    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is cut along its depth.")
+        .value("UNIFORM", DepthSplit::kUniform)
+        .value("OBJECT", DepthSplit::kObject)
+        .finalize();
+    py::native_enum<LeafWalk>(v, "LeafWalk", "enum.Enum", "How a ray finds the leaves of a tile.")
+        .value("LINEAR", LeafWalk::kLinear)
+        .value("STACK", LeafWalk::kStack)
+        .finalize();
+    py::class_<FieldSettings>(v, "FieldSettings")
+        .def(py::init<>())
+        .def_readwrite("n_directions", &FieldSettings::n_directions)
+        .def_readwrite("n_tiles", &FieldSettings::n_tiles)
+        .def_readwrite("bsp_depth", &FieldSettings::bsp_depth)
+        .def_readwrite("leaf_target", &FieldSettings::leaf_target)
+        .def_readwrite("split", &FieldSettings::split)
+        .def_readwrite("walk", &FieldSettings::walk)
+        .def_readwrite("tile_ranges", &FieldSettings::tile_ranges)
+        .def_readwrite("kernel", &FieldSettings::kernel)
+        .def_readwrite("head_room", &FieldSettings::head_room)
+        .def_readwrite("lazy", &FieldSettings::lazy)
+        .def_readwrite("snap", &FieldSettings::snap)
+        .def_readwrite("max_bytes", &FieldSettings::max_bytes)
+        .def("validate", &FieldSettings::validate);
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
+                                                                                   "Rays by look-up.");
+    field
+        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(),
+             py::arg("threads") = 0, py::arg("progress") = py::none())
+        .def_property_readonly("settings", &VisibilityField::settings)
+        .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
+        .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")
+        .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
+             py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
+             "By way of given subfields: t, triangle (N,), any (N,), steps of each kind.");
+    bind_queries(field);
+    v.def(
+        "expected_references",
+        [](const std::shared_ptr<Scene>& scene, int n_tiles) {
+            check_tiles(n_tiles);
+            const FieldTriangles triangles(scene, TriangleKernel::kWatertight, 1);
+            return expected_references(triangles.in_ball(), n_tiles);
+        },
+        py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
+    v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
+          "Bytes of a field before it is built.");
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,80 @@
+#include "viscache/vlf/auto_settings.h"
+
+#include "viscache/visibility/bsp_tree.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr uint32_t kCounts[] = {1, 3, 9, 33, 129, 513, 2049};
+constexpr int kTiles[] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512};
+constexpr int kDepths[] = {5, 4, 3, 2, 1, 0};  // of equals the deepest: few tiles pay for it
+
+/// Mean angle to the nearest of l axes: 2.46° at 513, half as much at four times as many.
+double mean_angle(uint32_t n_directions) { return 2.46 * kPi / 180 * std::sqrt(513.0 / n_directions); }
+
+/// Bytes by rule of thumb; the prediction decides.
+double rough_bytes(const FieldTriangles& triangles, const FieldSettings& s, double references) {
+    const double tiles = double(s.n_tiles) * s.n_tiles;
+    const double leaves =
+        std::min(tiles * (1 << s.bsp_depth), tiles + references / std::max(1, s.leaf_target));
+    return double(triangles.bytes()) + s.n_directions * (12 * tiles + 4 * leaves + 4 * references);
+}
+
+struct Candidate {
+    FieldSettings settings;
+    double cost;
+};
+
+std::vector<Candidate> candidates(const FieldTriangles& triangles, const FieldSettings& given) {
+    std::vector<Candidate> found;
+    for (const int n : kTiles) {
+        if (given.n_tiles != 0 && n != kTiles[0]) break;
+        FieldSettings s = given;
+        if (given.n_tiles == 0) s.n_tiles = n;
+        const double references = expected_references(triangles.in_ball(), s.n_tiles);
+        for (const uint32_t l : kCounts)
+            for (const int depth : kDepths) {
+                if ((given.n_directions != 0 && l != kCounts[0]) ||
+                    (given.bsp_depth >= 0 && depth != kDepths[0]))
+                    continue;
+                if (given.n_directions == 0) s.n_directions = l;
+                if (given.bsp_depth < 0) s.bsp_depth = depth;
+                if (rough_bytes(triangles, s, references) > 1.5 * double(s.max_bytes)) continue;
+                found.push_back({s, expected_cost(triangles, s).total()});
+            }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+    return found;
+}
+
+}  // namespace
+
+FieldCost expected_cost(const FieldTriangles& triangles, const FieldSettings& s) {
+    const double tiles = 1 + 4 / kPi * (4.0 / 3) * std::sin(mean_angle(s.n_directions)) * s.n_tiles / 2;
+    // A disc of tiles has something in it
+    const double listed =
+        expected_references(triangles.in_ball(), s.n_tiles) / std::max(1.0, 0.785 * s.n_tiles * s.n_tiles);
+    const double leaves = 1 << tile_depth(size_t(std::ceil(listed)), s.bsp_depth, s.leaf_target);
+    // On its way over the tiles a ray crosses the leaves of one tile once, and one more per tile
+    const double visited = std::min(leaves * tiles, leaves + tiles);
+    return {tiles, visited * listed / leaves};
+}
+
+FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettings& given, int threads,
+                              const Control& control) {
+    const bool open = given.n_directions == 0 || given.n_tiles == 0 || given.bsp_depth < 0;
+    if (!open) return given;
+    // Of a lazy field as much is there as fits
+    for (const Candidate& c : candidates(triangles, given))
+        if (given.lazy || predicted_bytes(triangles, c.settings, threads, control) <= given.max_bytes)
+            return c.settings;
+    FieldSettings least = given;
+    if (given.n_directions == 0) least.n_directions = kCounts[0];
+    if (given.n_tiles == 0) least.n_tiles = kTiles[0];
+    if (given.bsp_depth < 0) least.bsp_depth = 0;
+    return least;  // too large as well, as check_budget says
+}
+
+}  // namespace viscache

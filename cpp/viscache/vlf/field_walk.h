@@ -1,0 +1,63 @@
+#pragma once
+// A ray's way through the lists of one direction: tiles, then leaves, near to far.
+#include <span>
+
+#include "viscache/vlf/subfield.h"
+#include "viscache/vlf/tile_walk.h"
+
+namespace viscache {
+
+/// What rays met on their way, summed.
+struct FieldSteps {
+    uint64_t tiles = 0, leaves = 0, tests = 0;
+};
+
+/// How much earlier, in the unit ball, a hit must lie than the end of a leaf to be the nearest for sure:
+/// hits at grazing angles are known to less than a tile's slack.
+constexpr double kHitSlack = 1e-5;
+
+/// Calls limit = leaf(ids, limit) for the leaves along a ray in one tile of one layer, until a hit is nearer
+/// than what comes next; returns the limit.
+template <class Layer, class Leaf>
+double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalRay& ray, double in,
+                 double out, double limit, FieldSteps* steps, Leaf leaf) {
+    const TileBsp bsp = layer.bsp(tile);
+    if (bsp.leaves == 0) return limit;
+    const double g = ray.g[2], z_in = ray.q[2] + in * g, z_out = ray.q[2] + out * g;
+    const float low = float(std::min(z_in, z_out)), high = float(std::max(z_in, z_out));
+    const auto range = layer.occupied(tile);
+    if (high + kDepthSlack < range.z0 || low - kDepthSlack > range.z1) return limit;
+    const double slack = kHitSlack / ray.length();
+    const bool upwards = g >= 0;
+    const auto visit = [&](int l) {
+        const std::span<const uint32_t> ids = layer.leaf(tile, l);
+        if (steps) ++steps->leaves, steps->tests += ids.size();
+        limit = leaf(ids, limit);
+        // Outermost leaves hold what lies beyond, too
+        const bool last = l == (upwards ? bsp.leaves - 1 : 0);
+        const double end = last || g == 0 ? out : (bsp.border(l + upwards) - ray.q[2]) / g;
+        return limit + slack <= std::min(end, out);
+    };
+    if (how == LeafWalk::kLinear)
+        walk_leaves(bsp, low, high, upwards, visit);
+    else
+        walk_leaves_by_stack(bsp, low, high, upwards, visit);
+    return limit;
+}
+
+/// The same along all tiles and in all layers of a direction; a negative limit ends the walk.
+template <class Layer, class Leaf>
+void walk_field(std::span<const Layer* const> layers, const CanonicalRay& ray, int n_tiles, LeafWalk how,
+                double limit, FieldSteps* steps, Leaf leaf) {
+    const double slack = kHitSlack / ray.length();
+    walk_tiles(ray, n_tiles, [&](int column, int row, double in, double out) {
+        if (steps) ++steps->tiles;
+        for (const Layer* layer : layers)
+            if (layer->rect.holds(column, row))
+                limit =
+                    walk_tile(*layer, layer->rect.index(column, row), how, ray, in, out, limit, steps, leaf);
+        return limit + slack <= out;
+    });
+}
+
+}  // namespace viscache

@@ -1,0 +1,97 @@
+#include "viscache/vlf/predict.h"
+
+#include <optional>
+
+#include "viscache/visibility/bsp_tree.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr uint32_t kSamples = 8;
+
+/// Least bytes a field may have: its lists, if no tile were parted, and a word per tile.
+double least_bytes(const FieldTriangles& triangles, const FieldSettings& s) {
+    const double tiles = double(s.n_tiles) * s.n_tiles;
+    return s.n_directions * 4.0 * (tiles + expected_references(triangles.in_ball(), s.n_tiles));
+}
+
+/// Whether a field is predicted to fit. What is far too large is not tried.
+bool fits(const FieldTriangles& triangles, const FieldSettings& s, int threads, const Control& control) {
+    if (least_bytes(triangles, s) > 2.0 * double(s.max_bytes)) return false;
+    return predicted_bytes(triangles, s, threads, control) <= s.max_bytes;
+}
+
+/// The first of several settings that fits.
+template <class Change>
+std::optional<FieldSettings> first_fit(const FieldTriangles& triangles, FieldSettings s, int threads,
+                                       const Control& control, Change change) {
+    while (change(s))
+        if (fits(triangles, s, threads, control)) return s;
+    return {};
+}
+
+bool halve_tiles(FieldSettings& s) { return (s.n_tiles /= 2) >= 1; }
+bool less_depth(FieldSettings& s) { return --s.bsp_depth >= 0; }
+bool fewer_directions(FieldSettings& s) {
+    if (s.n_directions == 1) return false;
+    s.n_directions = s.n_directions == 3 ? 1 : (s.n_directions - 1) / 4 + 1;
+    return true;
+}
+
+std::string suggestions(const FieldTriangles& triangles, const FieldSettings& s, int threads,
+                        const Control& control) {
+    std::string text;
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", or ") + part; };
+    if (const auto fit = first_fit(triangles, s, threads, control, halve_tiles))
+        add("n_tiles=" + std::to_string(fit->n_tiles));
+    if (const auto fit = first_fit(triangles, s, threads, control, less_depth))
+        add("bsp_depth=" + std::to_string(fit->bsp_depth));
+    if (const auto fit = first_fit(triangles, s, threads, control, fewer_directions))
+        add("n_directions=" + std::to_string(fit->n_directions));
+    return text.empty() ? "no smaller n_tiles, bsp_depth or n_directions alone would fit"
+                        : "the largest that fit, each alone: " + text;
+}
+
+}  // namespace
+
+double expected_references(std::span<const FlatTriangle> triangles, int n_tiles) {
+    const double c = 2.0 / n_tiles;
+    double sum = 0;
+    for (const FlatTriangle& t : triangles) {
+        const Vec3 e[3] = {t.b - t.a, t.c - t.b, t.a - t.c};
+        const double perimeter = double(length(e[0])) + length(e[1]) + length(e[2]);
+        sum += 0.5 * length(cross(e[0], e[1])) / (2 * c * c) + perimeter / (2 * c) + 1;
+    }
+    return sum;
+}
+
+uint64_t predicted_bytes(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                         const Control& control) {
+    const Directions& directions = directions_of(settings.n_directions);
+    const uint32_t samples = std::min(kSamples, directions.size());
+    std::vector<uint64_t> bytes(samples);
+    parallel_for(samples, threads, [&](size_t i, int) {
+        control.check();
+        const size_t direction = (2 * i + 1) * directions.size() / (2 * samples);
+        SubfieldBuilder builder(settings.shape());
+        bytes[i] = builder.build(triangles.in_ball(), {}, directions.frames()[direction]).bytes();
+    });
+    uint64_t sum = 0;
+    for (const uint64_t b : bytes) sum += b;
+    return triangles.bytes() + uint64_t(double(sum) / samples * directions.size());
+}
+
+void check_budget(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                  const Control& control) {
+    const double least = least_bytes(triangles, settings);
+    const bool hopeless = least > 2.0 * double(settings.max_bytes);
+    const double bytes = hopeless ? least : double(predicted_bytes(triangles, settings, threads, control));
+    if (bytes <= double(settings.max_bytes)) return;
+    throw OverBudget("the visibility field is predicted to take " + std::string(hopeless ? "at least " : "") +
+                     std::to_string(uint64_t(bytes)) + " bytes, max_bytes is " +
+                     std::to_string(settings.max_bytes) + "; " +
+                     suggestions(triangles, settings, threads, control));
+}
+
+}  // namespace viscache

@@ -1,0 +1,27 @@
+#pragma once
+// How large a field will be, before it is built.
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "viscache/math/parallel.h"
+#include "viscache/vlf/visibility_field.h"
+
+namespace viscache {
+
+/// Tiles that triangles in the unit ball touch, on average over directions and places: with tiles c wide, a
+/// triangle of area A and perimeter P touches A/(2c²) + P/(2c) + 1 of them (a convex shape's projection has
+/// half its area, and reaches P/4 along either axis, on average).
+double expected_references(std::span<const FlatTriangle> triangles, int n_tiles);
+
+/// Bytes of a whole field: those of the triangles, and of the subfields of a few directions, spread over all
+/// of them, for the rest. Builds those one at a time.
+uint64_t predicted_bytes(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                         const Control& control);
+
+/// Throws OverBudget for a field that is predicted to be larger than settings.max_bytes; its text names the
+/// bytes, the budget and the largest n_tiles, bsp_depth and n_directions that fit, each with the others kept.
+void check_budget(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                  const Control& control);
+
+}  // namespace viscache

@@ -1,0 +1,111 @@
+#pragma once
+// Which tiles of a parallel subfield a triangle touches, and how deep it lies in each.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "viscache/math/frame.h"
+#include "viscache/visibility/flat_triangles.h"
+
+namespace viscache {
+
+/// The n × n square tiles of [−1, 1]², half open but for the last, and what coverage is grown by.
+struct TileGrid {
+    int n = 1;
+    /// Covers what rounding does to projected corners (3e-7), cuts (1e-6) and the kernels (1e-6 for rays that
+    /// start within four radii; others are moved closer first).
+    float slack = 1e-5f;
+
+    /// Tile of a coordinate along either axis; those beyond the border belong to the outermost.
+    int tile_of(float x) const {
+        const float place = (x + 1) * (0.5f * float(n));
+        return place > 0 ? std::min(n - 1, int(std::min(place, float(n)))) : 0;
+    }
+    /// Where tile i begins.
+    float border(int i) const { return 2 * float(i) / float(n) - 1; }
+};
+
+/// Corners in a subfield's canonical space: the tiles lie in x and y, beams run along z.
+struct ProjectedTriangle {
+    std::array<float, 3> x, y, z;
+};
+
+inline ProjectedTriangle projected(const FlatTriangle& t, const Frame3& frame) {
+    const Vec3 a = frame.to_local(t.a), b = frame.to_local(t.b), c = frame.to_local(t.c);
+    return {{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}};
+}
+
+/// A convex polygon cut out of a triangle.
+struct CutPolygon {
+    struct Corner {
+        float x, y, z;
+    };
+    std::array<Corner, 8> corner;
+    int size = 0;
+
+    explicit CutPolygon(const ProjectedTriangle& t) : size(3) {
+        for (size_t i = 0; i < 3; ++i) corner[i] = {t.x[i], t.y[i], t.z[i]};
+    }
+    /// Keeps the part with sign · (axis coordinate) <= sign · limit [Sutherland, Hodgman 1974].
+    void cut(float Corner::* axis, float limit, float sign) {
+        const std::array<Corner, 8> before = corner;
+        const int n = size;
+        size = 0;
+        for (int i = 0; i < n; ++i) {
+            const Corner &p = before[size_t(i)], &q = before[size_t(i + 1 == n ? 0 : i + 1)];
+            const float dp = sign * (limit - p.*axis), dq = sign * (limit - q.*axis);
+            if (dp >= 0) corner[size_t(size++)] = p;
+            if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
+                const float s = dp / (dp - dq);
+                corner[size_t(size++)] = {p.x + s * (q.x - p.x), p.y + s * (q.y - p.y),
+                                          p.z + s * (q.z - p.z)};
+            }
+        }
+    }
+    /// Lowest and highest of one coordinate.
+    std::array<float, 2> range(float Corner::* axis) const {
+        float lo = kInfinity, hi = -kInfinity;
+        for (int i = 0; i < size; ++i)
+            lo = std::min(lo, corner[size_t(i)].*axis), hi = std::max(hi, corner[size_t(i)].*axis);
+        return {lo, hi};
+    }
+};
+
+/// [VLF Sec. 3.2] Calls visit(tile_x, tile_y, z_low, z_high) for every tile whose closed square, grown by the
+/// grid's slack, meets the triangle, and with the depth range of the part inside, grown as well. Row by row:
+/// the part of a convex polygon in a strip spans one run of tiles.
+// Differs: the paper walks edges 8-connected, then fills. A diagonal step that skips a touched tile would
+// lose hits; this is the supercover. Depths are of the polygon clipped to the tile, as in its Section 5.
+template <class Visit>
+void cover_tiles(const ProjectedTriangle& t, const TileGrid& grid, Visit visit) {
+    using Corner = CutPolygon::Corner;
+    const float e = grid.slack;
+    const CutPolygon whole(t);
+    const auto [x_low, x_high] = whole.range(&Corner::x);
+    const auto [y_low, y_high] = whole.range(&Corner::y);
+    const auto [z_low, z_high] = whole.range(&Corner::z);
+    const int first_row = grid.tile_of(y_low - e), last_row = grid.tile_of(y_high + e);
+    if (first_row == last_row && grid.tile_of(x_low - e) == grid.tile_of(x_high + e)) {
+        visit(grid.tile_of(x_low - e), first_row, z_low - e, z_high + e);
+        return;
+    }
+    for (int row = first_row; row <= last_row; ++row) {
+        CutPolygon strip = whole;
+        if (row > first_row) strip.cut(&Corner::y, grid.border(row) - e, -1);
+        if (row < last_row) strip.cut(&Corner::y, grid.border(row + 1) + e, 1);
+        if (strip.size == 0) continue;  // reached by rounding alone
+        const auto [low, high] = strip.range(&Corner::x);
+        const int first = grid.tile_of(low - e), last = grid.tile_of(high + e);
+        for (int column = first; column <= last; ++column) {
+            CutPolygon part = strip;
+            if (column > first) part.cut(&Corner::x, grid.border(column) - e, -1);
+            if (column < last) part.cut(&Corner::x, grid.border(column + 1) + e, 1);
+            if (part.size == 0) continue;
+            const auto [near, far] = part.range(&Corner::z);
+            visit(column, row, near - e, far + e);
+        }
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,59 @@
+#include "viscache/vlf/subfield_store.h"
+
+namespace viscache {
+
+void SubfieldStore::build_all(std::span<const FlatTriangle> triangles, int threads, Control& control) {
+    all_.resize(directions_.size());
+    control.total = directions_.size(), control.done = 0;
+    std::vector<SubfieldBuilder> builders(size_t(resolve_threads(threads)), SubfieldBuilder(shape_));
+    parallel_for(directions_.size(), threads, [&](size_t i, int worker) {
+        control.check();
+        SubfieldBuilder& builder = builders[size_t(worker)];
+        all_[i] = std::make_shared<Subfield>(builder.build(triangles, {}, directions_.frames()[i]));
+        ++control.done;
+    });
+    built_ = directions_.size();
+}
+
+SubfieldLease SubfieldStore::get_lazily(uint32_t direction) const {
+    Slot& slot = slots_[direction];
+    slot.used = ++clock_;
+    std::shared_ptr<const Subfield> field = slot.field.load();
+    if (!field) {
+        const std::lock_guard lock(slot.building);
+        field = slot.field.load();
+        if (!field) {
+            SubfieldBuilder builder(shape_);
+            field = std::make_shared<const Subfield>(
+                builder.build(triangles_, {}, directions_.frames()[direction]));
+            place(direction, field);
+        }
+    }
+    return {field.get(), field};
+}
+
+/// Keeps a new subfield and gives up those that were not used for longest. Rays on their way keep theirs.
+void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> field) const {
+    const std::lock_guard lock(room_);
+    bytes_ += field->bytes(), ++built_;
+    slots_[direction].field.store(std::move(field));
+    while (bytes_ > max_bytes_) {
+        uint32_t oldest = direction;
+        for (uint32_t i = 0; i < directions_.size(); ++i) {
+            const bool older = oldest == direction || slots_[i].used < slots_[oldest].used;
+            if (i != direction && older && slots_[i].field.load()) oldest = i;
+        }
+        if (oldest == direction) return;
+        bytes_ -= slots_[oldest].field.exchange(nullptr)->bytes(), ++given_up_;
+    }
+}
+
+std::vector<std::shared_ptr<const Subfield>> SubfieldStore::present() const {
+    if (!lazy()) return {all_.begin(), all_.end()};
+    std::vector<std::shared_ptr<const Subfield>> found;
+    for (uint32_t i = 0; i < directions_.size(); ++i)
+        if (auto field = slots_[i].field.load()) found.push_back(std::move(field));
+    return found;
+}
+
+}  // namespace viscache

@@ -1,0 +1,68 @@
+#pragma once
+// The subfields of a field: all built at once, or each on first use and the longest unused ones given up.
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "viscache/math/parallel.h"
+#include "viscache/vlf/directions.h"
+#include "viscache/vlf/subfield.h"
+
+namespace viscache {
+
+/// A subfield that stays while this does.
+struct SubfieldLease {
+    const Subfield* field = nullptr;
+    std::shared_ptr<const Subfield> keep;  ///< of one that might be given up
+    const Subfield* operator->() const { return field; }
+};
+
+class SubfieldStore {
+public:
+    SubfieldStore(const Directions& directions, const SubfieldShape& shape)
+        : directions_(directions), shape_(shape) {}
+
+    /// Builds all, in parallel over directions; the same for any number of threads.
+    void build_all(std::span<const FlatTriangle> triangles, int threads, Control& control);
+    /// From now on subfields are built when asked for, and given up when all together exceed the budget.
+    void be_lazy(std::span<const FlatTriangle> triangles, uint64_t max_bytes) {
+        slots_ = std::make_unique<Slot[]>(directions_.size());
+        triangles_ = triangles, max_bytes_ = max_bytes;
+    }
+    bool lazy() const { return slots_ != nullptr; }
+    /// May be called from any thread.
+    SubfieldLease get(uint32_t direction) const {
+        if (!lazy()) return {all_[direction].get(), nullptr};
+        return get_lazily(direction);
+    }
+    /// Gives away one of those built at once.
+    Subfield take(uint32_t direction) { return std::move(*all_[direction]); }
+    /// Those that are there now.
+    std::vector<std::shared_ptr<const Subfield>> present() const;
+    uint64_t built() const { return built_; }
+    uint64_t given_up() const { return given_up_; }
+
+private:
+    struct Slot {
+        std::mutex building;
+        std::atomic<std::shared_ptr<const Subfield>> field;
+        std::atomic<uint64_t> used{0};  ///< time of the last use
+    };
+    SubfieldLease get_lazily(uint32_t direction) const;
+    void place(uint32_t direction, std::shared_ptr<const Subfield> field) const;
+
+    const Directions& directions_;
+    SubfieldShape shape_;
+    std::vector<std::shared_ptr<Subfield>> all_;
+    // Lazy
+    std::unique_ptr<Slot[]> slots_;
+    std::span<const FlatTriangle> triangles_;
+    uint64_t max_bytes_ = 0;
+    mutable std::mutex room_;
+    mutable uint64_t bytes_ = 0;  ///< of those present; guarded by room_
+    mutable std::atomic<uint64_t> clock_{0}, built_{0}, given_up_{0};
+};
+
+}  // namespace viscache

@@ -1,0 +1,124 @@
+#pragma once
+// A tile's polygons parted along its depth.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace viscache {
+
+/// Where a tile is cut.
+enum class DepthSplit {
+    kUniform,  ///< 2^depth equal slabs
+    kObject,   ///< at medians of the polygons' depths
+};
+/// How a ray finds its leaves.
+enum class LeafWalk {
+    kLinear,  ///< from the first leaf to the last, by index
+    kStack,   ///< splitting the segment at the planes, near half first
+};
+
+constexpr int kMostBspDepthOfTile = 12;
+
+/// Depth that a tile with `count` polygons gets: as many halvings as leave `leaf_target` in a leaf of a tile
+/// evenly filled, at most `depth`; 0 as target asks for all of them.
+// Differs: the paper says one depth for all; at 5, 513 subfields of 128² tiles would take 1 GB for offsets.
+inline int tile_depth(size_t count, int depth, int leaf_target) {
+    if (leaf_target == 0) return count ? depth : 0;
+    int d = 0;
+    while (d < depth && count > size_t(leaf_target) << d) ++d;
+    return d;
+}
+
+/// [VLF Sec. 4] The 1D partition of one tile, leaves in the order of depth in a plain array, so that a depth
+/// gives its leaf directly.
+// Differs: "median split" and look-up by t exclude each other; slabs are equal unless kObject is asked for.
+struct TileBsp {
+    float z0 = -1, z1 = 1;           ///< range of depth
+    int leaves = 1;                  ///< a power of two
+    const float* borders = nullptr;  ///< kObject: [l] is where leaf l begins, from 1 on
+
+    /// Leaf of a depth, the outermost for depths beyond; never decreases with z, whatever the rounding.
+    int leaf_of(float z) const {
+        if (borders) return int(std::upper_bound(borders + 1, borders + leaves, z) - borders) - 1;
+        const float place = (z - z0) * (float(leaves) / (z1 - z0));
+        return place > 0 ? std::min(leaves - 1, int(std::min(place, float(leaves)))) : 0;
+    }
+    /// Where leaf l begins; of `leaves`, where the last one ends.
+    float border(int l) const {
+        if (l == 0) return z0;
+        if (l == leaves) return z1;
+        return borders ? borders[l] : z0 + (z1 - z0) * (float(l) / float(leaves));
+    }
+};
+
+/// What rounding may do to a depth on its way to a leaf.
+constexpr float kDepthSlack = 1e-6f;
+
+/// Calls visit(leaf) for the leaves that depths [low, high] meet, upwards or downwards, until it returns
+/// true; returns whether it did.
+template <class Visit>
+bool walk_leaves(const TileBsp& bsp, float low, float high, bool upwards, Visit visit) {
+    const int first = bsp.leaf_of(low - kDepthSlack), last = bsp.leaf_of(high + kDepthSlack);
+    if (upwards) {
+        for (int l = first; l <= last; ++l)
+            if (visit(l)) return true;
+    } else {
+        for (int l = last; l >= first; --l)
+            if (visit(l)) return true;
+    }
+    return false;
+}
+
+/// The same by the paper's other way: the segment is split at the planes of the tree, a stack keeps the far
+/// halves.
+template <class Visit>
+bool walk_leaves_by_stack(const TileBsp& bsp, float low, float high, bool upwards, Visit visit) {
+    struct Node {
+        int first, count;
+    };
+    Node stack[kMostBspDepthOfTile + 1];
+    int entries = 0;
+    Node node{0, bsp.leaves};
+    low -= kDepthSlack, high += kDepthSlack;
+    for (;;) {
+        while (node.count > 1) {
+            const int half = node.count / 2;
+            const Node below{node.first, half}, above{node.first + half, half};
+            const float plane = bsp.border(above.first);
+            if (high < plane) {
+                node = below;
+            } else if (low > plane) {
+                node = above;
+            } else {
+                stack[entries++] = upwards ? above : below;
+                node = upwards ? below : above;
+            }
+        }
+        if (visit(node.first)) return true;
+        if (entries == 0) return false;
+        node = stack[--entries];
+    }
+}
+
+/// One polygon of a tile.
+struct TileEntry {
+    uint32_t id;
+    float low, high;  ///< depth range inside the tile
+};
+
+/// Borders of leaves at the medians of the entries' middles; [0] is not used.
+inline void object_borders(std::span<const TileEntry> entries, int leaves, std::vector<float>& middles,
+                           float* borders) {
+    middles.clear();
+    for (const TileEntry& e : entries) middles.push_back(0.5f * (e.low + e.high));
+    std::sort(middles.begin(), middles.end());
+    borders[0] = 0;
+    for (int l = 1; l < leaves; ++l) {
+        const size_t k = std::min(middles.size() - 1, middles.size() * size_t(l) / size_t(leaves));
+        borders[l] = k ? 0.5f * (middles[k - 1] + middles[k]) : middles[0];
+    }
+}
+
+}  // namespace viscache

@@ -1,0 +1,149 @@
+#include "viscache/vlf/visibility_field.h"
+
+#include <bit>
+#include <stdexcept>
+#include <string>
+
+#include "viscache/visibility/bsp_tree.h"
+#include "viscache/vlf/auto_settings.h"
+#include "viscache/vlf/field_trace.h"
+
+namespace viscache {
+
+namespace {
+
+void require(bool holds, const std::string& what, const std::string& given) {
+    if (!holds) throw std::invalid_argument(what + ", got " + given);
+}
+
+}  // namespace
+
+void check_tiles(int n_tiles) {
+    require(n_tiles >= 1 && n_tiles <= kMostTiles, "n_tiles must be in [1, 4096]", std::to_string(n_tiles));
+}
+
+void FieldSettings::validate() const {
+    require(n_directions == 0 || is_direction_count(n_directions),
+            "n_directions must be 1, 3, 9, 33, 129, 513, 2049 or 8193 (2·4^k + 1)",
+            std::to_string(n_directions));
+    if (n_tiles != 0) check_tiles(n_tiles);
+    require(bsp_depth >= -1 && bsp_depth <= kMostBspDepthOfTile, "bsp_depth must be in [0, 12]",
+            std::to_string(bsp_depth));
+    require(leaf_target >= 0 && leaf_target <= 1 << 20, "leaf_target must be in [0, 2^20]",
+            std::to_string(leaf_target));
+    require(head_room >= 1 && head_room <= 1000, "head_room must be in [1, 1000]", std::to_string(head_room));
+}
+
+SubfieldShape FieldSettings::shape() const {
+    return {{.n = n_tiles}, bsp_depth, leaf_target, split, tile_ranges};
+}
+
+VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const FieldSettings& settings,
+                                 int threads, Control& control)
+    : triangles_((settings.validate(), std::move(scene)), settings.kernel, settings.head_room),
+      settings_(chosen_settings(triangles_, settings, threads, control)),
+      directions_(directions_of(settings_.n_directions)),
+      store_(directions_, settings_.shape()) {
+    if (settings_.lazy) {
+        const uint64_t fixed = triangles_.bytes();
+        if (fixed > settings_.max_bytes)
+            throw OverBudget("the visibility field's triangles alone take " + std::to_string(fixed) +
+                             " bytes, max_bytes is " + std::to_string(settings_.max_bytes));
+        store_.be_lazy(triangles_.in_ball(), settings_.max_bytes - fixed);
+    } else {
+        check_budget(triangles_, settings_, threads, control);
+        store_.build_all(triangles_.in_ball(), threads, control);
+    }
+}
+
+FieldStats VisibilityField::stats() const {
+    FieldStats s{.triangles = triangles_.size(), .degenerate = triangles_.degenerate()};
+    s.built = store_.built(), s.given_up = store_.given_up(), s.bytes = triangles_.bytes();
+    for (const auto& field : store_.present()) {
+        const Subfield& f = *field;
+        ++s.subfields, s.tiles += f.tiles(), s.leaves += f.first_id.size() - 1, s.references += f.ids.size();
+        for (size_t i = 0; i < f.tiles(); ++i) s.empty_tiles += f.first_leaf[i] == f.first_leaf[i + 1];
+        s.bytes += f.bytes();
+    }
+    return s;
+}
+
+Hit VisibilityField::nearest_in(const View& view, const Ray& ray, FieldSteps* steps) const {
+    const Subfield* const layers[] = {&view.field};
+    return triangles_.hit(nearest_hit<Subfield>(triangles_, layers, view.frame, settings_, ray, steps));
+}
+
+bool VisibilityField::any_in(const View& view, const Ray& ray, FieldSteps* steps) const {
+    const Subfield* const layers[] = {&view.field};
+    return any_hit<Subfield>(triangles_, layers, view.frame, settings_, ray, steps);
+}
+
+Hit VisibilityField::nearest(const Ray& ray, uint32_t direction, FieldSteps* steps) const {
+    const SubfieldLease lease = store_.get(direction);
+    return nearest_in({*lease.field, directions_.frames()[direction]}, ray, steps);
+}
+
+bool VisibilityField::any(const Ray& ray, uint32_t direction, FieldSteps* steps) const {
+    const SubfieldLease lease = store_.get(direction);
+    return any_in({*lease.field, directions_.frames()[direction]}, ray, steps);
+}
+
+/// The ray itself, or as `snap` sends it.
+Ray VisibilityField::aimed(const Ray& ray, uint32_t direction) const {
+    if (!settings_.snap) return ray;
+    const Vec3 axis = directions_.axes()[direction];
+    return {ray.o, ray.t_min, axis * std::copysign(length(ray.d), dot(ray.d, axis)), ray.t_max};
+}
+
+/// Calls trace(i, view, ray) for all rays that have a direction. A lazy field is asked direction by
+/// direction: as few subfields as may be are alive at a time.
+template <class Trace>
+void VisibilityField::for_rays(std::span<const Ray> rays, Trace trace) const {
+    const auto frames = directions_.frames();
+    if (!settings_.lazy) {
+        for (size_t i = 0; i < rays.size(); ++i) {
+            if (rays[i].d == Vec3{}) continue;
+            const uint32_t direction = directions_.nearest(rays[i].d);
+            trace(i, View{*store_.get(direction).field, frames[direction]}, aimed(rays[i], direction));
+        }
+        return;
+    }
+    std::vector<std::pair<uint32_t, size_t>> order;
+    for (size_t i = 0; i < rays.size(); ++i)
+        if (!(rays[i].d == Vec3{})) order.emplace_back(directions_.nearest(rays[i].d), i);
+    std::sort(order.begin(), order.end());
+    SubfieldLease lease;
+    for (size_t k = 0; k < order.size(); ++k) {
+        const auto [direction, i] = order[k];
+        if (k == 0 || order[k - 1].first != direction) lease = store_.get(direction);
+        trace(i, View{*lease.field, frames[direction]}, aimed(rays[i], direction));
+    }
+}
+
+void VisibilityField::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    std::fill(hits.begin(), hits.end(), Hit{});
+    for_rays(rays,
+             [&](size_t i, const View& view, const Ray& ray) { hits[i] = nearest_in(view, ray, nullptr); });
+}
+
+void VisibilityField::occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const {
+    std::fill(occluded.begin(), occluded.end(), uint8_t(0));
+    for_rays(rays,
+             [&](size_t i, const View& view, const Ray& ray) { occluded[i] = any_in(view, ray, nullptr); });
+}
+
+uint16_t VisibilityField::occluded16(uint16_t mask, RayPacket16& p, Coherence) const {
+    Ray rays[16];
+    for (uint32_t left = mask; left; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        rays[i] = {{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]};
+    }
+    uint32_t answer = 0;
+    // Lanes outside of the mask have no direction
+    for_rays(rays, [&](size_t i, const View& view, const Ray& ray) {
+        answer |= uint32_t(any_in(view, ray, nullptr)) << i;
+    });
+    return uint16_t(answer);
+}
+
+}  // namespace viscache

@@ -1,0 +1,165 @@
+"""The visibility field as an object: built once, asked for rays."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.checks import checked_points, checked_threads
+from viscache.progress import progress_bar
+from viscache.rays import Vlf
+
+if TYPE_CHECKING:
+    from viscache.render import Progress
+    from viscache.scene import Intersection, Scene
+
+__all__ = ["VisibilityField"]
+
+
+class VisibilityField:
+    """Which triangles lie along beams in fixed directions, and rays by look-up (VLF-RT).
+
+    For each of `n_directions` axes the scene is projected onto `n_tiles` × `n_tiles` tiles; each
+    tile lists the triangles it meets, parted along its depth. A ray takes the axis nearest to its
+    direction and tests what the few tiles list that it crosses (Mortensen, Khanna, Yu, Slater
+    2007). Answers are exact: those of the triangle kernel, whatever the parameters.
+
+    Parameters
+    ----------
+    scene : Scene
+    n_directions : int or "auto"
+        l: 1, 3, 9, 33, 129, 513, 2049 or 8193.
+    n_tiles : int in [1, 4096] or "auto"
+        n: tiles along an edge of a subfield.
+    bsp_depth : int in [0, 12] or "auto"
+        Most halvings of a tile's depth.
+    max_bytes : int
+        Budget. What would need more is refused before it is built; "auto" parameters are chosen to
+        fit.
+    settings : Vlf, optional
+        Everything else; the four parameters above win over its.
+    threads : int, optional
+        To build with; all cores by default. The field is the same on any number.
+    progress : bool or callable
+        True shows a bar; a callable gets (done, total).
+
+    Raises
+    ------
+    MemoryError
+        The field would need more than `max_bytes`; the message names the bytes predicted and the
+        largest parameters that fit.
+    ValueError
+        A parameter out of range.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> field = vc.VisibilityField(scene, n_directions=33, n_tiles=16)
+    >>> field.intersect([[0.0, 5.0, 0.0]], [[0.0, -1.0, 0.0]]).t.shape
+    (1,)
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        n_directions: int | Literal["auto"] = 513,
+        n_tiles: int | Literal["auto"] = 128,
+        bsp_depth: int | Literal["auto"] = "auto",
+        *,
+        max_bytes: int = 2 << 30,
+        settings: Vlf | None = None,
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> None:
+        self.scene = scene
+        #: The settings as given.
+        self.settings = dataclasses.replace(
+            settings or Vlf(),
+            n_directions=n_directions,
+            n_tiles=n_tiles,
+            bsp_depth=bsp_depth,
+            max_bytes=max_bytes,
+        )
+        with progress_bar(progress) as report:
+            self._core = _core.vlf.VisibilityField(
+                scene._core,
+                self.settings.core(),
+                threads=checked_threads(threads),
+                progress=report,
+            )
+
+    @property
+    def n_directions(self) -> int:
+        """l, as built."""
+        return self._core.settings.n_directions
+
+    @property
+    def n_tiles(self) -> int:
+        """n, as built."""
+        return self._core.settings.n_tiles
+
+    @property
+    def bsp_depth(self) -> int:
+        """Most halvings of a tile's depth, as built."""
+        return self._core.settings.bsp_depth
+
+    @property
+    def stats(self) -> dict[str, int]:
+        """What was built.
+
+        triangles, degenerate (without area, left out), subfields, tiles, empty_tiles, leaves,
+        references (entries of all lists), bytes; of a lazy field those present now, besides built
+        and given_up, ever.
+        """
+        return self._core.stats
+
+    @classmethod
+    def memory_estimate(
+        cls, scene: Scene, settings: Vlf | None = None, *, threads: int | None = None
+    ) -> int:
+        """Bytes a field of these settings would take, within a few per cent.
+
+        Builds eight of its subfields, one after another.
+        """
+        core = (settings or Vlf()).core()
+        return _core.vlf.predicted_bytes(scene._core, core, checked_threads(threads))
+
+    def intersect(
+        self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
+    ) -> Intersection:
+        """Nearest hits of (N, 3) rays; as `Scene.intersect`."""
+        from viscache.scene import Intersection
+
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return Intersection(*self._core.intersect(o, d, checked_threads(threads)))
+
+    def occluded(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        t_max: float | npt.ArrayLike = np.inf,
+        *,
+        threads: int | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Does a ray hit anything in (0, t_max)? As `Scene.occluded`."""
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return self._core.occluded(o, d, t_max, checked_threads(threads))
+
+    def visible(
+        self, x: npt.ArrayLike, y: npt.ArrayLike, *, threads: int | None = None
+    ) -> npt.NDArray[np.bool_]:
+        """Does x see y? As `Scene.visible`."""
+        ends = checked_points(x, "x"), checked_points(y, "y")
+        return self._core.visible(*ends, checked_threads(threads))
+
+    def __repr__(self) -> str:
+        s: dict[str, Any] = self.stats
+        return (
+            f"<viscache.VisibilityField l={self.n_directions} n={self.n_tiles} "
+            f"depth={self.bsp_depth}: {s['triangles']:,} triangles, {s['bytes'] / 1e6:,.1f} MB>"
+        )

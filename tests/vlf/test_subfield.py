@@ -1,0 +1,110 @@
+"""Lists of the subfields: complete, ordered, without repeats, the same on any threads."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache import _core
+from vlf.field_rays import soup
+
+Array = npt.NDArray[Any]
+PARAMETERS = [
+    {"bsp_depth": 0},
+    {"bsp_depth": 3, "leaf_target": 0},
+    {"bsp_depth": 5, "leaf_target": 1},
+    {"bsp_depth": 5, "leaf_target": 1, "split": "object"},
+    {"bsp_depth": 4, "tile_ranges": False},
+]
+
+
+def built(scene: vc.Scene, n: int = 24, **settings: Any) -> vc.VisibilityField:
+    depth = settings.pop("bsp_depth", "auto")
+    return vc.VisibilityField(scene, 33, n, depth, settings=vc.Vlf(**settings))
+
+
+def tile_lists(lists: dict[str, Array]) -> list[set[int]]:
+    """Triangles of each tile."""
+    ends = lists["first_id"][lists["first_leaf"]]
+    return [set(lists["ids"][a:b].tolist()) for a, b in itertools.pairwise(ends)]
+
+
+@pytest.mark.parametrize("settings", PARAMETERS)
+def test_offsets_grow_and_lists_ascend_without_repeats(settings: dict[str, Any]) -> None:
+    f = built(vc.Scene.from_arrays(*soup(800)), **settings)
+    stats = f.stats
+    leaves = references = 0
+    for direction in range(33):
+        lists = f._core.subfield(direction)
+        first_leaf, first_id, ids = lists["first_leaf"], lists["first_id"], lists["ids"]
+        assert len(first_leaf) == 24 * 24 + 1 and first_leaf[0] == first_id[0] == 0
+        assert (np.diff(first_leaf.astype(int)) >= 0).all()
+        assert (np.diff(first_id.astype(int)) >= 0).all()
+        assert first_leaf[-1] == len(first_id) - 1 and first_id[-1] == len(ids)
+        counts = np.unique(np.diff(first_leaf))
+        assert set(counts) <= {0, *(1 << np.arange(settings["bsp_depth"] + 1))}
+        assert ids.max() < 800
+        inner = np.ones(len(ids), bool)
+        inner[first_id[:-1][first_id[:-1] < len(ids)]] = False  # the first of each list
+        assert (np.diff(ids.astype(int))[inner[1:]] > 0).all()
+        leaves, references = leaves + len(first_id) - 1, references + len(ids)
+        assert len(lists["ranges"]) == (24 * 24 if settings.get("tile_ranges", True) else 0)
+    assert (stats["leaves"], stats["references"]) == (leaves, references)
+
+
+@pytest.mark.parametrize("settings", PARAMETERS)
+def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings: dict[str, Any]) -> None:
+    vertices, triangles = soup(400)
+    f = built(vc.Scene.from_arrays(vertices, triangles), **settings)
+    lo, hi = vertices.min(0).astype(float), vertices.max(0).astype(float)
+    center = (lo + hi) / 2
+    corners = vertices[triangles].astype(float) - center
+    corners /= np.linalg.norm(corners, axis=-1).max() * 1.0001
+    for direction, frame in enumerate(vc.vlf.direction_frames(33)[::4].astype(float)):
+        canonical = (corners @ frame.T).astype(np.float32)
+        tiles, _ = _core.vlf.cover_tiles(canonical, 24)
+        expected: list[set[int]] = [set() for _ in range(24 * 24)]
+        for i, x, y in tiles.tolist():
+            expected[y * 24 + x].add(i)
+        found = tile_lists(f._core.subfield(4 * direction))
+        # Corners of another rounding may reach another tile by the slack
+        different = sum(len(a ^ b) for a, b in zip(found, expected, strict=True))
+        assert different <= 2e-3 * sum(map(len, expected))
+
+
+def test_every_depth_of_a_triangle_has_it_in_its_leaf() -> None:
+    """Straddling triangles are in all leaves between their depths in the tile."""
+    f = built(vc.Scene.from_arrays(*soup(800)), bsp_depth=4, leaf_target=1)
+    lists = f._core.subfield(7)
+    for tile in np.flatnonzero(np.diff(lists["first_leaf"]) > 1)[:100]:
+        first, last = lists["first_leaf"][tile : tile + 2].astype(int)
+        z0, z1 = lists["ranges"][tile]
+        assert z0 < z1
+        leaves = [
+            set(lists["ids"][lists["first_id"][k] : lists["first_id"][k + 1]].tolist())
+            for k in range(first, last)
+        ]
+        for i in set.union(*leaves):
+            where = [k for k, ids in enumerate(leaves) if i in ids]
+            assert where == list(range(where[0], where[-1] + 1))
+
+
+@pytest.mark.parametrize("threads", [2, 3, 7])
+def test_the_lists_are_the_same_bytes_for_any_number_of_threads(threads: int) -> None:
+    scene = vc.Scene.from_arrays(*soup(1000))
+    alone, together = (vc.VisibilityField(scene, 33, 32, 4, threads=t) for t in (1, threads))
+    for direction in range(33):
+        a, b = alone._core.subfield(direction), together._core.subfield(direction)
+        for name in a:
+            np.testing.assert_array_equal(a[name], b[name])
+
+
+def test_a_direction_beyond_the_last_is_refused() -> None:
+    f = built(vc.Scene.from_arrays(*soup(10)))
+    with pytest.raises(ValueError, match="direction must be < 33, got 33"):
+        f._core.subfield(33)
