@@ -191,7 +191,8 @@ def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
 def _band(name: str, way: Way, n: int) -> Any:
     if name == "garage" and way == GUIDED:
         return bands.GARAGE_GUIDED.get(n)
-    if name.startswith("garden") and replace(way, points="rqmc") == STEADY and n >= 10:
+    steady = way in (STEADY, replace(STEADY, points="iid"))
+    if name.startswith("garden") and steady and n >= 10:
         return bands.GARDEN_PREVIOUS_PASS
     if name.startswith("garden") and way == LOO and n >= 30:
         return bands.GARDEN_PREVIOUS_PASS
