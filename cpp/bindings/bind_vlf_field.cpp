@@ -121,8 +121,8 @@ void bind_vlf_field(py::module_& m) {
     py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
                                                                                    "Rays by look-up.");
     field
-        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(),
-             py::arg("threads") = 0, py::arg("progress") = py::none())
+        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
+             py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
         .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
         .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")

@@ -27,6 +27,7 @@ void bind_vismap_product(py::module_& m);
 void bind_vismap_render(py::module_& m);
 void bind_vlf_aligned(py::module_& m);
 void bind_vlf_directions(py::module_& m);
+void bind_vlf_dynamic(py::module_& m);
 void bind_vlf_field(py::module_& m);
 void bind_vlf_parts(py::module_& m);
 void bind_warp(py::module_& m);
@@ -60,5 +61,6 @@ PYBIND11_MODULE(_core, m) {
     bind_vlf_directions(m);
     bind_vlf_aligned(m);
     bind_vlf_field(m);
+    bind_vlf_dynamic(m);
     bind_vlf_parts(m);
 }

@@ -72,6 +72,17 @@ def distance_to_edges(corners: Array, o: Array, d: Array) -> Array:
     return least
 
 
+def times_in_double(corners: Array, o: Array, d: Array) -> Array:
+    """t of rays and triangles (K, 3, 3) in double, inf for a miss [Möller, Trumbore 1997]."""
+    e1, e2, s = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], o - corners[:, 0]
+    h, q = np.cross(d, e2), np.cross(s, e1)
+    det = (e1 * h).sum(1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        u, v, t = (s * h).sum(1) / det, (d * q).sum(1) / det, (e2 * q).sum(1) / det
+        inside = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
+    return np.where(inside, t, np.inf)
+
+
 def inexcusable(
     corners: Array,
     rays: Array,
@@ -83,18 +94,19 @@ def inexcusable(
 ) -> Array:
     """Rays whose two answers (triangles, −1 for none, at t and u) no rounding explains.
 
-    Excused: the line passes an edge of either triangle by less than `rounding` radii, or both hits
-    lie within 1e-5 radii of each other.
+    Excused: the line passes an edge of either triangle by less than `rounding` radii, both hits
+    lie within 1e-5 radii of each other, or the answer is ours that both triangles give in double.
     """
     radius = np.linalg.norm(np.ptp(corners, axis=(0, 1))) / 2
     o, d = rays[:, 0].astype(float), rays[:, 1].astype(float)
-    edges = np.full(len(o), np.inf)
-    for answer in (ours, theirs):
+    edges, exact = np.full(len(o), np.inf), np.full((2, len(o)), np.inf)
+    for k, answer in enumerate((ours, theirs)):
         some = answer >= 0
-        edges[some] = np.minimum(
-            edges[some], distance_to_edges(corners[answer[some]], o[some], d[some])
-        )
+        parts = corners[answer[some]], o[some], d[some]
+        edges[some] = np.minimum(edges[some], distance_to_edges(*parts))
+        exact[k, some] = times_in_double(*parts)
     with np.errstate(invalid="ignore"):
         apart = np.abs(t.astype(float) - u) * np.linalg.norm(d, axis=1)
     near = (ours >= 0) & (theirs >= 0) & (apart < 1e-5 * radius)
-    return (ours != theirs) & ~near & ~(edges < rounding * radius)
+    right = np.where(ours >= 0, exact[0] < exact[1], np.isinf(exact[1]))
+    return (ours != theirs) & ~near & ~right & ~(edges < rounding * radius)

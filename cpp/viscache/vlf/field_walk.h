@@ -52,10 +52,12 @@ void walk_field(std::span<const Layer* const> layers, const CanonicalRay& ray, i
     const double slack = kHitSlack / ray.length();
     walk_tiles(ray, n_tiles, [&](int column, int row, double in, double out) {
         if (steps) ++steps->tiles;
-        for (const Layer* layer : layers)
-            if (layer->rect.holds(column, row))
-                limit =
-                    walk_tile(*layer, layer->rect.index(column, row), how, ray, in, out, limit, steps, leaf);
+        for (const Layer* layer : layers) {
+            if (!layer->rect.holds(column, row)) continue;
+            const size_t tile = layer->rect.index(column, row);
+            limit = walk_tile(*layer, tile, how, ray, in, out, limit, steps, leaf);
+            if (limit < 0) return true;
+        }
         return limit + slack <= out;
     });
 }

@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'FieldSettings', 'LeafWalk', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
@@ -114,6 +114,50 @@ class VisibilityField(viscache._core.RayCaster):
         ...
     @property
     def stats(self) -> dict:
+        ...
+class UpdateMode(enum.Enum):
+    """
+    How a field takes objects in.
+    """
+    IN_PLACE: typing.ClassVar[UpdateMode]
+    OVERLAY: typing.ClassVar[UpdateMode]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class DynamicField:
+    """
+    A field over moving objects.
+    """
+    def __init__(self, scene: viscache._core.Scene, settings: FieldSettings, mode: UpdateMode, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> None:
+        ...
+    def insert(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
+        ...
+    def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
+        """
+        t, object, triangle (N,), barycentrics (N, 2).
+        """
+    def listed(self, direction: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
+        """
+        (tile, triangle) of one direction's lists.
+        """
+    def listed_anew(self, direction: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
+        """
+        The same of lists built from scratch.
+        """
+    def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def remove(self, object: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        ...
+    def transform(self, object: typing.SupportsInt | typing.SupportsIndex, place: typing.Annotated[collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(4)"]], "FixedSize(3)"], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        ...
+    @property
+    def bytes(self) -> int:
+        ...
+    @property
+    def objects(self) -> int:
+        ...
+    @property
+    def settings(self) -> FieldSettings:
         ...
 def cover_tiles(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_tiles: typing.SupportsInt | typing.SupportsIndex) -> tuple:
     """

@@ -8,10 +8,13 @@ from viscache.vlf.directions import (
     directions,
     nearest_direction,
 )
+from viscache.vlf.dynamic import DynamicField, DynamicHits
 
 __all__ = [
     "DIRECTION_COUNTS",
     "AlignedRows",
+    "DynamicField",
+    "DynamicHits",
     "aligned_occlusion",
     "direction_frames",
     "direction_weights",

@@ -1,0 +1,83 @@
+#include "viscache/vlf/editable_subfield.h"
+
+#include <limits>
+#include <stdexcept>
+
+namespace viscache {
+
+namespace {
+
+/// Room of a list that starts anew with `count` entries.
+uint32_t room_for(uint32_t count) { return count + count / 4 + 1; }
+
+}  // namespace
+
+EditableSubfield::EditableSubfield(const Subfield& built) : rect(built.rect), borders_(built.borders) {
+    for (size_t i = 0; i < built.tiles(); ++i) {
+        const TileBsp b = built.bsp(i);
+        tiles_.push_back({built.first_leaf[i], uint32_t(b.leaves), {b.z0, b.z1}, built.occupied(i)});
+        for (int l = 0; l < b.leaves; ++l) {
+            const auto ids = built.leaf(i, l);
+            const uint32_t count = uint32_t(ids.size()), room = room_for(count);
+            lists_.push_back({uint32_t(ids_.size()), count, room});
+            ids_.insert(ids_.end(), ids.begin(), ids.end());
+            ids_.resize(ids_.size() + room - count);
+        }
+    }
+}
+
+void EditableSubfield::add(List& list, uint32_t id) {
+    if (list.count == list.room) {
+        const uint32_t room = room_for(list.room), first = uint32_t(ids_.size());
+        if (ids_.size() + room > std::numeric_limits<uint32_t>::max())
+            throw std::length_error("a subfield lists at most 2^32 - 2 triangles, n_tiles is too large");
+        ids_.resize(ids_.size() + room);
+        std::copy_n(ids_.begin() + list.first, list.count, ids_.begin() + first);
+        left_over_ += list.room;
+        list.first = first, list.room = room;
+    }
+    const auto begin = ids_.begin() + list.first, end = begin + list.count;
+    const auto place = std::lower_bound(begin, end, id);
+    std::move_backward(place, end, end + 1);
+    *place = id, ++list.count;
+}
+
+void EditableSubfield::insert(size_t tile, const TileEntry& entry) {
+    Tile& t = tiles_[tile];
+    if (t.leaves == 0) {
+        t = {uint32_t(lists_.size()), 1, {entry.low, entry.high}, {entry.low, entry.high}};
+        lists_.push_back({uint32_t(ids_.size()), 0, 0});
+        if (!borders_.empty()) borders_.push_back(0);
+    }
+    t.occupied = {std::min(t.occupied.z0, entry.low), std::max(t.occupied.z1, entry.high)};
+    const TileBsp b = bsp(tile);
+    for (int l = b.leaf_of(entry.low), last = b.leaf_of(entry.high); l <= last; ++l)
+        add(lists_[t.first_leaf + size_t(l)], entry.id);
+    if (left_over_ * 10 > ids_.size() * 3) lay_out_anew();
+}
+
+void EditableSubfield::remove(size_t tile, const TileEntry& entry) {
+    const TileBsp b = bsp(tile);
+    for (int l = b.leaf_of(entry.low), last = b.leaf_of(entry.high); l <= last; ++l) {
+        List& list = lists_[tiles_[tile].first_leaf + size_t(l)];
+        const auto begin = ids_.begin() + list.first, end = begin + list.count;
+        const auto place = std::lower_bound(begin, end, entry.id);
+        if (place == end || *place != entry.id)
+            throw std::logic_error("a triangle is not in the tile it should leave");
+        std::move(place + 1, end, place);
+        --list.count;
+    }
+}
+
+void EditableSubfield::lay_out_anew() {
+    std::vector<uint32_t> ids;
+    for (List& list : lists_) {
+        const uint32_t first = uint32_t(ids.size());
+        ids.insert(ids.end(), ids_.begin() + list.first, ids_.begin() + list.first + list.count);
+        list = {first, list.count, room_for(list.count)};
+        ids.resize(first + size_t(list.room));
+    }
+    ids_ = std::move(ids), left_over_ = 0;
+}
+
+}  // namespace viscache

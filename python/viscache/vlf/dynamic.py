@@ -1,0 +1,196 @@
+"""Objects that come, go and move in a visibility field."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.checks import checked_points, checked_threads, is_whole, require
+from viscache.progress import progress_bar
+from viscache.rays import Vlf
+
+if TYPE_CHECKING:
+    from viscache.render import Progress
+    from viscache.scene import Scene
+
+__all__ = ["DynamicField", "DynamicHits"]
+
+
+class DynamicHits(NamedTuple):
+    """Nearest hits of N rays.
+
+    Attributes
+    ----------
+    t : (N,) float32
+        Distance in units of the direction's length; inf where nothing is hit.
+    object : (N,) int64
+        The object hit; -1 for the scene, -2 for nothing.
+    triangle : (N,) int64
+        Index among the object's triangles, or the scene's as in `Intersection`; -1 for a miss.
+    barycentrics : (N, 2) float32
+        Weights of the triangle's vertices 1 and 2; NaN for a miss.
+    """
+
+    t: npt.NDArray[np.float32]
+    object: npt.NDArray[np.int64]
+    triangle: npt.NDArray[np.int64]
+    barycentrics: npt.NDArray[np.float32]
+
+
+class DynamicField:
+    """A visibility field over a scene and over objects that are inserted, moved and deleted.
+
+    To move an object, every direction takes it out of the tiles it touches and puts it in again
+    where it went (Mortensen, Khanna, Yu, Slater 2007, Sec. 8): the cost is that of rasterizing the
+    object, whatever the scene. Answers are those of a field built from scratch. It answers rays;
+    frames are of scenes, which do not change.
+
+    Parameters
+    ----------
+    scene : Scene
+    settings : Vlf, optional
+        `head_room` is the room objects have: the field's ball is that many times the scene's
+        bounding sphere. Not lazy, not snapped. 1.25 times and all else default, by default.
+    mode : {"overlay", "in_place"}
+        "overlay": an object has lists of its own over the tiles it touches. "in_place", the
+        paper's: its triangles go into the scene's lists.
+    threads : int, optional
+        To build with; all cores by default.
+    progress : bool or callable
+
+    Raises
+    ------
+    MemoryError
+        The scene's field would need more than `settings.max_bytes`.
+    ValueError
+        A parameter out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import viscache as vc
+    >>> field = vc.vlf.DynamicField(
+    ...     vc.scenes.cube_on_plane(), vc.Vlf(n_directions=33, n_tiles=16, head_room=2.0)
+    ... )
+    >>> one = field.insert([[0, 2, 0], [1, 2, 0], [0, 2, 1]], [[0, 1, 2]])
+    >>> up = field.intersect([[0.1, 1.8, 0.1]], [[0.0, 1.0, 0.0]])
+    >>> int(up.object[0]) == one, round(float(up.t[0]), 6)
+    (True, 0.2)
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        settings: Vlf | None = None,
+        *,
+        mode: Literal["overlay", "in_place"] = "overlay",
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> None:
+        settings = Vlf(head_room=1.25) if settings is None else settings
+        require(mode in ("overlay", "in_place"), 'mode must be "overlay" or "in_place"', mode)
+        require(not settings.lazy, "lazy must be false for objects that move", settings.lazy)
+        require(not settings.snap, "snap must be false for objects that move", settings.snap)
+        self.scene, self.settings, self.mode = scene, settings, mode
+        with progress_bar(progress) as report:
+            self._core = _core.vlf.DynamicField(
+                scene._core,
+                settings.core(),
+                _core.vlf.UpdateMode[mode.upper()],
+                threads=checked_threads(threads),
+                progress=report,
+            )
+
+    def insert(
+        self, vertices: npt.ArrayLike, triangles: npt.ArrayLike, *, threads: int | None = None
+    ) -> int:
+        """Add an object.
+
+        Parameters
+        ----------
+        vertices : (V, 3) float
+        triangles : (T, 3) int
+            Vertex indices. Triangles without area are never hit.
+
+        Returns
+        -------
+        int
+            Number of the object; numbers are not used again.
+
+        Raises
+        ------
+        ValueError
+            It leaves the field's ball, or an index or vertex cannot be used.
+        """
+        indices = np.asarray(triangles)
+        whole = indices.dtype.kind in "iu" or indices.size == 0
+        require(whole, "triangles must be integers", indices.dtype)
+        if indices.size:
+            fits = indices.min() >= 0 and indices.max() < 1 << 32
+            require(fits, "triangles must be in [0, 2^32)", (indices.min(), indices.max()))
+        points = checked_points(vertices, "vertices")
+        rows = indices.astype(np.uint32).reshape(-1, 3) if indices.size == 0 else indices
+        return self._core.insert(points, rows.astype(np.uint32), checked_threads(threads))
+
+    def delete(self, number: int, *, threads: int | None = None) -> None:
+        """Take an object out.
+
+        Raises
+        ------
+        ValueError
+            There is no such object.
+        """
+        self._core.remove(_number(number), checked_threads(threads))
+
+    def transform(self, number: int, matrix: npt.ArrayLike, *, threads: int | None = None) -> None:
+        """Move an object.
+
+        Parameters
+        ----------
+        number : int
+        matrix : (3, 4) or (4, 4) float
+            From where it was inserted to where it goes: transforms do not add up.
+
+        Raises
+        ------
+        ValueError
+            There is no such object, the matrix cannot be used, or it leaves the field's ball.
+        """
+        m = np.asarray(matrix, dtype=np.float64)
+        affine = m.shape == (3, 4) or (m.shape == (4, 4) and np.allclose(m[3], [0, 0, 0, 1]))
+        require(affine, "matrix must be affine, of shape (3, 4) or (4, 4)", m.shape)
+        require(bool(np.isfinite(m).all()), "matrix must be finite", matrix)
+        self._core.transform(_number(number), m[:3].tolist(), checked_threads(threads))
+
+    def intersect(
+        self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
+    ) -> DynamicHits:
+        """Nearest hits of (N, 3) rays; see `DynamicHits`."""
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return DynamicHits(*self._core.intersect(o, d, checked_threads(threads)))
+
+    def occluded(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        t_max: float | npt.ArrayLike = np.inf,
+        *,
+        threads: int | None = None,
+    ) -> npt.NDArray[np.bool_]:
+        """Does a ray hit anything in (0, t_max)? As `Scene.occluded`."""
+        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
+        return self._core.occluded(o, d, t_max, checked_threads(threads))
+
+    @property
+    def stats(self) -> dict[str, int]:
+        """objects, and bytes of the lists and triangles."""
+        return {"objects": self._core.objects, "bytes": self._core.bytes}
+
+
+def _number(value: Any) -> int:
+    fits = is_whole(value) and 0 <= value < 1 << 32
+    require(fits, "object must be one that was inserted and not deleted", value)
+    return int(value)
