@@ -4,7 +4,7 @@
 #include "checked_rows.h"
 #include "interrupt.h"
 #include "isa_argument.h"
-#include "viscache/vlf/aligned_batch.h"
+#include "viscache/vlf/engine_choice.h"
 
 namespace viscache::bindings {
 
@@ -70,17 +70,31 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
     return py::make_tuple(call.bits, d);
 }
 
+/// (use the batch?, its nanoseconds per ray, Embree's)
+std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& scene,
+                                        const FloatArray& positions, const FloatArray& normals,
+                                        const FloatArray& frames, float t_max, int threads) {
+    Call call(scene, positions, normals, frames, t_max);
+    EngineChoice c;
+    run_interruptible([&](Control& control) { c = choose_engine(batch, call.input, threads, control); });
+    return {c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns};
+}
+
 py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& positions,
                                   const FloatArray& normals, const FloatArray& frames, float t_max,
-                                  bool by_axis, int width, bool coherent, int threads,
+                                  std::optional<bool> by_axis, int width, std::optional<bool> coherent,
+                                  int threads,
                                   const py::object& progress) {
     Call call(caster.scene(), positions, normals, frames, t_max);
-    const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
+    const AlignedOrder order =
+        by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
+                : embree_order(caster.scene().placed_triangles(), call.origin.size());
+    std::optional<Coherence> flag;
+    if (!by_axis && order == AlignedOrder::kByPoint) flag = Coherence::kIncoherent;
+    if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
     call.run(
         [&](std::span<Word> rows, Control& control) {
-            viscache::embree_rows(caster, call.input, rows,
-                                  by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint, plan, threads,
-                                  control);
+            viscache::embree_rows(caster, call.input, rows, order, width, flag, threads, control);
         },
         progress);
     return call.bits;
@@ -96,11 +110,16 @@ void bind_vlf_aligned(py::module_& m) {
         .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
              py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0, py::arg("isa") = py::none(),
              py::arg("progress") = py::none(), "Rows of bits (N, words), 1 = free, and how much work it was.")
+        .def("choose", &choose, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
+             "True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.")
         .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
         .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
+    v.def("is_hopeless", &is_hopeless, py::arg("triangles"), py::arg("points"),
+          "True if the batch cannot pay, whatever the scene.");
     v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),
-          py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = true,
-          py::arg("width") = 16, py::arg("coherent") = false, py::arg("threads") = 0,
+          py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = py::none(),
+          py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("threads") = 0,
           py::arg("progress") = py::none(), "The same bits by Embree.");
 }
 

@@ -21,9 +21,10 @@ SMALL = (
     "aqvc-lookup",
     "memory",
     "correlation",
+    "vlf-ao",
     "vismap-variance",
 )
-LATER = ("vlf-build", "vlf-ao", "sweep", "peers")
+LATER = ("vlf-build", "sweep", "peers")
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")
 

@@ -247,6 +247,37 @@ def test_an_empty_scene_hides_nothing() -> None:
     assert unpacked(rows, 33).all()
 
 
+def hall(seed: int = 0) -> tuple[vc.Scene, Array, Array]:
+    """A closed room of large walls with boards, slats and clutter in it, and points inside."""
+    r = np.random.default_rng(seed)
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+    quads = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+    walls = [cube[[q[i] for i in t]] for q in quads for t in ((0, 1, 2), (0, 2, 3))]
+    boards = r.uniform(-0.9, 0.9, (20, 3, 3))
+    slats = r.uniform(-0.8, 0.8, (20, 1, 3)) + np.array([[0, 0, 0], [0.9, 0, 0], [0.9, 1e-3, 0]])
+    clutter = r.uniform(-0.9, 0.9, (150, 1, 3)) + r.normal(0, 0.05, (150, 3, 3))
+    triangles = np.concatenate([np.array(walls[:-1]), boards, slats, clutter])
+    faces = np.arange(3 * len(triangles)).reshape(-1, 3)
+    points = r.uniform(-0.95, 0.95, (900, 3)).astype(np.float32)
+    normals = r.normal(size=(900, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return vc.Scene.from_arrays(triangles.reshape(-1, 3), faces), points, normals.astype(np.float32)
+
+
+@pytest.mark.parametrize("t_max", [np.inf, 1.0])
+def test_what_large_triangles_cover_at_once_is_what_single_rays_hit(t_max: float) -> None:
+    """Walls settle whole nodes, and points that are left are packed anew: no bit may change."""
+    scene, points, normals = hall()
+    frames = frames_of(129, 30)
+    found = batch(scene, points, normals, frames, t_max=t_max)
+    np.testing.assert_array_equal(found, expected(scene, points, normals, frames, t_max=t_max))
+    assert 0 < found.mean() < (0.3 if t_max == np.inf else 0.9)
+    for isa in AVAILABLE:
+        np.testing.assert_array_equal(
+            batch(scene, points, normals, frames, t_max=t_max, isa=isa), found
+        )
+
+
 SCENES = {
     "spheres": lambda: vc.scenes.bumpy_spheres(triangles=15_000),
     "triangles": lambda: vc.scenes.random_triangles(triangles=10_000),

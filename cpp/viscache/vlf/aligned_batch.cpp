@@ -1,5 +1,6 @@
 #include "viscache/vlf/aligned_batch.h"
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/vlf/aligned_kernels.h"
 #include "viscache/vlf/axis_bits.h"
 
@@ -19,7 +20,7 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
                  [&](size_t axis, int worker, uint16_t* lanes) {
                      AxisState& state = states[size_t(worker)];
                      trace(triangles_, points, input.axes[axis], reach, state, control);
-                     for (const TurnedPacket& p : state.packets) *lanes++ = p.free;
+                     std::copy(state.free.begin(), state.free.end(), lanes);
                  });
     AlignedCounts counts;
     for (const AxisState& state : states) counts.merge(state.counts);
@@ -27,6 +28,8 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
 }
 
 namespace {
+
+constexpr size_t kTrialPeriod = 1024;  // axes, or chunks of points
 
 /// Axes side by side, filled up with copies of the last.
 struct AxisArrays {
@@ -42,15 +45,19 @@ struct AxisArrays {
 }  // namespace
 
 void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
-                 AlignedOrder order, const PacketPlan& plan, int threads, Control& control) {
+                 AlignedOrder order, int width, std::optional<Coherence> flag, int threads, Control& control) {
     if (input.origin.empty() || input.axes.empty()) return;
+    std::vector<CoherenceTrial> trials(size_t(resolve_threads(threads)), CoherenceTrial(flag, kTrialPeriod));
     const PointPackets points(Placement{}, input.origin, input.normal, control);
     if (order == AlignedOrder::kByAxis) {
         const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
                                points.ny.data(), points.nz.data(), points.asked.data(), points.packets};
         rows_by_axis(input.axes.size(), points.order, rows, threads, control,
-                     [&](size_t axis, int, uint16_t* free) {
-                         caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, plan);
+                     [&](size_t axis, int worker, uint16_t* free) {
+                         trials[size_t(worker)].piece([&](Coherence c) {
+                             caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, {width, c});
+                             return points.points;
+                         });
                          for (size_t p = 0; p < points.packets; ++p)
                              free[p] = uint16_t(points.asked[p] & ~free[p]);
                      });
@@ -60,16 +67,20 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
     const AxisLanes lanes{axes.x.data(), axes.y.data(), axes.z.data(), input.axes.size(), axes.x.size()};
     const size_t words = words_for(lanes.count), tail = lanes.count % kWordBits;
     constexpr size_t kPointsPerChunk = 64;
-    parallel_for((points.points + kPointsPerChunk - 1) / kPointsPerChunk, threads, [&](size_t chunk, int) {
+    const auto trace = [&](size_t i, Coherence c) {
+        Word* row = &rows[i * words];
+        caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, {width, c});
+        for (size_t w = 0; w < words; ++w) row[w] = ~row[w];
+        if (tail) row[words - 1] &= (Word{1} << tail) - 1;
+    };
+    const size_t chunks = (points.points + kPointsPerChunk - 1) / kPointsPerChunk;
+    parallel_for(chunks, threads, [&](size_t chunk, int worker) {
         control.check();
-        const size_t last = std::min(points.points, (chunk + 1) * kPointsPerChunk);
-        for (size_t p = chunk * kPointsPerChunk; p < last; ++p) {
-            const size_t i = points.order[p];
-            Word* row = &rows[i * words];
-            caster.blocked_from(input.origin[i], input.normal[i], lanes, input.t_max, row, plan);
-            for (size_t w = 0; w < words; ++w) row[w] = ~row[w];
-            if (tail) row[words - 1] &= (Word{1} << tail) - 1;
-        }
+        const size_t first = chunk * kPointsPerChunk, last = std::min(points.points, first + kPointsPerChunk);
+        trials[size_t(worker)].piece([&](Coherence c) {
+            for (size_t p = first; p < last; ++p) trace(points.order[p], c);
+            return last - first;
+        });
     });
 }
 

@@ -13,6 +13,18 @@ namespace {
 /// products of three coordinates are still floats.
 constexpr float kFarthest = 1e9f;
 
+/// Kinds of triangles, in the order they are met: those of large area, which are led through the tree one by
+/// one; long ones; middling ones; the many small ones.
+constexpr size_t kSizes = 4;
+constexpr size_t kLarge = 1;
+
+/// Kind of a triangle; `scale` makes the scene's radius about one.
+size_t size_class(const FlatTriangle& t, float scale) {
+    const float extent = t.bounds().diagonal() * scale;
+    const float area = length(cross((t.b - t.a) * scale, (t.c - t.a) * scale));
+    return area >= 1.f / 256 ? 0 : extent >= 1.f / 4 ? 1 : extent >= 1.f / 16 ? 2 : 3;
+}
+
 constexpr size_t kPointsPerCheck = 1 << 16;
 
 /// Where a run of n is cut: near the middle, at a multiple of the largest run that is to be compact.
@@ -63,22 +75,29 @@ TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::mov
     const auto& list = flat.triangles;
     placement = Placement::of(flat.bounds);
     triangles = list.size();
-    std::vector<uint32_t> kinds[2];
-    for (uint32_t i = 0; i < triangles; ++i) kinds[scene->has_cutout(flat.sources[i].mesh)].push_back(i);
-    first_masked = in_lanes(kinds[0].size());
-    blocks = first_masked + in_lanes(kinds[1].size());
+    // Large ones first: they block many points at once, which later triangles then need not meet
+    std::vector<uint32_t> kinds[2 * kSizes];
+    for (uint32_t i = 0; i < triangles; ++i)
+        kinds[scene->has_cutout(flat.sources[i].mesh) * kSizes + size_class(list[i], placement.scale)]
+            .push_back(i);
+    for (size_t kind = 0; kind < 2 * kSizes; ++kind) {
+        if (kind == kSizes) first_masked = blocks;
+        if (kind == kLarge) first_small = blocks;
+        blocks += in_lanes(kinds[kind].size());
+    }
     for (auto& row : corner)
         for (LaneArray& a : row) a.resize(blocks * kLanes);
-    for (int kind = 0; kind < 2; ++kind) {
+    size_t lane = 0;
+    for (size_t kind = 0; kind < 2 * kSizes; ++kind) {
         const std::vector<uint32_t>& some = kinds[kind];
         std::vector<Vec3> middle;
         for (uint32_t i : some) middle.push_back(placement.apply(list[i].bounds().center()));
         const std::vector<uint32_t> order = kd_order(middle, Control{});
-        const size_t first = kind ? first_masked * kLanes : 0;
-        for (size_t lane = 0; lane < in_lanes(some.size()) * kLanes; ++lane) {
-            const uint32_t i = some[order[std::min(lane, some.size() - 1)]];
-            set_lane(first + lane, list[i]);
-            if (kind) masked.push_back(flat.sources[i]);
+        for (size_t k = 0; k < in_lanes(some.size()) * kLanes; ++k, ++lane) {
+            const uint32_t i = some[order[std::min(k, some.size() - 1)]];
+            const FlatTriangle& t = list[i];
+            set_lane(lane, k < some.size() ? t : FlatTriangle{t.a, t.a, t.a});
+            if (kind >= kSizes) masked.push_back(flat.sources[i]);
         }
     }
 }
@@ -112,11 +131,13 @@ PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> pos
     }
 }
 
-AxisState::AxisState(const PointPackets& points) : packets(points.packets) {
+AxisState::AxisState(const PointPackets& points)
+    : free(points.packets), packets(points.packets), lane(points.packets * kLanes) {
     for (size_t n = points.packets;; n = in_lanes(n)) {
         BoxLevel& level = levels.emplace_back();
         level.nodes = n;
-        for (LaneArray* a : {&level.x0, &level.x1, &level.y0, &level.y1, &level.from_up, &level.from_down})
+        for (LaneArray* a : {&level.x0, &level.x1, &level.y0, &level.y1, &level.from_up, &level.from_down,
+                             &level.to_up, &level.to_down})
             a->resize(in_lanes(n) * kLanes);
         if (n <= kLanes) break;
     }

@@ -58,12 +58,13 @@ struct Placement {
     Vec3 apply(Vec3 p) const { return (p - centre) * scale; }
 };
 
-/// Triangles, placed and ordered; those that alpha masks cut holes into last, in blocks of their own. The
-/// last block of both kinds is filled up with copies of a triangle.
+/// Triangles, placed and ordered: large ones first, those that alpha masks cut holes into last, each kind in
+/// blocks of its own, compact in space. Last blocks are filled up with points, which nothing hits.
 struct TriangleBlocks {
     std::shared_ptr<const Scene> scene;
     Placement placement;
     size_t triangles = 0, blocks = 0;
+    size_t first_small = 0;              ///< block; those before hold large triangles
     size_t first_masked = 0;             ///< block
     std::vector<TriangleSource> masked;  ///< what the lanes from first_masked on show
     LaneArray corner[3][3];              ///< [corner][x, y, z]
@@ -93,11 +94,11 @@ struct PointPackets {
                  const Control& control);
 };
 
-/// Boxes of the nodes of one level along an axis: where their points are across it, and how far their rays
-/// reach back: from `from_up` on upwards, from `from_down` on downwards.
+/// Boxes of the nodes of one level along an axis: where their points are across it, and where along it their
+/// rays start: upwards between `from_up` and `to_up`, downwards between `from_down` (higher) and `to_down`.
 struct BoxLevel {
     size_t nodes = 0;
-    LaneArray x0, x1, y0, y1, from_up, from_down;
+    LaneArray x0, x1, y0, y1, from_up, to_up, from_down, to_down;
 };
 
 /// How much work an axis was.
@@ -115,12 +116,14 @@ struct AlignedCounts {
 struct alignas(64) TurnedPacket {
     float x[kLanes], y[kLanes], z[kLanes];
     uint16_t up;    ///< lanes whose ray runs along the axis, others run against it
-    uint16_t free;  ///< lanes asked that nothing blocks; the answer
+    uint16_t free;  ///< lanes asked that nothing has blocked so far
 };
 
 /// One thread's view along one axis.
 struct AxisState {
+    std::vector<uint16_t> free;  ///< the answer: lanes asked that nothing blocks, per packet
     std::vector<TurnedPacket> packets;
+    std::vector<uint32_t> lane;    ///< which lane of all points a packed lane holds
     std::vector<BoxLevel> levels;  ///< 0: packets; each next level has one node per 16
     AlignedCounts counts;
 

@@ -10,10 +10,14 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
+    def choose(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[bool, float, float]:
+        """
+        True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.
+        """
     def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
         """
         Rows of bits (N, words), 1 = free, and how much work it was.
@@ -175,7 +179,7 @@ def directions(n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy
     """
     Unit axes (l, 3).
     """
-def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool = True, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
+def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool | None = None, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
     """
     The same bits by Embree.
     """
@@ -185,6 +189,10 @@ def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt
     """
 def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
+def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
+    """
+    True if the batch cannot pay, whatever the scene.
+    """
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
     Index of the axis nearest to each row.

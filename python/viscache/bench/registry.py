@@ -14,6 +14,7 @@ from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.rays import rays
 from viscache.bench.vismap_variance import vismap_variance
+from viscache.bench.vlf_ao import vlf_ao
 from viscache.settings import NotThereYetError, nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
@@ -61,7 +62,10 @@ BENCHES: dict[str, BenchInfo] = {
         function=correlation,
     ),
     "vlf-build": BenchInfo(description="building visibility fields"),
-    "vlf-ao": BenchInfo(description="ambient occlusion by aligned batches"),
+    "vlf-ao": BenchInfo(
+        description="ambient occlusion along shared axes against the best of Embree's orders",
+        function=vlf_ao,
+    ),
     "vismap-variance": BenchInfo(
         description="variance with visibility maps against product sampling",
         function=vismap_variance,

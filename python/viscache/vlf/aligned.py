@@ -98,8 +98,9 @@ def trace_aligned(
         How far the points look, in scene units.
     engine : {"auto", "batch", "embree"}
         "batch": per axis, all triangles stream past all points. "embree": packets of 16 rays.
-        "auto" is the batch. Both are watertight; they may differ for rays within rounding of an
-        edge, and along triangles seen exactly edge-on, which the batch never hits.
+        "auto": the one of less predicted cost, which depends on scene and points alone;
+        `AlignedRows.reason` says why. Both are watertight; they may differ for rays within
+        rounding of an edge, and along triangles seen exactly edge-on, which the batch never hits.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
@@ -117,18 +118,18 @@ def trace_aligned(
     require(known, 'engine must be "auto", "batch" or "embree"', engine)
     frames = _core.vlf.direction_frames(checked_directions(n_directions))
     points, normals = checked_points(points, "points"), checked_points(normals, "normals")
-    chosen, reason = _choose(engine)
-    start = time.perf_counter()
+    start, n_threads = time.perf_counter(), checked_threads(threads)
+    chosen, reason = _choose(scene, engine, points, normals, frames, t_max, n_threads)
     with progress_bar(progress, unit="direction") as report:
         if chosen == "batch":
             bits, _ = scene.aligned_batch().rows(
                 scene._core, points, normals, frames,
-                t_max=t_max, threads=checked_threads(threads), progress=report,
+                t_max=t_max, threads=n_threads, progress=report,
             )  # fmt: skip
         else:
             bits = _core.vlf.embree_rows(
                 scene.caster(), points, normals, frames,
-                t_max=t_max, threads=checked_threads(threads), progress=report,
+                t_max=t_max, threads=n_threads, progress=report,
             )  # fmt: skip
     return AlignedRows(
         bits=bits,
@@ -139,7 +140,22 @@ def trace_aligned(
     )
 
 
-def _choose(engine: Engine) -> tuple[Literal["batch", "embree"], str]:
-    if engine == "auto":
-        return "batch", "the default"
-    return engine, "asked for"
+def _choose(
+    scene: Scene,
+    engine: Engine,
+    points: npt.NDArray[np.float32],
+    normals: npt.NDArray[np.float32],
+    frames: npt.NDArray[np.float32],
+    t_max: float,
+    threads: int,
+) -> tuple[Literal["batch", "embree"], str]:
+    if engine != "auto":
+        return engine, "asked for"
+    size = f"{scene.triangles} triangles, {len(points)} points"
+    if _core.vlf.is_hopeless(scene.triangles, len(points)):
+        return "embree", f"too few points for so many triangles: {size}"
+    is_batch, batch_ns, embree_ns = scene.aligned_batch().choose(
+        scene._core, points, normals, frames, t_max=t_max, threads=threads
+    )
+    reason = f"predicted ns per ray: batch {batch_ns:.0f}, Embree {embree_ns:.0f} ({size})"
+    return "batch" if is_batch else "embree", reason
