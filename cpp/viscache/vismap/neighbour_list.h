@@ -20,14 +20,18 @@ public:
         asked_ = x;
         const float moved = length(x - centre_);
         if (!entries_.empty() && search_entries(x, moved, accept, nearest)) {
-            ++answered_;
+            ++answered_, worth_ = std::min(worth_ + 1, kMostWorth);
             return;
         }
         nearest.clear();
         tree.search(x, accept, nearest);
-        // A list pays where the next points are near
+        // A list pays where the next points are near, and the lists before it answered as many searches as
+        // making one costs; where they did not, one is tried from time to time
         const float reach2 = nearest.reach2();
-        if (length2(x - before) < kNear * kNear * reach2) fill(tree, x, kMargin * std::sqrt(reach2));
+        if (!(length2(x - before) < kNear * kNear * reach2)) return;
+        if (worth_ < 0 && ++unlisted_ < kSeldom) return;
+        fill(tree, x, kMargin * std::sqrt(reach2));
+        worth_ -= kCost, unlisted_ = 0;
     }
     /// Searches that did not need the tree.
     uint64_t answered() const { return answered_; }
@@ -36,6 +40,7 @@ private:
     static constexpr float kMargin = 2;  ///< radius of the list over the reach of a search
     static constexpr float kNear = 1;    ///< step between points, in reaches, up to which a list is made
     static constexpr float kRounding = 1e-5f;  ///< distances in floats differ by less, relatively
+    static constexpr int kCost = 5, kMostWorth = 10, kSeldom = 20;  ///< in searches of the tree
     struct Entry {
         float distance;  ///< from the centre
         TreePoint point;
@@ -68,6 +73,7 @@ private:
     uint64_t version_ = ~uint64_t(0), answered_ = 0;
     Vec3 centre_, asked_{kInfinity, 0, 0};
     float radius_ = 0;
+    int worth_ = 0, unlisted_ = 0;
     std::vector<Entry> entries_;
 };
 

@@ -38,7 +38,7 @@ class Case:
 
 
 CASES = (
-    Case(scene="garage", quick_scene="garage?triangles=30000", size=(320, 240), renders=4,
+    Case(scene="garage", quick_scene="garage?triangles=30000", size=(640, 480), renders=3,
          goals={"control variate, alpha 1": 2.0}),
     Case(scene="window_room", quick_scene="window_room", size=(128, 96), renders=12,
          goals={"guided": 6.0}),

@@ -50,6 +50,8 @@ class Case:
     scene: str
     quick_scene: str
     camera: int = 0
+    m: int = 5
+    """Maps have 2^m × 2^m cells."""
     goals: Mapping[tuple[str, str, int], float]
     """By way, points and samples."""
 
@@ -63,6 +65,8 @@ CASES = (
     Case(name="garage", scene="garage", quick_scene="garage?triangles=60000",
          goals={(PAPER, "rqmc", 10): 0.45, ("guided", "rqmc", 10): 0.27,
                 ("guided", "rqmc", 30): 0.2}),
+    Case(name="garage, maps of 64x64", scene="garage", quick_scene="garage?triangles=60000", m=6,
+         goals={("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2}),
     Case(name="garden1", scene="garden", quick_scene="garden?triangles=60000",
          goals=GARDEN_GOALS),
     Case(name="garden2", scene="garden", quick_scene="garden?triangles=60000", camera=1,
@@ -81,7 +85,7 @@ def vismap_variance(quick: bool = False) -> Outcome:
     size = QUICK_SIZE if quick else SIZE
     for case in CASES:
         scene = build_scene(case.quick_scene if quick else case.scene)
-        cache = VisibilityMapCache(scene, MapSettings())
+        cache = VisibilityMapCache(scene, MapSettings(m=case.m))
         cache.update(case.camera, size=size)
         samples = QUICK_SAMPLES if quick else SAMPLES
         found = simulate(cache, all_ways(), samples, camera=case.camera, size=size,
