@@ -1,4 +1,4 @@
-"""Searches by a neighbour list give what searches of the tree give, and seldom need it on a walk."""
+"""A neighbour list finds what the tree finds, and seldom asks it on a walk."""
 
 from __future__ import annotations
 
