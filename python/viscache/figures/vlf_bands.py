@@ -98,7 +98,9 @@ DEPTH_SAVES_TESTS = Band(3.0, 20.0, "expected: a trial measured 21.6 over 3.1")
 DIRECTIONS_SAVE_TILES = Band(1.2, 2.5, "expected: a trial measured 5.2 over 3.1")
 
 #: Rays per second at 2049 directions over those at 513, all else equal.
-FINER_IS_FASTER = Band(1.0, math.inf, "Sec. 6: higher resolution would result in better performance")
+FINER_IS_FASTER = Band(
+    1.0, math.inf, "Sec. 6: higher resolution would result in better performance"
+)
 
 # X2: ambient occlusion over the number of directions
 
