@@ -79,8 +79,8 @@ void bind_vismap_render(py::module_& m) {
            const BoolArray& bits, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
             const BoundMaps given(bits, beta, dilated);
             if (!given.dilated()) throw py::value_error("dilated must be given");
-            const EnvironmentMaps maps{{given.view.m, [&] { return [&](Vec3, Vec3, size_t) { return given.view; }; }, 0},
-                                       settings};
+            const EnvironmentMaps maps{
+                {given.view.m, [&] { return [&](Vec3, Vec3, size_t) { return given.view; }; }, 0}, settings};
             return frame_dict(render_maps(scene, caster, camera, integrator, frame, maps, py::none()));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),

@@ -83,12 +83,10 @@ std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& 
 py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& positions,
                                   const FloatArray& normals, const FloatArray& frames, float t_max,
                                   std::optional<bool> by_axis, int width, std::optional<bool> coherent,
-                                  int threads,
-                                  const py::object& progress) {
+                                  int threads, const py::object& progress) {
     Call call(caster.scene(), positions, normals, frames, t_max);
-    const AlignedOrder order =
-        by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
-                : embree_order(caster.scene().placed_triangles(), call.origin.size());
+    const AlignedOrder order = by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
+                                       : embree_order(caster.scene().placed_triangles(), call.origin.size());
     std::optional<Coherence> flag;
     if (!by_axis && order == AlignedOrder::kByPoint) flag = Coherence::kIncoherent;
     if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;

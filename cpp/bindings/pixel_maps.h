@@ -19,8 +19,7 @@ inline MapSource pixel_maps(const MapCache& cache, const FrameSettings& frame, c
         return [&cache, reach, width, around = NeighbourList()](Vec3 position, Vec3 normal,
                                                                 size_t pixel) mutable {
             const CachePoint p{position, normal, reach[pixel], width[pixel]};
-            return p.usable() ? cache.blend(cache.select(p, around))
-                              : BlendedMaps{.m = cache.parameters().m};
+            return p.usable() ? cache.blend(cache.select(p, around)) : BlendedMaps{.m = cache.parameters().m};
         };
     };
     return {cache.parameters().m, reader, 0};

@@ -21,10 +21,11 @@ SMALL = (
     "aqvc-lookup",
     "memory",
     "correlation",
+    "vlf-build",
     "vlf-ao",
     "vismap-variance",
 )
-LATER = ("vlf-build", "sweep", "peers")
+LATER = ("sweep", "peers")
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")
 

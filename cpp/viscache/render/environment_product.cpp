@@ -36,7 +36,7 @@ void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, Slot& sl
     const bool guide = c_.settings.sampling == DensityChoice::kGuided ||
                        (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
     slot.maps = read_(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
-                            pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
+                      pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
     counters.product_unserved += slot.maps.count == 0;
     point.look(slot.maps, guide && !c_.settings.replace);
     if (!tally_.used.empty())

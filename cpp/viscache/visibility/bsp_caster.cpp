@@ -93,15 +93,24 @@ void BspCaster::count_nodes() {
 template <class Leaf, class OnNode>
 void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) const {
     if (tree_.nodes.empty() || ray.d == Vec3{}) return;
-    const float o[3] = {ray.o.x, ray.o.y, ray.o.z};
-    const float inv[3] = {inverse(ray.d.x), inverse(ray.d.y), inverse(ray.d.z)};
     const float off = kCellUlps * kUlp * std::max(max_abs(ray.o), extent_);
-    const float slack[3] = {off * std::fabs(inv[0]), off * std::fabs(inv[1]), off * std::fabs(inv[2])};
+    struct Axis {
+        float o, inverse, slack;
+        uint32_t first;  ///< the child that the ray meets first
+    };
+    const auto axis_of = [&](float o, float d) {
+        const float inv = inverse(d);
+        return Axis{o, inv, off * std::fabs(inv), inv < 0 ? 1u : 0u};
+    };
+    const Axis axes[3] = {axis_of(ray.o.x, ray.d.x), axis_of(ray.o.y, ray.d.y), axis_of(ray.o.z, ray.d.z)};
     float near = ray.t_min, far = limit;
     for (int a = 0; a < 3; ++a) {
-        const float t0 = (tree_.bounds.lo[a] - o[a]) * inv[a], t1 = (tree_.bounds.hi[a] - o[a]) * inv[a];
+        const Axis& axis = axes[a];
+        const float t0 = (tree_.bounds.lo[a] - axis.o) * axis.inverse,
+                    t1 = (tree_.bounds.hi[a] - axis.o) * axis.inverse;
         // A NaN (infinity less infinity) leaves the interval as it is
-        near = std::max(near, std::min(t0, t1) - slack[a]), far = std::min(far, std::max(t0, t1) + slack[a]);
+        near = std::max(near, std::min(t0, t1) - axis.slack);
+        far = std::min(far, std::max(t0, t1) + axis.slack);
     }
     struct Entry {
         uint32_t node;
@@ -115,16 +124,16 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
         const BspNode node = tree_.nodes[at];
         on_node();
         if (!node.is_leaf()) {
-            const int a = node.axis();
-            const float t = (node.plane() - o[a]) * inv[a];
-            const uint32_t first = node.children() + (inv[a] < 0), second = node.children() + (inv[a] > 0);
-            if (t - slack[a] > far) {
+            const Axis& axis = axes[node.axis()];
+            const float t = (node.plane() - axis.o) * axis.inverse;
+            const uint32_t first = node.children() + axis.first, second = node.children() + 1 - axis.first;
+            if (t - axis.slack > far) {
                 at = first;
-            } else if (t + slack[a] < near) {
+            } else if (t + axis.slack < near) {
                 at = second;
             } else {
-                stack[entries++] = {second, std::max(near, t - slack[a]), far};
-                at = first, far = std::min(far, t + slack[a]);
+                stack[entries++] = {second, std::max(near, t - axis.slack), far};
+                at = first, far = std::min(far, t + axis.slack);
             }
             continue;
         }

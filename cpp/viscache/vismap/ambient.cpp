@@ -17,9 +17,9 @@ AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const
         gaussian = std::exp(-0.5 * d * d / (sigma * sigma));
         double weight = gaussian;
         if (rules.weighted)
-            weight *= double(normalized(float(d) / point.d_max, normal_angle(point.normal, f.point->normal)) *
-                             geometric_weight(point.normal, f.point->position - point.position, float(d),
-                                             point.d_max));
+            weight *= double(
+                normalized(float(d) / point.d_max, normal_angle(point.normal, f.point->normal)) *
+                geometric_weight(point.normal, f.point->position - point.position, float(d), point.d_max));
         sum += weight * double(cache.records().ambient(f.id()).visibility), total += weight;
     }
     AmbientShade shade;

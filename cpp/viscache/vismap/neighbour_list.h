@@ -46,7 +46,9 @@ private:
         TreePoint point;
     };
 
-    void forget(const KdTree& tree) { version_ = tree.version(), entries_.clear(), asked_ = {kInfinity, 0, 0}; }
+    void forget(const KdTree& tree) {
+        version_ = tree.version(), entries_.clear(), asked_ = {kInfinity, 0, 0};
+    }
 
     void fill(const KdTree& tree, Vec3 x, float radius) {
         centre_ = x, radius_ = radius;

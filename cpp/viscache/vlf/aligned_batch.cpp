@@ -45,7 +45,8 @@ struct AxisArrays {
 }  // namespace
 
 void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
-                 AlignedOrder order, int width, std::optional<Coherence> flag, int threads, Control& control) {
+                 AlignedOrder order, int width, std::optional<Coherence> flag, int threads,
+                 Control& control) {
     if (input.origin.empty() || input.axes.empty()) return;
     std::vector<CoherenceTrial> trials(size_t(resolve_threads(threads)), CoherenceTrial(flag, kTrialPeriod));
     const PointPackets points(Placement{}, input.origin, input.normal, control);

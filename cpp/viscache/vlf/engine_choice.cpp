@@ -50,8 +50,7 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
     const AlignedCounts work = batch.rows(probe, rows, threads, control, isa);
     const double rays = double(input.origin.size()) * double(n);
     const BatchCosts cost = batch_costs(isa);
-    choice.batch_ns =
-        cost.ray + (cost.node * double(work.nodes) + cost.test * double(work.tests)) / rays;
+    choice.batch_ns = cost.ray + (cost.node * double(work.nodes) + cost.test * double(work.tests)) / rays;
     choice.embree_ns = embree_cost(double(work.tests) / rays);
     if (choice.batch_ns > kMargin * choice.embree_ns) choice.engine = AlignedEngine::kEmbree;
     return choice;

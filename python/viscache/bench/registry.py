@@ -15,6 +15,7 @@ from viscache.bench.memory import memory
 from viscache.bench.rays import rays
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
+from viscache.bench.vlf_build import vlf_build
 from viscache.settings import NotThereYetError, nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
@@ -61,7 +62,10 @@ BENCHES: dict[str, BenchInfo] = {
         description="pairs of rows per second and core against numpy and the machine's bound",
         function=correlation,
     ),
-    "vlf-build": BenchInfo(description="building visibility fields"),
+    "vlf-build": BenchInfo(
+        description="building visibility fields; the paper's tracers against Embree ray by ray",
+        function=vlf_build,
+    ),
     "vlf-ao": BenchInfo(
         description="ambient occlusion along shared axes against the best of Embree's orders",
         function=vlf_ao,

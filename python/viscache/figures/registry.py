@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from viscache.figures import vlf_axes, vlf_drawings, vlf_frames, vlf_occlusion, vlf_sweeps
 from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_animation import temporal
@@ -57,16 +58,48 @@ FIGURES: dict[str, FigureInfo] = {
         aqvc_fig7="ray reduction, speed-up and quality over C_E",
         aqvc_fig8="comparison with shadow maps",
         aqvc_claims="numbers in the text of the quantized cache's paper",
-        vlf_fig1="tiles of an edge: supercover against DDA",
-        vlf_fig2="rays over one and several tiles",
-        vlf_fig3="linear traversal of a tile's leaves",
-        vlf_fig4="the scenes of random triangles",
-        vlf_fig5="frame time over the number of triangles",
-        vlf_fig6="frame times of a walk through a classroom",
-        vlf_fig7="the classroom",
-        vlf_fig8="images with ambient occlusion",
-        vlf_tab1="ambient occlusion: seconds and speed-up of five scenes",
-        **{f"vlf_x{n}": f"beyond the visibility field's paper, {n} of 5" for n in range(1, 6)},
+        vlf_x5="an object that moves: time of an update against a rebuild",
+    ),
+    "vlf-fig1": FigureInfo(
+        description="tiles of an edge: supercover against DDA", function=vlf_drawings.figure1
+    ),
+    "vlf-fig2": FigureInfo(
+        description="rays over one and several tiles", function=vlf_drawings.figure2
+    ),
+    "vlf-fig3": FigureInfo(
+        description="linear traversal of a tile's leaves", function=vlf_drawings.figure3
+    ),
+    "vlf-fig4": FigureInfo(
+        description="the scenes of random triangles", function=vlf_frames.figure4
+    ),
+    "vlf-fig5": FigureInfo(
+        description="frame time over the number of triangles", function=vlf_frames.figure5
+    ),
+    "vlf-fig6": FigureInfo(
+        description="frame times of a walk through a classroom", function=vlf_frames.figure6
+    ),
+    "vlf-fig7": FigureInfo(description="the classroom", function=vlf_frames.figure7),
+    "vlf-fig8": FigureInfo(
+        description="images with ambient occlusion", function=vlf_occlusion.figure8
+    ),
+    "vlf-tab1": FigureInfo(
+        description="ambient occlusion: seconds and speed-up of five scenes",
+        function=vlf_occlusion.table1,
+    ),
+    "vlf-x1": FigureInfo(
+        description="speed, tests and memory over directions, tiles and depth",
+        function=vlf_sweeps.x1,
+    ),
+    "vlf-x2": FigureInfo(
+        description="error of ambient occlusion over the number of directions",
+        function=vlf_axes.x2,
+    ),
+    "vlf-x3": FigureInfo(
+        description="memory of a field, foretold and used", function=vlf_sweeps.x3
+    ),
+    "vlf-x4": FigureInfo(
+        description="the aligned batch against Embree over points per triangle",
+        function=vlf_axes.x4,
     ),
     "vismap-fig1": FigureInfo(
         description="an occluded glossy surface, with and without the control variate",

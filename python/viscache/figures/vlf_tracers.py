@@ -1,0 +1,217 @@
+"""What the visibility field's figures share: rays, tracers tuned by a grid search, CPU seconds."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.figures import vlf_printed as printed
+from viscache.rays import Bsp, Embree, Rays, Vlf
+from viscache.scene import Scene
+
+__all__ = ["Beams", "Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
+           "first_hits", "in_turns", "write_csv"]  # fmt: skip
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+Job: TypeAlias = Literal["any", "nearest"]
+
+#: Depth and leaf size of the BSP, depth of the field's tiles: the grids that are searched.
+BSP_DEPTHS, BSP_LEAVES = (12, 14, 16, 18, 20, 22, 24, 26), (2, 4, 8, 16)
+QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES = (14, 18), (4, 16)
+FIELD_DEPTHS, QUICK_FIELD_DEPTHS = (0, 1, 2, 3, 4, 5, 6), (0, 3)
+QUICK_DIRECTIONS, QUICK_TILES = 129, 64
+#: Rays a grid search traces.
+TRIAL_RAYS = 20_000
+MAX_BYTES = 6 << 30
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Beams:
+    """Rays of one job: any hit, or the nearest."""
+
+    origins: Floats
+    directions: Floats
+    job: Job = "nearest"
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+    def some(self, n: int) -> Beams:
+        """About n of them, evenly spread, in runs of 16 neighbours."""
+        if len(self) <= n:
+            return self
+        first = np.linspace(0, len(self) - 16, max(1, n // 16)).astype(np.int64)
+        pick = (first[:, None] + np.arange(16)).ravel()
+        return Beams(origins=self.origins[pick], directions=self.directions[pick], job=self.job)
+
+    def trace(self, caster: Any) -> npt.NDArray[Any]:
+        """What one thread finds: blocked or not, or the distances."""
+        if self.job == "any":
+            return np.asarray(caster.occluded(self.origins, self.directions, math.inf, 1))
+        return np.asarray(caster.intersect(self.origins, self.directions, 1)[0])
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tuned:
+    """A tracer with the parameters that were the fastest of a grid."""
+
+    settings: Rays
+    caster: Any
+    build_s: float
+    """CPU seconds of all threads."""
+    nbytes: int
+    grid: tuple[dict[str, Any], ...] = ()
+    """All that was tried: parameters, CPU seconds, bytes."""
+
+    @property
+    def text(self) -> str:
+        """The parameters, as a note says them."""
+        s = self.settings
+        if isinstance(s, Bsp):
+            kind = f"depth {s.max_depth}, leaf {s.leaf_size}"
+        elif isinstance(s, Vlf):
+            kind = f"l {s.n_directions}, n {s.n_tiles}, depth {s.bsp_depth}"
+        else:
+            kind = "robust"
+        return f"{kind}, {self.nbytes / 1e6:.1f} MB, built in {self.build_s:.2f} CPU s"
+
+
+def cpu_seconds(run: Callable[[], Any], repeats: int = 2) -> float:
+    """The least CPU seconds of some runs."""
+    best = math.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        run()
+        best = min(best, time.process_time() - start)
+    return best
+
+
+def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, float]:
+    """The least CPU seconds of each, all taking turns, so that a busy machine is so for all."""
+    best = dict.fromkeys(runs, math.inf)
+    for _ in range(repeats):
+        for name, run in runs.items():
+            best[name] = min(best[name], cpu_seconds(run, 1))
+    return best
+
+
+def best_bsp(scene: Scene, beams: Beams, quick: bool) -> Tuned:
+    """The fastest BSP for some rays: the paper's pre-test over depth and leaf size."""
+    depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
+    return _best(
+        scene, beams, (Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
+    )
+
+
+def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
+    """The fastest field over the depth of its tiles; directions and tiles are the paper's."""
+    axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
+    depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
+    return _best(
+        scene,
+        beams,
+        (
+            Vlf(n_directions=axes, n_tiles=n, bsp_depth=d, kernel="wald", lazy=lazy,
+                max_bytes=MAX_BYTES)
+            for d in depths
+        ),
+    )  # fmt: skip
+
+
+def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
+    trial = beams.some(TRIAL_RAYS)
+    grid: list[dict[str, Any]] = []
+    best: tuple[float, Rays] | None = None
+    for settings in candidates:
+        caster: Any = settings.build(scene._core)
+        trial.trace(caster)  # a lazy field is built by its first rays
+        seconds = cpu_seconds(partial(trial.trace, caster))
+        row = {"seconds": seconds, "bytes": caster.stats["bytes"]}
+        names = ("max_depth", "leaf_size", "n_directions", "n_tiles", "bsp_depth")
+        grid.append({n: getattr(settings, n) for n in names if hasattr(settings, n)} | row)
+        if best is None or seconds < best[0]:
+            best = seconds, settings
+        del caster
+    assert best is not None
+    chosen = best[1]
+    start = time.process_time()
+    caster = chosen.build(scene._core)
+    if isinstance(chosen, Vlf) and chosen.lazy:
+        beams.trace(caster)
+    built = time.process_time() - start
+    return Tuned(settings=chosen, caster=caster, build_s=built, nbytes=caster.stats["bytes"],
+                 grid=tuple(grid))  # fmt: skip
+
+
+def embree(scene: Scene) -> Tuned:
+    """Embree, robust as the others' watertight kernels are."""
+    settings = Embree()
+    start = time.process_time()
+    caster = settings.build(scene._core)
+    # Its bytes cannot be asked for; measured, about 100 a triangle
+    return Tuned(settings=settings, caster=caster, build_s=time.process_time() - start,
+                 nbytes=100 * scene.triangles)  # fmt: skip
+
+
+def camera_rays(camera: _core.Camera, size: tuple[int, int]) -> Beams:
+    """Rays through the middles of the pixels, row by row."""
+    width, height = size
+    half = math.tan(camera.fov_rad / 2)
+    across = half if camera.fov_is_horizontal else half * width / height
+    x = across * ((np.arange(width) + 0.5) / width * 2 - 1)
+    y = across * height / width * (1 - (np.arange(height) + 0.5) / height * 2)
+    forward, right, up = (np.asarray(v) for v in (camera.forward, camera.right, camera.up))
+    d = forward + x[None, :, None] * right + y[:, None, None] * up
+    d = (d / np.linalg.norm(d, axis=-1, keepdims=True)).reshape(-1, 3).astype(np.float32)
+    o = np.broadcast_to(np.asarray(camera.origin, np.float32), d.shape).copy()
+    return Beams(origins=o, directions=d)
+
+
+def first_hits(
+    scene: Scene, camera: _core.Camera, size: tuple[int, int]
+) -> tuple[Floats, Floats, npt.NDArray[np.bool_]]:
+    """Surface points that the pixels see.
+
+    Returns
+    -------
+    positions (N, 3), normals (N, 3) on the camera's side, and which pixels (H, W) see one.
+    """
+    beams = camera_rays(camera, size)
+    hit = scene.intersect(beams.origins, beams.directions)
+    seen = hit.triangle >= 0
+    # None of the scenes here has instances
+    corners = np.concatenate([m["vertices"][m["triangles"]] for m in scene.meshes()]).astype(float)
+    a, b, c = (corners[hit.triangle[seen], i] for i in range(3))
+    w = hit.barycentrics[seen].astype(float)
+    positions = a + w[:, :1] * (b - a) + w[:, 1:] * (c - a)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    facing = np.einsum("nk,nk->n", normals, beams.directions[seen]) > 0
+    normals[facing] *= -1
+    return (
+        positions.astype(np.float32),
+        normals.astype(np.float32),
+        seen.reshape(size[1], size[0]),
+    )
+
+
+def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
+    """Rows of one table; columns in the order in which they first come."""
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    lines = [",".join(columns)]
+    lines += [",".join(_cell(row.get(name, "")) for name in columns) for row in rows]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

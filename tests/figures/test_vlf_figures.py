@@ -1,0 +1,151 @@
+"""Figures of the visibility field: their parts against what they stand for, and quick runs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache import cli
+from viscache.figures import vlf_drawings, vlf_tracers
+from viscache.figures.vlf_frames import local_shading
+from viscache.figures.vlf_occlusion import place
+from viscache.figures.vlf_tracers import Beams, camera_rays, first_hits, write_csv
+
+
+def test_tiles_of_an_edge_by_every_way() -> None:
+    """A diagonal through a tile's corner region: a DDA steps over it."""
+    a, b = np.float32([-0.99, -0.99]), np.float32([0.95, -0.2])
+    touched = vlf_drawings.touched_tiles(a, b)
+    assert vlf_drawings.supercover(a, b) == touched
+    assert vlf_drawings.dda(a, b) < touched
+    level = np.float32([-0.9, 0.03]), np.float32([0.9, 0.03])
+    row = {(x, 8) for x in range(16)}
+    assert vlf_drawings.touched_tiles(*level) == vlf_drawings.dda(*level) == row
+
+
+def test_rays_of_a_camera_meet_what_its_picture_shows() -> None:
+    scene = vc.scenes.room(triangles=2000)
+    view, size = scene.cameras[1], (40, 24)
+    beams = camera_rays(view, size)
+    depth = scene.intersect(beams.origins, beams.directions).t.reshape(24, 40)
+    frame = vc.render(scene, vc.Direct(), size=size, spp=64, camera=view)
+    shown = frame.layers["depth"][..., 0]
+
+    def alike(other: npt.NDArray[Any]) -> float:
+        return float((np.abs(shown - other) < 0.01 * shown).mean())
+
+    assert alike(depth) > 0.7
+    # A pixel aside, upside down, or mirrored, they would not
+    for wrong in (np.roll(depth, 1, axis=1), depth[::-1], depth[:, ::-1]):
+        assert alike(wrong) < 0.5
+
+
+def test_first_hits_lie_on_surfaces_and_their_normals_look_back() -> None:
+    scene = vc.scenes.cube_on_plane()
+    view = scene.cameras[0]
+    positions, normals, seen = first_hits(scene, view, (20, 12))
+    assert seen.shape == (12, 20) and seen.sum() == len(positions)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
+    to_eye = np.asarray(view.origin) - positions
+    assert (np.einsum("nk,nk->n", to_eye, normals) > 0).all()
+    eye = np.broadcast_to(view.origin, to_eye.shape)
+    assert scene.visible(positions + 1e-3 * normals, eye).all()
+
+
+def test_rays_of_occlusion_are_those_of_the_aligned_batch() -> None:
+    spot = place("cow", quick=True)
+    by_point, by_direction = spot.beams(40)
+    blocked = spot.scene.occluded(by_point.origins, by_point.directions).reshape(-1, 129)
+    turned = spot.scene.occluded(by_direction.origins, by_direction.directions)
+    np.testing.assert_array_equal(turned.reshape(129, -1).T, blocked)
+    pick = np.unique(np.linspace(0, len(spot.positions) - 1, 40).astype(int))
+    words = vc.aligned_occlusion(
+        spot.scene, spot.positions[pick], spot.normals[pick], 129, engine="embree"
+    )
+    free = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :129]
+    np.testing.assert_array_equal(free, ~blocked)
+    assert 0.05 < blocked.mean() < 0.95
+
+
+def test_a_grid_search_takes_the_fastest(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = iter([3.0, 1.0, 2.0, 4.0])
+    monkeypatch.setattr(vlf_tracers, "cpu_seconds", lambda run: next(seconds))
+    scene = vc.scenes.cube_on_plane()
+    beams = camera_rays(scene.cameras[0], (16, 16))
+    best = vlf_tracers.best_bsp(scene, beams, quick=True)
+    assert (best.settings.max_depth, best.settings.leaf_size) == (14, 16)  # type: ignore[union-attr]
+    assert [row["seconds"] for row in best.grid] == [3.0, 1.0, 2.0, 4.0]
+    assert best.nbytes == best.caster.stats["bytes"]
+
+
+def test_a_trial_takes_runs_of_neighbours_from_everywhere() -> None:
+    o = np.arange(30_000, dtype=np.float32).reshape(-1, 3)
+    some = Beams(origins=o, directions=o).some(160)
+    assert len(some) == 160
+    np.testing.assert_array_equal(np.diff(some.origins[:16, 0]), 3)
+    assert some.origins[0, 0] == 0 and some.origins[-1, 0] == o[-1, 0]
+
+
+def test_local_shading_is_direct_light_where_nothing_stands_between() -> None:
+    d = vc.SceneDescription()
+    material = d.add_material(base_color=(0.5, 0.25, 0.75))
+    floor = [[-3, 0, 3], [3, 0, 3], [3, 0, -3], [-3, 0, -3]]
+    d.add_mesh(floor, [[0, 1, 2], [0, 2, 3]], material=material)
+    d.add_point_light((0.5, 2, 0.3), (5, 6, 7))
+    scene = vc.Scene.from_description(d)
+    view = vc.look_at((0, 3, 2), (0, 0, 0), fov_deg=40)
+    frame = vc.render(scene, vc.Direct(), size=(16, 12), spp=16, camera=view)
+    lights = [light for light in scene.lights if light["kind"] == "point"]
+    shaded = local_shading(frame, view, lights)
+    np.testing.assert_allclose(shaded, frame.image, rtol=0.02, atol=1e-4)
+    lit = SimpleNamespace(layers=frame.layers)
+    assert local_shading(lit, view, []).max() == 0
+
+
+def test_a_table_has_every_column_of_its_rows(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
+    assert path.read_text() == "x,y,z\n1,0.5,\n2,,a\n"
+
+
+#: Rows with a band, and files beside table and record, of a quick run.
+QUICK: dict[str, tuple[int, list[str]]] = {
+    "vlf-fig1": (3, ["vlf-fig1.png"]),
+    "vlf-fig2": (4, ["vlf-fig2.png"]),
+    "vlf-fig3": (2, ["vlf-fig3.png"]),
+    "vlf-fig4": (0, ["vlf-fig4.png"]),
+    "vlf-fig5": (0, ["vlf-fig5.png", "vlf-fig5.csv"]),
+    "vlf-fig6": (0, ["vlf-fig6.png", "vlf-fig6.csv"]),
+    "vlf-fig7": (2, ["vlf-fig7.png"]),
+    "vlf-fig8": (0, ["vlf-fig8.png"]),
+    "vlf-tab1": (0, ["vlf-tab1.csv"]),
+    "vlf-x1": (0, ["vlf-x1.png", "vlf-x1.csv"]),
+    "vlf-x2": (0, ["vlf-x2.png", "vlf-x2-bands.png", "vlf-x2.csv"]),
+    "vlf-x3": (3, ["vlf-x3.png", "vlf-x3.csv"]),
+    "vlf-x4": (0, ["vlf-x4.png", "vlf-x4.csv"]),
+}
+
+
+@pytest.mark.figure
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_run_measures_every_row_and_draws(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
+    got: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert status == 0 and got["holds"]
+    n_banded, files = QUICK[name]
+    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
+    assert all(row["measured"] is not None for row in got["rows"])
+    written = {Path(file).name for file in got["files"]}
+    assert written == {*files, f"{name}.md", f"{name}.json"}
+    for file in files:
+        if file.endswith(".png"):
+            assert (tmp_path / file).read_bytes()[:4] == b"\x89PNG"
