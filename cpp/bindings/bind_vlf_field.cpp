@@ -51,16 +51,25 @@ py::array_t<T> copied(const std::vector<T>& v) {
     return py::array_t<T>(py::ssize_t(v.size()), v.data());
 }
 
-/// The lists of one direction as they are stored.
+/// The lists of one direction: leaves of tiles, triangles of leaves, depths of tiles, borders of leaves.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
-    const SubfieldLease lease = field.subfield(checked_direction(field, direction));
-    const Subfield& f = *lease.field;
+    const SubfieldLease f = field.subfield(checked_direction(field, direction));
+    std::vector<uint32_t> first_leaf{0}, first_id{0}, ids;
+    std::vector<float> ranges, borders;
+    for (size_t tile = 0; tile < f->tiles(); ++tile) {
+        const TileBsp bsp = f->bsp(tile);
+        for (int l = 0; l < bsp.leaves; ++l) {
+            const auto leaf = f->leaf(tile, l);
+            ids.insert(ids.end(), leaf.begin(), leaf.end());
+            first_id.push_back(uint32_t(ids.size())), borders.push_back(bsp.border(l));
+        }
+        first_leaf.push_back(uint32_t(first_id.size() - 1));
+        ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
+    }
     py::dict d;
-    d["first_leaf"] = copied(f.first_leaf), d["first_id"] = copied(f.first_id), d["ids"] = copied(f.ids);
-    py::array_t<float> ranges({py::ssize_t(f.ranges.size()), py::ssize_t(2)});
-    if (!f.ranges.empty())
-        std::memcpy(ranges.mutable_data(), f.ranges.data(), f.ranges.size() * sizeof(Subfield::Range));
-    d["ranges"] = ranges, d["borders"] = copied(f.borders);
+    d["first_leaf"] = copied(first_leaf), d["first_id"] = copied(first_id), d["ids"] = copied(ids);
+    d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
+    d["borders"] = copied(borders);
     return d;
 }
 

@@ -18,7 +18,7 @@ double rough_bytes(const FieldTriangles& triangles, const FieldSettings& s, doub
     const double tiles = double(s.n_tiles) * s.n_tiles;
     const double leaves =
         std::min(tiles * (1 << s.bsp_depth), tiles + references / std::max(1, s.leaf_target));
-    return double(triangles.bytes()) + s.n_directions * (12 * tiles + 4 * leaves + 4 * references);
+    return double(triangles.bytes()) + s.n_directions * (16 * tiles + 4 * leaves + 4 * references);
 }
 
 struct Candidate {

@@ -12,10 +12,14 @@ uint32_t room_for(uint32_t count) { return count + count / 4 + 1; }
 
 }  // namespace
 
-EditableSubfield::EditableSubfield(const Subfield& built) : rect(built.rect), borders_(built.borders) {
+EditableSubfield::EditableSubfield(const Subfield& built) : rect(built.rect) {
     for (size_t i = 0; i < built.tiles(); ++i) {
         const TileBsp b = built.bsp(i);
-        tiles_.push_back({built.first_leaf[i], uint32_t(b.leaves), {b.z0, b.z1}, built.occupied(i)});
+        tiles_.push_back({uint32_t(lists_.size()), uint32_t(b.leaves), {b.z0, b.z1}, built.occupied(i)});
+        if (b.borders) {
+            borders_.resize(lists_.size());  // as long as the lists, where any tile has some
+            borders_.insert(borders_.end(), b.borders, b.borders + b.leaves);
+        }
         for (int l = 0; l < b.leaves; ++l) {
             const auto ids = built.leaf(i, l);
             const uint32_t count = uint32_t(ids.size()), room = room_for(count);
@@ -47,7 +51,6 @@ void EditableSubfield::insert(size_t tile, const TileEntry& entry) {
     if (t.leaves == 0) {
         t = {uint32_t(lists_.size()), 1, {entry.low, entry.high}, {entry.low, entry.high}};
         lists_.push_back({uint32_t(ids_.size()), 0, 0});
-        if (!borders_.empty()) borders_.push_back(0);
     }
     t.occupied = {std::min(t.occupied.z0, entry.low), std::max(t.occupied.z1, entry.high)};
     const TileBsp b = bsp(tile);

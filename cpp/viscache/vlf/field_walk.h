@@ -17,17 +17,16 @@ struct FieldSteps {
 constexpr double kHitSlack = 1e-5;
 
 /// Calls limit = leaf(ids, limit) for the leaves along a ray in one tile of one layer, until a hit is nearer
-/// than what comes next; returns the limit.
+/// than what comes next by `slack`; returns the limit.
 template <class Layer, class Leaf>
 double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalRay& ray, double in,
-                 double out, double limit, FieldSteps* steps, Leaf leaf) {
+                 double out, double slack, double limit, FieldSteps* steps, Leaf leaf) {
     const TileBsp bsp = layer.bsp(tile);
     if (bsp.leaves == 0) return limit;
     const double g = ray.g[2], z_in = ray.q[2] + in * g, z_out = ray.q[2] + out * g;
     const float low = float(std::min(z_in, z_out)), high = float(std::max(z_in, z_out));
     const auto range = layer.occupied(tile);
     if (high + kDepthSlack < range.z0 || low - kDepthSlack > range.z1) return limit;
-    const double slack = kHitSlack / ray.length();
     const bool upwards = g >= 0;
     const auto visit = [&](int l) {
         const std::span<const uint32_t> ids = layer.leaf(tile, l);
@@ -49,13 +48,13 @@ double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalR
 template <class Layer, class Leaf>
 void walk_field(std::span<const Layer* const> layers, const CanonicalRay& ray, int n_tiles, LeafWalk how,
                 double limit, FieldSteps* steps, Leaf leaf) {
-    const double slack = kHitSlack / ray.length();
+    const double slack = kHitSlack / ray.length;
     walk_tiles(ray, n_tiles, [&](int column, int row, double in, double out) {
         if (steps) ++steps->tiles;
         for (const Layer* layer : layers) {
             if (!layer->rect.holds(column, row)) continue;
             const size_t tile = layer->rect.index(column, row);
-            limit = walk_tile(*layer, tile, how, ray, in, out, limit, steps, leaf);
+            limit = walk_tile(*layer, tile, how, ray, in, out, slack, limit, steps, leaf);
             if (limit < 0) return true;
         }
         return limit + slack <= out;

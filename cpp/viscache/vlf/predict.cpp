@@ -10,10 +10,10 @@ namespace {
 
 constexpr uint32_t kSamples = 8;
 
-/// Least bytes a field may have: its lists, if no tile were parted, and a word per tile.
+/// Least bytes a field may have: its lists, if no tile were parted, and 16 bytes a tile.
 double least_bytes(const FieldTriangles& triangles, const FieldSettings& s) {
     const double tiles = double(s.n_tiles) * s.n_tiles;
-    return s.n_directions * 4.0 * (tiles + expected_references(triangles.in_ball(), s.n_tiles));
+    return s.n_directions * (16 * tiles + 4 * expected_references(triangles.in_ball(), s.n_tiles));
 }
 
 /// Whether a field is predicted to fit. What is far too large is not tried.

@@ -40,37 +40,46 @@ void SubfieldBuilder::sort_by_tile(const TileRect& rect) {
     first_[0] = 0;
 }
 
-/// Appends the leaves of one tile.
-void SubfieldBuilder::add_tile(std::span<const TileEntry> entries, Subfield& made) {
-    if (entries.empty()) return;
+void SubfieldBuilder::require_room(size_t words) const {
+    if (pool_.size() + words >= std::numeric_limits<uint32_t>::max())
+        throw std::length_error("a subfield lists at most 2^32 - 2 triangles, n_tiles is too large");
+}
+
+/// Appends the leaves of one tile to the pool.
+Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
+    if (entries.empty()) return {};
     TileBsp bsp;
     if (shape_.tile_ranges) {
         bsp.z0 = kInfinity, bsp.z1 = -kInfinity;
         for (const TileEntry& e : entries)
             bsp.z0 = std::min(bsp.z0, e.low), bsp.z1 = std::max(bsp.z1, e.high);
-        made.ranges.back() = {bsp.z0, bsp.z1};
     }
     bsp.leaves = 1 << tile_depth(entries.size(), shape_.bsp_depth, shape_.leaf_target);
-    if (shape_.split == DepthSplit::kObject && shape_.bsp_depth > 0) {
-        borders_.resize(borders_.size() + size_t(bsp.leaves));
-        float* borders = borders_.data() + borders_.size() - bsp.leaves;
-        object_borders(entries, bsp.leaves, middles_, borders);
-        if (bsp.leaves > 1) bsp.borders = borders;
+    const size_t leaves = size_t(bsp.leaves);
+    require_room(leaves + 1);
+    const Subfield::Tile tile{uint32_t(pool_.size()), uint32_t(leaves), bsp.z0, bsp.z1};
+    if (shape_.split == DepthSplit::kObject && leaves > 1) {
+        pool_.push_back(uint32_t(borders_.size()));
+        borders_.resize(borders_.size() + leaves);
+        bsp.borders = borders_.data() + borders_.size() - leaves;
+        object_borders(entries, bsp.leaves, middles_, borders_.data() + borders_.size() - leaves);
     }
-    counts_.assign(size_t(bsp.leaves) + 1, 0);
-    for (const TileEntry& e : entries)
-        for (int l = bsp.leaf_of(e.low), last = bsp.leaf_of(e.high); l <= last; ++l) ++counts_[size_t(l) + 1];
-    const size_t start = ids_.size();
-    for (int l = 0; l < bsp.leaves; ++l) {
-        first_id_.push_back(uint32_t(start + counts_[size_t(l)]));
-        counts_[size_t(l) + 1] += counts_[size_t(l)];
-    }
-    if (start + counts_.back() >= std::numeric_limits<uint32_t>::max())
-        throw std::length_error("a subfield lists at most 2^32 - 2 triangles, n_tiles is too large");
-    ids_.resize(start + counts_.back());
+    const size_t ends = pool_.size(), ids = ends + leaves;
+    pool_.resize(ids);
     for (const TileEntry& e : entries)
         for (int l = bsp.leaf_of(e.low), last = bsp.leaf_of(e.high); l <= last; ++l)
-            ids_[start + counts_[size_t(l)]++] = e.id;
+            ++pool_[ends + size_t(l)];
+    uint64_t sum = 0;
+    for (size_t l = 0; l < leaves; ++l) {
+        const uint32_t count = pool_[ends + l];
+        pool_[ends + l] = uint32_t(sum), sum += count;  // where it begins, for now
+    }
+    require_room(sum);
+    pool_.resize(ids + sum);
+    for (const TileEntry& e : entries)
+        for (int l = bsp.leaf_of(e.low), last = bsp.leaf_of(e.high); l <= last; ++l)
+            pool_[ids + pool_[ends + size_t(l)]++] = e.id;
+    return tile;
 }
 
 Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
@@ -79,19 +88,13 @@ Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::sp
     Subfield made;
     made.rect = tight ? touched_rect() : TileRect{0, 0, shape_.grid.n, shape_.grid.n};
     sort_by_tile(made.rect);
-    first_id_.clear(), ids_.clear(), borders_.clear();
-    made.first_leaf.reserve(made.tiles() + 1);
-    if (shape_.tile_ranges) made.ranges.reserve(made.tiles());
-    for (size_t tile = 0; tile < made.tiles(); ++tile) {
-        made.first_leaf.push_back(uint32_t(first_id_.size()));
-        if (shape_.tile_ranges) made.ranges.push_back({0, 0});
-        add_tile(std::span(sorted_).subspan(first_[tile], first_[tile + 1] - first_[tile]), made);
-    }
-    made.first_leaf.push_back(uint32_t(first_id_.size()));
-    first_id_.push_back(uint32_t(ids_.size()));
-    made.first_id.assign(first_id_.begin(), first_id_.end());
-    made.ids.assign(ids_.begin(), ids_.end());
-    made.borders.assign(borders_.begin(), borders_.end());
+    pool_.clear(), borders_.clear();
+    made.tiles_.reserve(made.tiles());
+    for (size_t tile = 0; tile < made.tiles(); ++tile)
+        made.tiles_.push_back(
+            add_tile(std::span(sorted_).subspan(first_[tile], first_[tile + 1] - first_[tile])));
+    made.pool_.assign(pool_.begin(), pool_.end());
+    made.borders_.assign(borders_.begin(), borders_.end());
     return made;
 }
 

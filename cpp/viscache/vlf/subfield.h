@@ -29,37 +29,49 @@ struct TileRect {
     size_t index(int column, int row) const { return size_t(row - y) * size_t(width) + size_t(column - x); }
 };
 
-/// Lists in compressed rows: tile → leaves → triangles. A tile without triangles has no leaf.
-struct Subfield {
+/// Lists in compressed rows, tile by tile: where each leaf ends, then the triangles of all its leaves, side
+/// by side. What a ray needs of a tile lies in two places of memory, not in five: a ray without neighbours
+/// waits for memory most of the time.
+class Subfield {
+public:
     struct Range {
         float z0, z1;
     };
     TileRect rect;
-    std::vector<uint32_t> first_leaf;  ///< (tiles + 1)
-    std::vector<uint32_t> first_id;    ///< (leaves + 1)
-    std::vector<uint32_t> ids;         ///< ascending in a leaf
-    std::vector<Range> ranges;         ///< (tiles), or none
-    std::vector<float> borders;        ///< (leaves) for split at medians, or none
 
     size_t tiles() const { return rect.size(); }
-    /// Empty when leaves is 0.
+    /// Its leaves are 0 where there is nothing.
     TileBsp bsp(size_t tile) const {
-        TileBsp b;
-        b.leaves = int(first_leaf[tile + 1] - first_leaf[tile]);
-        if (!ranges.empty()) b.z0 = ranges[tile].z0, b.z1 = ranges[tile].z1;
-        if (!borders.empty() && b.leaves > 1) b.borders = borders.data() + first_leaf[tile];
-        return b;
+        const Tile& t = tiles_[tile];
+        const float* borders = cut_at_borders(t) ? borders_.data() + pool_[t.first] : nullptr;
+        return {t.z0, t.z1, int(t.leaves), borders};
     }
     /// Depths at which there is something.
-    Range occupied(size_t tile) const { return ranges.empty() ? Range{-1, 1} : ranges[tile]; }
+    Range occupied(size_t tile) const { return {tiles_[tile].z0, tiles_[tile].z1}; }
+    /// Ascending.
     std::span<const uint32_t> leaf(size_t tile, int l) const {
-        const uint32_t at = first_leaf[tile] + uint32_t(l);
-        return {ids.data() + first_id[at], ids.data() + first_id[at + 1]};
+        const Tile& t = tiles_[tile];
+        const uint32_t* ends = pool_.data() + t.first + cut_at_borders(t);
+        const uint32_t* ids = ends + t.leaves;
+        return {ids + (l ? ends[l - 1] : 0), ids + ends[l]};
     }
     uint64_t bytes() const {
-        return sizeof(uint32_t) * (first_leaf.size() + first_id.size() + ids.size()) +
-               sizeof(Range) * ranges.size() + sizeof(float) * borders.size();
+        return sizeof(Tile) * tiles_.size() + sizeof(uint32_t) * pool_.size() +
+               sizeof(float) * borders_.size();
     }
+
+private:
+    friend class SubfieldBuilder;
+    struct Tile {
+        uint32_t first = 0;  ///< in the pool
+        uint32_t leaves = 0;
+        float z0 = -1, z1 = 1;
+    };
+    bool cut_at_borders(const Tile& t) const { return !borders_.empty() && t.leaves > 1; }
+
+    std::vector<Tile> tiles_;
+    std::vector<uint32_t> pool_;  ///< per tile: index of its borders, if any; ends of leaves; triangles
+    std::vector<float> borders_;  ///< of tiles that are cut at medians: [l] is where leaf l begins
 };
 
 /// Builds subfields one after another; keeps its buffers.
@@ -81,13 +93,14 @@ private:
                    const Frame3& frame);
     TileRect touched_rect() const;
     void sort_by_tile(const TileRect& rect);
-    void add_tile(std::span<const TileEntry> entries, Subfield& made);
+    Subfield::Tile add_tile(std::span<const TileEntry> entries);
+    void require_room(size_t words) const;
 
     SubfieldShape shape_;
     std::vector<Touch> touches_;
     std::vector<size_t> first_;  ///< (tiles + 1) into sorted_
     std::vector<TileEntry> sorted_;
-    std::vector<uint32_t> counts_, first_id_, ids_;
+    std::vector<uint32_t> pool_;
     std::vector<float> borders_, middles_;
 };
 

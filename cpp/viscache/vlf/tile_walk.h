@@ -30,6 +30,7 @@ struct FieldRay {
 struct CanonicalRay {
     double q[3], g[3];  ///< origin and direction
     double t0, t1;      ///< the part inside; empty when t0 > t1
+    double length;      ///< of g
 
     CanonicalRay(const FieldRay& ray, const Frame3& frame, double t_min, double t_max)
         : t0(t_min), t1(t_max) {
@@ -38,6 +39,7 @@ struct CanonicalRay {
             q[i] = ray.o[0] * rows[i]->x + ray.o[1] * rows[i]->y + ray.o[2] * rows[i]->z;
             g[i] = ray.d[0] * rows[i]->x + ray.d[1] * rows[i]->y + ray.d[2] * rows[i]->z;
         }
+        length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
         for (int i = 0; i < 3; ++i) {
             if (g[i] == 0) {
                 if (std::fabs(q[i]) > 1) t1 = -kInfinity;
@@ -47,7 +49,6 @@ struct CanonicalRay {
             t0 = std::max(t0, std::min(a, b)), t1 = std::min(t1, std::max(a, b));
         }
     }
-    double length() const { return std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]); }
 };
 
 /// [VLF Sec. 3.3] Calls visit(tile_x, tile_y, t_in, t_out) for the tiles that a ray crosses, front to back,
@@ -58,7 +59,7 @@ void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
     if (!(ray.t0 <= ray.t1)) return;
     const double half = 0.5 * n, width = 2.0 / n;
     // Along an axis that the ray hardly follows it stays in its tile: it moves less than coverage is grown
-    const double least = 3e-7 * ray.length();
+    const double least = 3e-7 * ray.length;
     int tile[2], step[2];
     double inverse[2], next[2];
     for (int i = 0; i < 2; ++i) {

@@ -61,8 +61,12 @@ FieldStats VisibilityField::stats() const {
     s.built = store_.built(), s.given_up = store_.given_up(), s.bytes = triangles_.bytes();
     for (const auto& field : store_.present()) {
         const Subfield& f = *field;
-        ++s.subfields, s.tiles += f.tiles(), s.leaves += f.first_id.size() - 1, s.references += f.ids.size();
-        for (size_t i = 0; i < f.tiles(); ++i) s.empty_tiles += f.first_leaf[i] == f.first_leaf[i + 1];
+        ++s.subfields, s.tiles += f.tiles();
+        for (size_t i = 0; i < f.tiles(); ++i) {
+            const int leaves = f.bsp(i).leaves;
+            s.leaves += uint64_t(leaves), s.empty_tiles += leaves == 0;
+            for (int l = 0; l < leaves; ++l) s.references += f.leaf(i, l).size();
+        }
         s.bytes += f.bytes();
     }
     return s;
