@@ -88,6 +88,6 @@ def test_unknown_and_later_figures_are_refused(
     out = ["-o", str(tmp_path / "none")]
     assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
     assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
-    assert cli.main(["reproduce", "vlf-x5", *out]) == 2
+    assert cli.main(["reproduce", "aqvc-fig7", *out]) == 2
     assert "not there yet" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()

@@ -15,6 +15,7 @@ import viscache as vc
 from viscache import cli
 from viscache.figures import vlf_drawings, vlf_tracers
 from viscache.figures.vlf_frames import local_shading
+from viscache.figures.vlf_objects import ball
 from viscache.figures.vlf_occlusion import place
 from viscache.figures.vlf_tracers import Beams, camera_rays, first_hits, write_csv
 
@@ -109,6 +110,19 @@ def test_local_shading_is_direct_light_where_nothing_stands_between() -> None:
     assert local_shading(lit, view, []).max() == 0
 
 
+def test_the_object_that_moves_is_closed_and_of_the_size_asked_for() -> None:
+    for wanted in (100, 1000, 10_000):
+        vertices, triangles = ball(wanted, (0, 0, 0))
+        assert 0.7 * wanted < len(triangles) < 1.4 * wanted
+        np.testing.assert_allclose(np.linalg.norm(vertices, axis=1), 0.12)
+        a, b, c = (vertices[triangles[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        assert (np.linalg.norm(normal, axis=1) > 0).all()
+        # Enclosed volume by the divergence theorem: near a ball's, so there is no hole
+        volume = abs(np.einsum("nk,nk->n", a, normal).sum()) / 6
+        assert volume == pytest.approx(4 / 3 * np.pi * 0.12**3, rel=0.2)
+
+
 def test_a_table_has_every_column_of_its_rows(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
     assert path.read_text() == "x,y,z\n1,0.5,\n2,,a\n"
@@ -129,6 +143,7 @@ QUICK: dict[str, tuple[int, list[str]]] = {
     "vlf-x2": (0, ["vlf-x2.png", "vlf-x2-bands.png", "vlf-x2.csv"]),
     "vlf-x3": (3, ["vlf-x3.png", "vlf-x3.csv"]),
     "vlf-x4": (0, ["vlf-x4.png", "vlf-x4.csv"]),
+    "vlf-x5": (1, ["vlf-x5.png", "vlf-x5.csv"]),
 }
 
 

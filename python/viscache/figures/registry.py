@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from viscache.figures import vlf_axes, vlf_drawings, vlf_frames, vlf_occlusion, vlf_sweeps
+from viscache.figures import (
+    vlf_axes,
+    vlf_drawings,
+    vlf_frames,
+    vlf_objects,
+    vlf_occlusion,
+    vlf_sweeps,
+)
 from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_animation import temporal
@@ -58,7 +65,6 @@ FIGURES: dict[str, FigureInfo] = {
         aqvc_fig7="ray reduction, speed-up and quality over C_E",
         aqvc_fig8="comparison with shadow maps",
         aqvc_claims="numbers in the text of the quantized cache's paper",
-        vlf_x5="an object that moves: time of an update against a rebuild",
     ),
     "vlf-fig1": FigureInfo(
         description="tiles of an edge: supercover against DDA", function=vlf_drawings.figure1
@@ -100,6 +106,10 @@ FIGURES: dict[str, FigureInfo] = {
     "vlf-x4": FigureInfo(
         description="the aligned batch against Embree over points per triangle",
         function=vlf_axes.x4,
+    ),
+    "vlf-x5": FigureInfo(
+        description="an object that moves: time of an update against a rebuild",
+        function=vlf_objects.x5,
     ),
     "vismap-fig1": FigureInfo(
         description="an occluded glossy surface, with and without the control variate",

@@ -136,3 +136,6 @@ CHOOSER = Band(0.8, 1.01, "expected: a choice by predicted cost errs near the cr
 
 #: Time of a rebuild over that of an update, an object of 1 % of the triangles.
 UPDATE_PAYS = Band(2.0, math.inf, "expected: cost follows the triangles of the object")
+
+#: Share of rays answered unlike a field that was built with the object in its place.
+UPDATE_DIFFERS = Band(0.0, 1e-4, "expected: rays within rounding of an edge, moved in other digits")

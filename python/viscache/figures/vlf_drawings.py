@@ -185,25 +185,30 @@ SHOWN = {"A": ((-0.7, -0.6), (0.35, 0.75)), "B": ((-0.25, 0.7), (0.1, -0.8)),
 
 
 def _draw_rays(leaves: int) -> Any:
+    """Each ray with the tiles, or the leaves, that it visits."""
     n = 5
-    figure = new_figure((4.6, 4.6))
-    axes = figure.add_subplot(1, 1, 1)
-    for x in np.linspace(-1, 1, n + 1):
-        axes.plot([x, x], [-1, 1], color="0.6", lw=0.8)
-    for z in np.linspace(-1, 1, leaves + 1)[1:-1]:
-        axes.plot([-1, 1], [z, z], color="0.85", lw=0.6)
-    for name, (o, e) in SHOWN.items():
+    figure = new_figure((9.0, 3.4))
+    for column, (name, (o, e)) in enumerate(SHOWN.items()):
+        axes = figure.add_subplot(1, len(SHOWN), column + 1)
+        for x in np.linspace(-1, 1, n + 1):
+            axes.plot([x, x], [-1, 1], color="0.5", lw=0.8)
+        for z in np.linspace(-1, 1, leaves + 1)[1:-1]:
+            axes.plot([-1, 1], [z, z], color="0.8", lw=0.6)
         d = np.subtract(e, o)
         tiles, spans = core.walk_tiles((o[0], 0.0, o[1]), (d[0], 0.0, d[1]), n, 0.0, 1.0)
         for (tile, _), (t_in, t_out) in zip(tiles, spans, strict=True):
-            depths = np.sort(o[1] + np.array([t_in, t_out]) * d[1])
-            visited = _leaves(float(depths[0]), float(depths[1]), d[1] > 0, core.LeafWalk.LINEAR)
-            for leaf in visited if leaves > 1 else [None]:
-                low, height = (-1.0, 2.0) if leaf is None else (2 * leaf / leaves - 1, 2 / leaves)
+            for low, height in _visited(o[1] + np.array([t_in, t_out]) * d[1], d[1] > 0, leaves):
                 axes.add_patch(_rectangle((2 * tile / n - 1, low), 2 / n, height, "0.8"))
         axes.annotate("", xy=e, xytext=o, arrowprops={"arrowstyle": "->", "lw": 1.4})
-        axes.text(o[0] + 0.03, o[1] - 0.09, f"ray {name}", fontsize=9)
-    axes.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xlabel="tiles 1 to 5",
-             ylabel="along the beams")  # fmt: skip
-    axes.set_xticks([]), axes.set_yticks([])
+        axes.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title=f"ray {name}",
+                 xlabel="tiles 1 to 5", ylabel="along the beams")  # fmt: skip
+        axes.set_xticks([]), axes.set_yticks([])
     return figure
+
+
+def _visited(depths: Array, upwards: bool, leaves: int) -> list[tuple[float, float]]:
+    """Lower ends and heights of the leaves at some depths of a tile."""
+    if leaves == 1:
+        return [(-1.0, 2.0)]
+    found = _leaves(float(depths.min()), float(depths.max()), upwards, core.LeafWalk.LINEAR)
+    return [(2 * leaf / leaves - 1, 2 / leaves) for leaf in found]

@@ -1,0 +1,126 @@
+"""Beyond the visibility field's paper: what it costs to move an object (X5)."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import scenes
+from viscache.figures import vlf_bands as bands
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vlf_pictures import draw_lines
+from viscache.figures.vlf_sweeps import chords
+from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, write_csv
+from viscache.rays import Vlf
+from viscache.scene import Scene
+from viscache.vlf.dynamic import DynamicField
+
+Mode: TypeAlias = Literal["overlay", "in_place"]
+Mesh: TypeAlias = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
+
+TRIANGLES, QUICK_TRIANGLES = 100_000, 3_000
+#: Triangles of the object that moves, as shares of the scene's: 100 to 10,000.
+SHARES, QUICK_SHARES = (0.001, 0.003, 0.01, 0.03, 0.1), (0.01, 0.1)
+FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
+QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
+RADIUS = 0.12
+#: Where the object is taken, one place after another.
+STOPS = ((0.3, 0.5, 0.2), (-0.4, 0.4, -0.3), (0.1, 0.3, 0.5), (-0.2, 0.6, 0.1))
+CHORDS, QUICK_CHORDS = 50_000, 2_000
+
+
+def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
+    """A sphere of about that many triangles."""
+    rings = max(3, round(0.5 + (0.25 + triangles / 4) ** 0.5))
+    sectors = 2 * rings
+    theta = np.pi * np.arange(rings + 1) / rings
+    phi = 2 * np.pi * np.arange(sectors) / sectors
+    ring = np.sin(theta)[:, None]
+    p = np.stack([ring * np.cos(phi), np.cos(theta)[:, None] + 0 * phi, ring * np.sin(phi)], -1)
+    i, j = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
+    a, b = i * sectors + j, i * sectors + (j + 1) % sectors
+    below = a + sectors
+    quads = np.stack([np.stack([a, b, below], -1), np.stack([below, b, b + sectors], -1)])
+    # At the poles one of the two has no area
+    keep = np.concatenate([(i > 0).ravel(), (i < rings - 1).ravel()])
+    return RADIUS * p.reshape(-1, 3) + center, quads.reshape(-1, 3)[keep]
+
+
+def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
+    """CPU time of an update against that of building the field again."""
+    settings = QUICK_FIELD if quick else FIELD
+    scene: Scene = scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
+    rebuild = cpu_seconds(partial(settings.build, scene._core), 1 if quick else 2)
+    outcome = Outcome(
+        rows=[Row(what="CPU seconds of a rebuild", measured=rebuild,
+                  note=f"{scene.triangles} triangles, l {settings.n_directions}, n "
+                       f"{settings.n_tiles}, depth {settings.bsp_depth}")]
+    )  # fmt: skip
+    table: list[dict[str, Any]] = []
+    modes: tuple[Mode, ...] = ("overlay", "in_place")
+    for mode in modes:
+        field = DynamicField(scene, settings, mode=mode)
+        for share in QUICK_SHARES if quick else SHARES:
+            table.append(_move(field, scene, share, mode, quick))
+    for r in table:
+        banded = r["share"] == 0.01 and not quick
+        outcome.rows.append(
+            Row(what=f"{r['mode']}, {r['triangles']} triangles: a rebuild over an update",
+                measured=rebuild / r["seconds"], band=bands.UPDATE_PAYS if banded else None,
+                note=f"{1e3 * r['seconds']:.1f} CPU ms an update, {r['bytes'] / 1e6:.1f} MB")
+        )  # fmt: skip
+    outcome.rows.append(
+        Row(what="rays answered unlike a field built with the object in its place",
+            measured=max(r["differ"] for r in table), band=bands.UPDATE_DIFFERS)
+    )  # fmt: skip
+    lines: dict[str, tuple[list[float], list[float]]] = {}
+    for mode in modes:
+        points = [(r["triangles"], 1e3 * r["seconds"]) for r in table if r["mode"] == mode]
+        lines[mode] = ([float(x) for x, _ in points], [y for _, y in points])
+    across = lines["overlay"][0]
+    lines["rebuild"] = (across, [1e3 * rebuild] * len(across))
+    path = folder / "vlf-x5.png"
+    outcome.files += [
+        draw_lines(lines, path, x="triangles of the object", y="CPU ms"),
+        write_csv(folder / "vlf-x5.csv", table),
+    ]
+    return outcome
+
+
+def _move(
+    field: DynamicField, scene: Scene, share: float, mode: Mode, quick: bool
+) -> dict[str, Any]:
+    """Insert an object, take it from stop to stop, compare the last, and delete it."""
+    vertices, triangles = ball(round(share * scene.triangles), (0.0, 0.5, 0.0))
+    number = field.insert(vertices, triangles)
+    times = []
+    for stop in STOPS:
+        matrix = np.eye(4)
+        matrix[:3, 3] = stop
+        times.append(cpu_seconds(partial(field.transform, number, matrix), 1))
+    beams = chords(scene, QUICK_CHORDS if quick else CHORDS)
+    found = field.intersect(beams.origins, beams.directions).t
+    with_object = _with_object(scene, vertices + np.array(STOPS[-1]), triangles)
+    fresh = Vlf(n_directions=33, n_tiles=64, bsp_depth=3).build(with_object._core)
+    expected = fresh.intersect(beams.origins, beams.directions)[0]
+    nbytes = field.stats["bytes"]
+    field.delete(number)
+    return {
+        "mode": mode, "share": share, "triangles": len(triangles),
+        "seconds": float(np.median(times)), "bytes": nbytes,
+        "differ": float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0))),
+    }  # fmt: skip
+
+
+def _with_object(
+    scene: Scene, vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int64]
+) -> Scene:
+    """The scene's triangles and the object's as one mesh."""
+    parts = [(m["vertices"], m["triangles"]) for m in scene.meshes()] + [(vertices, triangles)]
+    first = np.cumsum([0] + [len(v) for v, _ in parts[:-1]])
+    faces = [np.asarray(t, np.int64) + f for (_, t), f in zip(parts, first, strict=True)]
+    return Scene.from_arrays(np.concatenate([v for v, _ in parts]), np.concatenate(faces))
