@@ -2,7 +2,7 @@
 #include <pybind11/native_enum.h>
 
 #include "caster_queries.h"
-#include "viscache/vlf/auto_settings.h"
+#include "viscache/vlf/visibility_field.h"
 
 namespace viscache::bindings {
 
@@ -26,17 +26,6 @@ std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, cons
         },
         progress);
     return field;
-}
-
-uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& settings, int threads) {
-    settings.validate();
-    uint64_t bytes = 0;
-    run_interruptible([&](Control& control) {
-        const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
-        bytes = predicted_bytes(triangles, chosen_settings(triangles, settings, threads, control), threads,
-                                control);
-    });
-    return bytes;
 }
 
 uint32_t checked_direction(const VisibilityField& field, uint32_t direction) {
@@ -126,6 +115,7 @@ void bind_vlf_field(py::module_& m) {
         .def_readwrite("lazy", &FieldSettings::lazy)
         .def_readwrite("snap", &FieldSettings::snap)
         .def_readwrite("max_bytes", &FieldSettings::max_bytes)
+        .def_readwrite("max_build_s", &FieldSettings::max_build_s)
         .def("validate", &FieldSettings::validate);
     py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
                                                                                    "Rays by look-up.");
@@ -139,16 +129,6 @@ void bind_vlf_field(py::module_& m) {
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
              "By way of given subfields: t, triangle (N,), any (N,), steps of each kind.");
     bind_queries(field);
-    v.def(
-        "expected_references",
-        [](const std::shared_ptr<Scene>& scene, int n_tiles) {
-            check_tiles(n_tiles);
-            const FieldTriangles triangles(scene, TriangleKernel::kWatertight, 1);
-            return expected_references(triangles.in_ball(), n_tiles);
-        },
-        py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
-    v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
-          "Bytes of a field before it is built.");
 }
 
 }  // namespace viscache::bindings

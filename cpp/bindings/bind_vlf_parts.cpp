@@ -1,11 +1,12 @@
-// What the visibility field is made of: tiles of triangles, tiles of rays, leaves of depths.
+// What the visibility field is made of: tiles of triangles, tiles of rays, leaves of depths; what it will
+// cost.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
+#include "viscache/vlf/auto_settings.h"
 #include "viscache/vlf/rasterize.h"
 #include "viscache/vlf/tile_bsp.h"
 #include "viscache/vlf/tile_walk.h"
-#include "viscache/vlf/visibility_field.h"
 
 namespace viscache::bindings {
 
@@ -71,6 +72,17 @@ std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>&
     return order;
 }
 
+uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& settings, int threads) {
+    settings.validate();
+    uint64_t bytes = 0;
+    run_interruptible([&](Control& control) {
+        const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
+        bytes = predicted_bytes(triangles, chosen_settings(triangles, settings, threads, control), threads,
+                                control);
+    });
+    return bytes;
+}
+
 }  // namespace
 
 void bind_vlf_parts(py::module_& m) {
@@ -83,6 +95,25 @@ void bind_vlf_parts(py::module_& m) {
     v.def("walk_leaves", &leaves, py::arg("z0"), py::arg("z1"), py::arg("leaves"), py::arg("borders"),
           py::arg("low"), py::arg("high"), py::arg("upwards"), py::arg("how"));
     v.def("tile_depth", &tile_depth, py::arg("count"), py::arg("depth"), py::arg("leaf_target"));
+    v.def(
+        "expected_references",
+        [](const std::shared_ptr<Scene>& scene, int n_tiles) {
+            check_tiles(n_tiles);
+            const FieldTriangles triangles(scene, TriangleKernel::kWatertight, 1);
+            return expected_references(triangles.in_ball(), n_tiles);
+        },
+        py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
+    v.def(
+        "expected_build_s",
+        [](const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
+            settings.validate();
+            check_tiles(settings.n_tiles);
+            const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
+            return expected_build_s(triangles, settings);
+        },
+        py::arg("scene"), py::arg("settings"), "CPU seconds to build, by rule of thumb.");
+    v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
+          "Bytes of a field before it is built.");
 }
 
 }  // namespace viscache::bindings

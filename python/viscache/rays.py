@@ -113,6 +113,8 @@ class Vlf:
         Approximate: every ray runs along its nearest axis, up to 5° off at l = 513.
     max_bytes : int >= 1
         A field that needs more raises MemoryError before it is built.
+    max_build_s : float >= 0
+        CPU seconds that "auto" parameters may take to build, by rule of thumb; 0: any.
 
     Examples
     --------
@@ -135,6 +137,7 @@ class Vlf:
     lazy: bool = False
     snap: bool = False
     max_bytes: int = 2 << 30
+    max_build_s: float = 0.0
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -167,6 +170,7 @@ class Vlf:
         core.walk = _core.vlf.LeafWalk[self.walk.upper()]
         core.kernel = _core.visibility.TriangleKernel[self.kernel.upper()]
         core.lazy, core.snap, core.max_bytes = self.lazy, self.snap, self.max_bytes
+        core.max_build_s = self.max_build_s
         core.validate()
         return core
 

@@ -108,7 +108,7 @@ def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None
     changed = {
         "n_directions": 33, "n_tiles": 7, "bsp_depth": 2, "leaf_target": 9, "split": "object",
         "walk": "stack", "tile_ranges": False, "kernel": "wald", "head_room": 1.5, "lazy": True,
-        "snap": True, "max_bytes": 10**6,
+        "snap": True, "max_bytes": 10**6, "max_build_s": 2.5,
     }  # fmt: skip
     for name, value in changed.items():
         made = values(vc.Vlf(**{name: value}).core())
@@ -153,6 +153,7 @@ BAD = [
     (vc.Vlf, {"bsp_depth": -1}, "bsp_depth must be"),
     (vc.Vlf, {"leaf_target": -1}, "leaf_target must be"),
     (vc.Vlf, {"head_room": 0.5}, r"head_room must be in \[1, 1000\]"),
+    (vc.Vlf, {"max_build_s": -1.0}, "max_build_s must be >= 0"),
     (vc.Vlf, {"split": "median"}, "split must be"),
     (vc.Vlf, {"max_bytes": 0}, "max_bytes must be"),
     (vc.Exact, {"order": "by_row"}, "order must be"),

@@ -21,6 +21,10 @@ double rough_bytes(const FieldTriangles& triangles, const FieldSettings& s, doub
     return double(triangles.bytes()) + s.n_directions * (16 * tiles + 4 * leaves + 4 * references);
 }
 
+double build_s(const FieldSettings& s, double references) {
+    return s.n_directions * (75e-9 * references + 27e-9 * s.n_tiles * s.n_tiles);
+}
+
 struct Candidate {
     FieldSettings settings;
     double cost;
@@ -41,6 +45,7 @@ std::vector<Candidate> candidates(const FieldTriangles& triangles, const FieldSe
                 if (given.n_directions == 0) s.n_directions = l;
                 if (given.bsp_depth < 0) s.bsp_depth = depth;
                 if (rough_bytes(triangles, s, references) > 1.5 * double(s.max_bytes)) continue;
+                if (s.max_build_s > 0 && build_s(s, references) > s.max_build_s) continue;
                 found.push_back({s, expected_cost(triangles, s).total()});
             }
     }
@@ -62,6 +67,10 @@ FieldCost expected_cost(const FieldTriangles& triangles, const FieldSettings& s)
     return {tiles, visited * listed / leaves};
 }
 
+double expected_build_s(const FieldTriangles& triangles, const FieldSettings& s) {
+    return build_s(s, expected_references(triangles.in_ball(), s.n_tiles));
+}
+
 FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettings& given, int threads,
                               const Control& control) {
     const bool open = given.n_directions == 0 || given.n_tiles == 0 || given.bsp_depth < 0;
@@ -74,7 +83,7 @@ FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettin
     if (given.n_directions == 0) least.n_directions = kCounts[0];
     if (given.n_tiles == 0) least.n_tiles = kTiles[0];
     if (given.bsp_depth < 0) least.bsp_depth = 0;
-    return least;  // too large as well, as check_budget says
+    return least;  // where it is too large as well, check_budget says so
 }
 
 }  // namespace viscache

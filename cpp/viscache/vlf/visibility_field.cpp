@@ -32,6 +32,7 @@ void FieldSettings::validate() const {
     require(leaf_target >= 0 && leaf_target <= 1 << 20, "leaf_target must be in [0, 2^20]",
             std::to_string(leaf_target));
     require(head_room >= 1 && head_room <= 1000, "head_room must be in [1, 1000]", std::to_string(head_room));
+    require(max_build_s >= 0, "max_build_s must be >= 0", std::to_string(max_build_s));
 }
 
 SubfieldShape FieldSettings::shape() const {

@@ -27,6 +27,7 @@ struct FieldSettings {
     bool lazy = false;                       ///< subfields are built by the first ray of their direction
     bool snap = false;                       ///< rays run along their nearest axis: approximate
     uint64_t max_bytes = uint64_t{2} << 30;  ///< of subfields and triangles
+    double max_build_s = 0;                  ///< CPU seconds that what is chosen may take to build; 0 = any
 
     /// Throws std::invalid_argument that says what must hold.
     void validate() const;

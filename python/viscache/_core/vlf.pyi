@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
@@ -74,6 +74,12 @@ class FieldSettings:
         ...
     @leaf_target.setter
     def leaf_target(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_build_s(self) -> float:
+        ...
+    @max_build_s.setter
+    def max_build_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def max_bytes(self) -> int:
@@ -182,6 +188,10 @@ def directions(n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy
 def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool | None = None, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
     """
     The same bits by Embree.
+    """
+def expected_build_s(scene: viscache._core.Scene, settings: FieldSettings) -> float:
+    """
+    CPU seconds to build, by rule of thumb.
     """
 def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt | typing.SupportsIndex) -> float:
     """
