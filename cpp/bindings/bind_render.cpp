@@ -104,6 +104,11 @@ void bind_render(py::module_& m) {
         .value("MIS", EnvironmentSampling::kMis)
         .value("PRODUCT", EnvironmentSampling::kProduct)
         .finalize();
+    py::native_enum<AmbientEngine>(m, "AmbientEngine", "enum.Enum", "Who traces shared directions.")
+        .value("AUTO", AmbientEngine::kAuto)
+        .value("BATCH", AmbientEngine::kBatch)
+        .value("EMBREE", AmbientEngine::kEmbree)
+        .finalize();
     py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
         .value("INDEPENDENT", PointSet::kIndependent)
         .value("ZERO_TWO", PointSet::kZeroTwo)
@@ -130,6 +135,8 @@ void bind_render(py::module_& m) {
         .def_readwrite("n_ambient", &IntegratorSettings::n_ambient)
         .def_readwrite("ambient_cosine", &IntegratorSettings::ambient_cosine)
         .def_readwrite("ambient_max_distance", &IntegratorSettings::ambient_max_distance)
+        .def_readwrite("ambient_aligned", &IntegratorSettings::ambient_aligned)
+        .def_readwrite("ambient_engine", &IntegratorSettings::ambient_engine)
         .def_readwrite("vpl_max_depth", &IntegratorSettings::vpl_max_depth)
         .def_readwrite("vpl_candidates", &IntegratorSettings::vpl_candidates)
         .def_readwrite("vpl_eye_points", &IntegratorSettings::vpl_eye_points)

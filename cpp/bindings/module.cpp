@@ -15,6 +15,7 @@ void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
 void bind_relighting(py::module_& m);
 void bind_render(py::module_& m);
+void bind_render_aligned(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
@@ -60,6 +61,7 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_render(m);
     bind_vlf_directions(m);
     bind_vlf_aligned(m);
+    bind_render_aligned(m);
     bind_vlf_field(m);
     bind_vlf_dynamic(m);
     bind_vlf_parts(m);

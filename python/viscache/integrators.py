@@ -139,6 +139,14 @@ class AmbientOcclusion:
         How directions are drawn; both give the cosine-weighted share.
     max_distance : float >= 0
         Blockers farther away do not count, in scene units; 0 = unlimited.
+    directions : {"own", "shared"}
+        "own": each eye point draws its directions. "shared": all look along the directions of
+        `vlf.directions` on their side (VLF Sec. 7), weighted by solid angle and cosine, which
+        costs several times less; no noise, but what n_samples directions miss, all pixels miss.
+        `n_samples` must be one of vlf.DIRECTION_COUNTS, e.g. 513; `distribution` and the frame's
+        seed have no part in the directions.
+    engine : {"auto", "batch", "embree"}
+        Who traces shared directions, as in `vlf.trace_aligned`.
     p_mode, cosmin
         As in `Direct`.
     """
@@ -146,6 +154,8 @@ class AmbientOcclusion:
     n_samples: int = 64
     distribution: Literal["cosine", "uniform"] = "cosine"
     max_distance: float = 0.0
+    directions: Literal["own", "shared"] = "own"
+    engine: Literal["auto", "batch", "embree"] = "auto"
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
@@ -153,6 +163,11 @@ class AmbientOcclusion:
         check_types(self)
         require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
         require(self.max_distance >= 0, "max_distance must be >= 0", self.max_distance)
+        require(
+            self.directions == "own" or _core.vlf.is_direction_count(self.n_samples),
+            "n_samples must be 1 or 2·4^k + 1 up to 8193, e.g. 513, with shared directions",
+            self.n_samples,
+        )
         _check_density(self)
 
 
@@ -180,6 +195,8 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
         core.n_ambient = integrator.n_samples
         core.ambient_cosine = integrator.distribution == "cosine"
         core.ambient_max_distance = integrator.max_distance
+        core.ambient_aligned = integrator.directions == "shared"
+        core.ambient_engine = _core.AmbientEngine[integrator.engine.upper()]
         return core
     for field in fields(integrator):
         if field.name not in ("p_mode", "environment", "points"):

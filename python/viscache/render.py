@@ -107,6 +107,7 @@ def render(
         require(isinstance(value, known), f"{name} must be {classes}", value)
     check_rays(rays)
     _check_use(use, visibility, integrator)
+    _check_shared(integrator, rays, visibility)
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
@@ -121,6 +122,12 @@ def render(
         parts = (scene._core, caster, view, core, frame)
         if isinstance(visibility, Aqvc):
             result = _core.render_aqvc(*parts, visibility.core(), progress=report)
+        elif core.ambient_aligned:
+            embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
+            result = _core.render_aligned(
+                scene._core, embree, view, core, frame, _batch_for(scene, integrator, frame),
+                progress=report,
+            )  # fmt: skip
         elif isinstance(visibility, VisMaps):
             result = render_with_maps(
                 scene, geometry, rays, *parts[1:], visibility, replace=use == "replace",
@@ -152,12 +159,31 @@ def render(
             "seed": seed,
             "camera": view.name,
             "tile_edge_px": result["tile_edge_px"],
+            **({"engine": result["engine"]} if "engine" in result else {}),
         },
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator, visibility),
     )
     made.counters["sha256"] = made.sha256
     return made
+
+
+def _batch_for(
+    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
+) -> list[_core.vlf.AlignedBatch]:
+    """The batch a frame of shared directions may use; none where Embree traces them anyway."""
+    engine = integrator.engine if isinstance(integrator, AmbientOcclusion) else "embree"
+    n_points = frame.width * frame.height * frame.spp
+    hopeless = engine == "auto" and _core.vlf.is_hopeless(scene.triangles, n_points)
+    return [] if engine == "embree" or hopeless else [scene.aligned_batch()]
+
+
+def _check_shared(integrator: Integrator, rays: Rays, visibility: Visibility) -> None:
+    if isinstance(integrator, AmbientOcclusion) and integrator.directions == "shared":
+        require(isinstance(rays, Embree) and rays.robust,
+                "rays must be vc.Embree() with shared directions", rays)  # fmt: skip
+        require(isinstance(visibility, Exact),
+                "visibility must be vc.Exact(...) with shared directions", visibility)  # fmt: skip
 
 
 def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) -> None:

@@ -17,6 +17,8 @@ AMBIENT = {
     "n_samples": "n_ambient",
     "distribution": "ambient_cosine",
     "max_distance": "ambient_max_distance",
+    "directions": "ambient_aligned",
+    "engine": "ambient_engine",
 }
 #: What is chosen by taking one class or the other.
 CHOSEN_BY_CLASS = {"direct", "ambient", "n_vpls", "max_depth", "shade_after_specular"}
@@ -74,6 +76,9 @@ def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
         False,
         2.5,
     )
+    shared = core_settings(vc.AmbientOcclusion(n_samples=129, directions="shared", engine="batch"))
+    assert (shared.n_ambient, shared.ambient_aligned) == (129, True)
+    assert shared.ambient_engine == _core.AmbientEngine.BATCH
 
 
 def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:

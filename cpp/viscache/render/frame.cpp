@@ -98,6 +98,7 @@ struct FrameContext {
     EyePathTracer tracer;
     std::vector<SharedLights> shared;
     const ProductContext* product = nullptr;  ///< of the environment; nullptr: other ways, or none
+    const AmbientShares* shares = nullptr;    ///< of shared directions
 };
 
 /// One thread's work on tiles; buffers are kept between them.
@@ -109,7 +110,7 @@ public:
         if (c_.product) product_.emplace(*c_.product);
     }
 
-    void render(const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
+    void render(size_t number, const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
                 ProductSeconds& product, const Control& control) {
         StageClock clock;
         c_.tracer.trace(tile, eyes_, counters, control);
@@ -122,6 +123,7 @@ public:
             add_shared(lights, counters, stages, clock, control);
         }
         add_local(counters, stages, clock, control);
+        if (c_.shares) add_shares(c_.shares->first[number]);
         if (product_) add_product(tile, counters, stages, product, control);
         clock.skip();
         write(tile, out);
@@ -180,7 +182,7 @@ private:
                 if (!is_black(eyes_.shading[eye]))
                     add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
             });
-        if (s.ambient)
+        if (s.ambient && !s.ambient_aligned)
             add_batches(s.n_ambient, counters, stages, clock, control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
     }
@@ -210,6 +212,13 @@ private:
             clock.lap(stages.shading);
             first = last;
         }
+    }
+
+    /// Ambient occlusion by shared directions; `first`: number of the tile's first eye point.
+    void add_shares(size_t first) {
+        std::vector<Rgb>& sum = sums_[size_t(LightGroup::kAmbient)];
+        for (size_t i = 0; i < eyes_.size(); ++i)
+            sum[eyes_.pixel[i]] += eyes_.throughput[i] * c_.shares->share[first + i];
     }
 
     EyeShade shade(size_t i) const {
@@ -280,7 +289,8 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, const O
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
-                         const OracleFactory& make_oracle, Control& control, const EnvironmentMaps* maps) {
+                         const OracleFactory& make_oracle, Control& control, const EnvironmentMaps* maps,
+                         const AlignedEngines* aligned) {
     check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
@@ -312,6 +322,15 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
     const auto tiles = cut_tiles(frame.width, frame.height, out.tile_edge_px);
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
+    std::optional<AmbientShares> shares;
+    if (integrator.ambient && integrator.ambient_aligned) {
+        control.total = size_t(integrator.n_ambient);
+        shares.emplace(aligned_ambient(context.tracer, tiles, *aligned, frame.threads, control));
+        context.shares = &*shares;
+        out.aligned = shares->choice, out.aligned_s = shares->trace_s;
+        counters.merge(shares->counters);
+        control.done = 0;
+    }
     control.total = tiles.size();
 
     // Tiles write disjoint pixels; counters are merged in tile order
@@ -323,7 +342,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         control.check();
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
-        mine->render(tiles[i], out, counted[i], stages[i], product_stages[i], control);
+        mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
         control.done.fetch_add(1);
     });
     for (size_t i = 0; i < tiles.size(); ++i)

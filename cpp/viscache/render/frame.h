@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "viscache/math/parallel.h"
+#include "viscache/render/aligned_ambient.h"
 #include "viscache/render/environment_product.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/shared_lights.h"
@@ -39,6 +40,8 @@ struct FrameResult {
     std::optional<Forecast> forecast;  ///< of frames with maps
     std::optional<RecordTally> tally;  ///< where the map source has numbered records
     double pilot_s = 0;                ///< wall seconds of the trial
+    std::optional<EngineChoice> aligned;  ///< of ambient occlusion along shared directions
+    double aligned_s = 0;                 ///< wall seconds of its rays and sums
     double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
     size_t n_vpls = 0;
     int tile_edge_px = 0;
@@ -57,9 +60,10 @@ struct EnvironmentMaps {
     VisMapSettings settings;
 };
 
+/// `aligned` must be there if the integrator asks for shared directions.
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          const OracleFactory& make_oracle, Control& control,
-                         const EnvironmentMaps* maps = nullptr);
+                         const EnvironmentMaps* maps = nullptr, const AlignedEngines* aligned = nullptr);
 
 }  // namespace viscache

@@ -19,6 +19,13 @@ enum class EnvironmentSampling {
     kProduct,  ///< by light × reflection
 };
 
+/// Who traces ambient occlusion along shared directions.
+enum class AmbientEngine {
+    kAuto,  ///< by predicted cost
+    kBatch,
+    kEmbree,
+};
+
 struct IntegratorSettings {
     // Which parts are on
     bool direct = true;    ///< point, directional, area and environment light
@@ -39,6 +46,8 @@ struct IntegratorSettings {
     int n_ambient = 64;
     bool ambient_cosine = true;      ///< false: uniform directions
     float ambient_max_distance = 0;  ///< 0 = unlimited
+    bool ambient_aligned = false;    ///< along the n_ambient directions of a visibility field
+    AmbientEngine ambient_engine = AmbientEngine::kAuto;
 
     // Virtual point lights
     int vpl_max_depth = 4;    ///< bounces after the light

@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'load_scene_file', 'look_at', 'read_image', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -214,6 +214,16 @@ class EnvironmentSampling(enum.Enum):
     @classmethod
     def __new__(cls, value):
         ...
+class AmbientEngine(enum.Enum):
+    """
+    Who traces shared directions.
+    """
+    AUTO: typing.ClassVar[AmbientEngine]
+    BATCH: typing.ClassVar[AmbientEngine]
+    EMBREE: typing.ClassVar[AmbientEngine]
+    @classmethod
+    def __new__(cls, value):
+        ...
 class PointSet(enum.Enum):
     """
     Points of the square.
@@ -234,7 +244,9 @@ class PacketOrder(enum.Enum):
         ...
 class IntegratorSettings:
     ambient: bool
+    ambient_aligned: bool
     ambient_cosine: bool
+    ambient_engine: AmbientEngine
     centred: bool
     direct: bool
     environment: EnvironmentSampling
@@ -420,6 +432,10 @@ def description_of(scene: Scene) -> SceneDescription:
     """
 def embree_version() -> str:
     ...
+def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], rows: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).
+    """
 def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     """
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
@@ -431,6 +447,10 @@ def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFlo
 def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
+    """
+def render_aligned(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: collections.abc.Sequence[vlf.AlignedBatch], *, progress: typing.Any = None) -> dict:
+    """
+    Ambient occlusion along shared directions; `batch` is one or none: by Embree.
     """
 def render_aqvc(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +14,9 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache.bench.frames import g_buffer
-from viscache.scene import Scene
+from viscache.integrators import AmbientOcclusion
+from viscache.render import render
+from viscache.scene import Scene, load_scene
 from viscache.vlf import direction_frames, trace_aligned
 
 __all__ = ["CASES", "Case", "vlf_ao"]
@@ -64,6 +68,8 @@ def vlf_ao(quick: bool = False) -> Outcome:
     for case in QUICK_CASES if quick else CASES:
         scene = scenes.setdefault(case.spec, build_scene(case.spec))
         _compare(outcome, case, scene, 2 if quick else 3)
+    if not quick:
+        _living_room(outcome)
     outcome.notes.append(
         "embree: loops over rtcOccluded8/16 with either traversal flag, axis by axis over packets"
         " of neighbouring points or point by point over packets of axes, whichever is fastest;"
@@ -114,6 +120,37 @@ def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
     outcome.check(f"{case.label}: share unlike embree", differing, DIFFERING)
     free = _ones(answers["ours"]) / rays
     outcome.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
+
+
+def _living_room(outcome: Outcome) -> None:
+    """A whole frame of a closed room: camera rays, shadow rays, sums."""
+    label = "AO living-room 1024x1024 frame"
+    folder = os.environ.get("VISCACHE_SCENES")
+    path = Path(folder) / "living-room" / "scene.xml" if folder else None
+    if path is None or not path.is_file():
+        outcome.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
+        return
+    scene, frames = load_scene(path), {}
+
+    def run(engine: Literal["auto", "embree"]) -> Sample:
+        settings = AmbientOcclusion(n_samples=513, directions="shared", engine=engine)
+        frames[engine] = render(scene, settings, size=(1024, 1024), threads=THREADS)
+        times = frames[engine].timings
+        return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
+
+    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
+    outcome.figures.append(
+        ratio_figure(
+            f"{label} vs embree",
+            samples["ours"],
+            samples["embree"],
+            goal=2.0,
+            plan="by axis, 16, flag by trial",
+            **frames["auto"].parameters["engine"],
+        )
+    )
+    difference = np.abs(frames["auto"].image - frames["embree"].image).mean()
+    outcome.check(f"{label}: mean difference to embree's", float(difference), DIFFERING)
 
 
 def _ones(bits: npt.NDArray[np.uint64]) -> int:

@@ -1,0 +1,116 @@
+#include "viscache/render/aligned_ambient.h"
+
+#include <chrono>
+namespace viscache {
+
+namespace {
+
+constexpr size_t kWordsPerRun = size_t{9} << 21;  // of rows kept at a time: 150 MB
+
+struct Points {
+    std::vector<Vec3> origin, normal;
+};
+
+/// The eye points of tiles [first, last), one list per tile.
+std::vector<Points> eye_points(const EyePathTracer& tracer, std::span<const Tile> tiles, int threads,
+                               Control& control) {
+    std::vector<Points> found(tiles.size());
+    std::vector<EyeTile> eyes(size_t(resolve_threads(threads)));
+    parallel_for(tiles.size(), threads, [&](size_t i, int worker) {
+        control.check();
+        Counters unused;  // the tiles are traced again where they are shaded
+        EyeTile& tile = eyes[size_t(worker)];
+        tracer.trace(tiles[i], tile, unused, control);
+        found[i] = {tile.block.origin, tile.block.normal};
+    });
+    return found;
+}
+
+void append(std::vector<Vec3>& to, const std::vector<Vec3>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Rows of some points by the engine asked for or chosen.
+EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const AlignedInput& input,
+                   std::span<Word> rows, int threads, Control& control) {
+    EngineChoice choice;
+    if (wish == AmbientEngine::kEmbree || !engines.batch)
+        choice.engine = AlignedEngine::kEmbree;
+    else if (wish == AmbientEngine::kAuto)
+        choice = choose_engine(*engines.batch, input, threads, control);
+    if (choice.engine == AlignedEngine::kBatch) {
+        engines.batch->rows(input, rows, threads, control);
+    } else {
+        const auto order = embree_order(engines.embree.scene().placed_triangles(), input.origin.size());
+        embree_rows(engines.embree, input, rows, order, 16, std::nullopt, threads, control);
+    }
+    return choice;
+}
+
+}  // namespace
+
+DirectionCells::DirectionCells(const Directions& directions) : count(directions.size()) {
+    for (std::vector<float>* v : {&x, &y, &z, &weight}) v->resize(words_for(count) * kWordBits);
+    for (size_t k = 0; k < count; ++k) {
+        const Vec3 w = directions.axes()[k];
+        x[k] = w.x, y[k] = w.y, z[k] = w.z, weight[k] = directions.weights()[k];
+    }
+}
+
+float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word> row) {
+    constexpr size_t kSums = 16;  // side by side, for the compiler's vectors
+    float seen[kSums] = {}, all[kSums] = {};
+    for (size_t first = 0; first < cells.count; first += kSums) {
+        const auto bits = int32_t(row[first / kWordBits] >> (first % kWordBits) & 0xffff);
+        for (size_t j = 0; j < kSums; ++j) {
+            const size_t k = first + j;
+            const float cosine = cells.x[k] * normal.x + cells.y[k] * normal.y + cells.z[k] * normal.z;
+            const float part = std::fabs(cosine) * cells.weight[k];
+            all[j] += part, seen[j] += bits & (1 << j) ? part : 0.f;
+        }
+    }
+    for (size_t j = 1; j < kSums; ++j) seen[0] += seen[j], all[0] += all[j];
+    return all[0] > 0 ? seen[0] / all[0] : 0.f;
+}
+
+AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Tile>& tiles,
+                              const AlignedEngines& engines, int threads, Control& control) {
+    const IntegratorSettings& s = tracer.integrator;
+    const Directions& directions = directions_of(uint32_t(s.n_ambient));
+    const DirectionCells cells(directions);
+    const size_t words = words_for(directions.size()), most = std::max<size_t>(1, kWordsPerRun / words);
+    const std::vector<Points> points = eye_points(tracer, tiles, threads, control);
+    AmbientShares out;
+    auto& counted = out.counters.groups[size_t(LightGroup::kAmbient)];
+    const auto start = std::chrono::steady_clock::now();
+    for (size_t tile = 0; tile < tiles.size();) {
+        Points run;
+        const size_t before = out.share.size();
+        for (; tile < tiles.size() && run.origin.size() < most; ++tile) {
+            out.first.push_back(before + run.origin.size());
+            append(run.origin, points[tile].origin), append(run.normal, points[tile].normal);
+        }
+        const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
+        std::vector<Word> rows(run.origin.size() * words);
+        const EngineChoice choice = trace(engines, s.ambient_engine,
+                                          {run.origin, run.normal, directions.frames(), t_max}, rows,
+                                          threads, control);
+        if (before == 0) out.choice = choice;
+        out.share.resize(before + run.origin.size());
+        constexpr size_t kChunk = 4096;
+        parallel_for((run.origin.size() + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
+            control.check();
+            const size_t last = std::min(run.origin.size(), (chunk + 1) * kChunk);
+            for (size_t i = chunk * kChunk; i < last; ++i)
+                out.share[before + i] =
+                    free_share(cells, run.normal[i], std::span(rows).subspan(i * words, words));
+        });
+        for (Word w : rows) counted.occluded -= uint64_t(std::popcount(w));
+        counted.queries += run.origin.size() * directions.size();
+    }
+    counted.rays = counted.queries, counted.occluded += counted.queries;
+    out.trace_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return out;
+}
+
+}  // namespace viscache

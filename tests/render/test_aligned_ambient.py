@@ -1,0 +1,103 @@
+"""Ambient occlusion along shared directions: the right shares, whoever traces them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from correlation.scenes import clutter, convex
+from render.test_interrupt import LIMIT, quickest_stop
+from viscache import _core
+from vlf.aligned_scenes import surface, unpacked
+
+Array = npt.NDArray[Any]
+SHARED = vc.AmbientOcclusion(n_samples=129, directions="shared")
+
+
+def shared(n: int = 129, **more: Any) -> vc.AmbientOcclusion:
+    return vc.AmbientOcclusion(n_samples=n, directions="shared", **more)
+
+
+@pytest.mark.parametrize("n", [1, 9, 129, 513])
+def test_a_share_is_the_weighted_mean_of_its_bits(n: int) -> None:
+    scene = clutter()
+    points, normals = surface(scene, 200)
+    bits = vc.aligned_occlusion(scene, points, normals, n)
+    weight = np.abs(normals.astype(float) @ vc.vlf.directions(n).T) * vc.vlf.direction_weights(n)
+    expected = (weight * unpacked(bits, n)).sum(1) / weight.sum(1)
+    np.testing.assert_allclose(_core.free_share(n, normals, bits), expected, atol=1e-5)
+
+
+def test_a_convex_body_is_lit_fully() -> None:
+    frame = vc.render(convex(), SHARED, size=(64, 64))
+    seen = frame.layers["coverage"][..., 0] == 1
+    np.testing.assert_allclose(frame.image[seen], 1, atol=1e-5)
+    assert frame.counters["occluded"] == 0 and seen.any()
+
+
+def test_it_agrees_with_directions_of_each_points_own() -> None:
+    """513 shared directions have no noise; the mean is within what their number leaves."""
+    scene = vc.scenes.bumpy_spheres(triangles=3000)
+    one = vc.render(scene, shared(513), size=(64, 64), spp=4)
+    other = vc.render(scene, vc.AmbientOcclusion(n_samples=1024), size=(64, 64), spp=4)
+    assert abs(one.image.mean() / other.image.mean() - 1) < 5e-3
+    assert np.sqrt(np.mean((one.image - other.image) ** 2)) < 0.02
+    np.testing.assert_array_equal(one.layers["depth"], other.layers["depth"])
+
+
+@pytest.mark.parametrize("max_distance", [0.0, 0.2])
+def test_engines_agree_and_threads_change_no_byte(max_distance: float) -> None:
+    scene = vc.scenes.bumpy_spheres(triangles=5000)
+    settings: dict[str, Any] = {"max_distance": max_distance}
+    batch = vc.render(scene, shared(engine="batch", **settings), size=(80, 60), spp=2, threads=1)
+    assert batch.parameters["engine"]["name"] == "batch"
+    for threads in (2, 5):
+        again = vc.render(
+            scene, shared(engine="batch", **settings), size=(80, 60), spp=2, threads=threads
+        )
+        assert again.sha256 == batch.sha256 and again.counters == batch.counters
+    embree = vc.render(scene, shared(engine="embree", **settings), size=(80, 60), spp=2)
+    assert embree.parameters["engine"]["name"] == "embree"
+    assert np.abs(embree.image - batch.image).max() < 0.02
+    assert np.abs(embree.image - batch.image).mean() < 1e-5
+    rays = batch.counters["rays"]
+    assert rays == batch.counters["queries"] and rays % 129 == 0
+    assert batch.counters["groups"]["ambient"]["rays"] == rays
+    assert 0 < batch.counters["occluded"] < rays
+
+
+def test_a_few_points_before_many_triangles_go_to_embree() -> None:
+    scene = vc.scenes.bumpy_spheres(triangles=100_000)
+    frame = vc.render(scene, SHARED, size=(16, 16))
+    assert frame.parameters["engine"]["name"] == "embree"
+
+
+def test_ctrl_c_stops_the_frame_soon() -> None:
+    call = (
+        "vc.render(scene, vc.AmbientOcclusion(n_samples=8193, directions='shared', "
+        "engine='batch'), size=(512, 512))"
+    )
+    assert quickest_stop(call, 1.0) < LIMIT
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"n_samples must be 1 or 2·4\^k \+ 1 .* got 64"):
+        vc.AmbientOcclusion(directions="shared")
+    scene = convex()
+    with pytest.raises(ValueError, match=r"visibility must be vc\.Exact"):
+        vc.render(scene, SHARED, visibility=vc.Aqvc(), size=(8, 8))
+    with pytest.raises(ValueError, match=r"rays must be vc\.Embree\(\) with shared directions"):
+        vc.render(scene, SHARED, rays=vc.Bsp(), size=(8, 8))
+    with pytest.raises(ValueError, match=r"rows must have shape \(1, 3\), got \(1, 1\)"):
+        _core.free_share(129, [[0, 0, 1.0]], np.zeros((1, 1), np.uint64))
+
+
+def test_an_empty_view_is_black() -> None:
+    d = vc.SceneDescription()
+    d.add_camera((0, 0, 0), (0, 0, 1), up=(0, 1, 0), fov_deg=30)
+    frame = vc.render(vc.Scene.from_description(d), SHARED, size=(8, 8))
+    assert not frame.image.any() and frame.counters["rays"] == 0
