@@ -18,10 +18,10 @@ void SubfieldStore::build_all(std::span<const FlatTriangle> triangles, int threa
 SubfieldLease SubfieldStore::get_lazily(uint32_t direction) const {
     Slot& slot = slots_[direction];
     slot.used = ++clock_;
-    std::shared_ptr<const Subfield> field = slot.field.load();
+    std::shared_ptr<const Subfield> field = slot.load();
     if (!field) {
         const std::lock_guard lock(slot.building);
-        field = slot.field.load();
+        field = slot.load();
         if (!field) {
             SubfieldBuilder builder(shape_);
             field = std::make_shared<const Subfield>(
@@ -36,15 +36,15 @@ SubfieldLease SubfieldStore::get_lazily(uint32_t direction) const {
 void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> field) const {
     const std::lock_guard lock(room_);
     bytes_ += field->bytes(), ++built_;
-    slots_[direction].field.store(std::move(field));
+    slots_[direction].exchange(std::move(field));
     while (bytes_ > max_bytes_) {
         uint32_t oldest = direction;
         for (uint32_t i = 0; i < directions_.size(); ++i) {
             const bool older = oldest == direction || slots_[i].used < slots_[oldest].used;
-            if (i != direction && older && slots_[i].field.load()) oldest = i;
+            if (i != direction && older && slots_[i].load()) oldest = i;
         }
         if (oldest == direction) return;
-        bytes_ -= slots_[oldest].field.exchange(nullptr)->bytes(), ++given_up_;
+        bytes_ -= slots_[oldest].exchange(nullptr)->bytes(), ++given_up_;
     }
 }
 
@@ -52,7 +52,7 @@ std::vector<std::shared_ptr<const Subfield>> SubfieldStore::present() const {
     if (!lazy()) return {all_.begin(), all_.end()};
     std::vector<std::shared_ptr<const Subfield>> found;
     for (uint32_t i = 0; i < directions_.size(); ++i)
-        if (auto field = slots_[i].field.load()) found.push_back(std::move(field));
+        if (auto field = slots_[i].load()) found.push_back(std::move(field));
     return found;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "viscache/math/parallel.h"
@@ -46,9 +47,19 @@ public:
 
 private:
     struct Slot {
-        std::mutex building;
-        std::atomic<std::shared_ptr<const Subfield>> field;
-        std::atomic<uint64_t> used{0};  ///< time of the last use
+        std::mutex building, access;
+        std::shared_ptr<const Subfield> field;  ///< guarded by access
+        std::atomic<uint64_t> used{0};          ///< time of the last use
+
+        std::shared_ptr<const Subfield> load() {
+            const std::lock_guard lock(access);
+            return field;
+        }
+        /// The one before.
+        std::shared_ptr<const Subfield> exchange(std::shared_ptr<const Subfield> other) {
+            const std::lock_guard lock(access);
+            return std::exchange(field, std::move(other));
+        }
     };
     SubfieldLease get_lazily(uint32_t direction) const;
     void place(uint32_t direction, std::shared_ptr<const Subfield> field) const;
