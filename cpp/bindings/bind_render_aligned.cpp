@@ -48,7 +48,8 @@ void bind_render_aligned(py::module_& m) {
           "Ambient occlusion along shared directions; `batch` is one or none: by Embree.");
     m.def(
         "free_share",
-        [](uint32_t n_directions, const FloatArray& normals, const py::array_t<uint64_t, py::array::c_style | py::array::forcecast>& rows) {
+        [](uint32_t n_directions, const FloatArray& normals,
+           const py::array_t<uint64_t, py::array::c_style | py::array::forcecast>& rows) {
             const DirectionCells cells(directions_of(n_directions));
             const size_t words = words_for(cells.count);
             const std::span<const Vec3> n(rows3(normals, "normals"), size_t(normals.shape(0)));
@@ -57,8 +58,7 @@ void bind_render_aligned(py::module_& m) {
                                       std::to_string(words) + "), got " + shape_text(rows));
             py::array_t<float> out(normals.shape(0));
             for (size_t i = 0; i < n.size(); ++i)
-                out.mutable_data()[i] =
-                    free_share(cells, n[i], {rows.data() + i * words, words});
+                out.mutable_data()[i] = free_share(cells, n[i], {rows.data() + i * words, words});
             return out;
         },
         py::arg("n_directions"), py::arg("normals"), py::arg("rows"),

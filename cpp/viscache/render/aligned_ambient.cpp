@@ -92,9 +92,9 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         }
         const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
         std::vector<Word> rows(run.origin.size() * words);
-        const EngineChoice choice = trace(engines, s.ambient_engine,
-                                          {run.origin, run.normal, directions.frames(), t_max}, rows,
-                                          threads, control);
+        const EngineChoice choice =
+            trace(engines, s.ambient_engine, {run.origin, run.normal, directions.frames(), t_max}, rows,
+                  threads, control);
         if (before == 0) out.choice = choice;
         out.share.resize(before + run.origin.size());
         constexpr size_t kChunk = 4096;

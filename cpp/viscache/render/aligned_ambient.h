@@ -8,7 +8,7 @@ namespace viscache {
 
 /// Who traces a frame's shared directions.
 struct AlignedEngines {
-    const AlignedBatch* batch = nullptr;    ///< nullptr: too few points for the scene's triangles
+    const AlignedBatch* batch = nullptr;  ///< nullptr: too few points for the scene's triangles
     const EmbreeCaster& embree;
 };
 

@@ -36,13 +36,13 @@ struct FrameResult {
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
     StageSeconds stages;
-    ProductSeconds product;            ///< of the environment by product sampling; in `stages` too
-    std::optional<Forecast> forecast;  ///< of frames with maps
-    std::optional<RecordTally> tally;  ///< where the map source has numbered records
-    double pilot_s = 0;                ///< wall seconds of the trial
+    ProductSeconds product;               ///< of the environment by product sampling; in `stages` too
+    std::optional<Forecast> forecast;     ///< of frames with maps
+    std::optional<RecordTally> tally;     ///< where the map source has numbered records
+    double pilot_s = 0;                   ///< wall seconds of the trial
     std::optional<EngineChoice> aligned;  ///< of ambient occlusion along shared directions
     double aligned_s = 0;                 ///< wall seconds of its rays and sums
-    double lights_s = 0, tiles_s = 0;  ///< wall seconds: making VPLs and groups; all tiles
+    double lights_s = 0, tiles_s = 0;     ///< wall seconds: making VPLs and groups; all tiles
     size_t n_vpls = 0;
     int tile_edge_px = 0;
     int threads = 0;
