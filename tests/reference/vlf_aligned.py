@@ -74,13 +74,9 @@ def free_along(
 
 
 def blocked(x: Array, y: Array, z: Array, up: bool, reach: np.float32) -> bool:
-    """Corners (T, 3) relative to the point: does any triangle block?"""
-    edge, det, t = functions(x, y, z)
-    unsure = (edge == 0).any(1)
-    edge64, det64, t64 = functions(*(c[unsure].astype(float) for c in (x, y, z)))
-    hit = decided(edge, det, t, up, reach)
-    hit[unsure] = decided(edge64, det64, t64, up, float(reach))
-    return bool(hit.any())
+    """Corners (T, 3) float32 relative to the point: does any triangle block? In double."""
+    edge, det, t = functions(*(c.astype(float) for c in (x, y, z)))
+    return bool(decided(edge, det, t, up, float(reach)).any())
 
 
 def functions(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
