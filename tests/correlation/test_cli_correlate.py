@@ -109,6 +109,7 @@ def test_bad_usage_is_one_line_and_status_2(
     assert captured.out == "" and list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_the_script_measures_scenes_one_after_another(tmp_path: Path) -> None:
     script = ROOT / "scripts/correlation.py"
     assert len(script.read_text().splitlines()) <= 30

@@ -290,6 +290,7 @@ def test_in_a_furnace_a_convex_body_of_albedo_one_is_as_bright_as_the_sky(sampli
     assert 5 * sigma < 0.01, "a hundredth less light would show"
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_the_switch_guides_the_room_and_not_the_garden_and_leaves_the_mean() -> None:
     for scene, guided in (

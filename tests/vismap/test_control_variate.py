@@ -235,6 +235,7 @@ def ratios(made: World, kind: PointSet, n: int, mode: AlphaMode, passes: int = 4
     return ours / plain
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_in_a_garden_regression_keeps_the_variate_from_harming() -> None:
     made = world("garden", records=100, pixels=20)
