@@ -64,7 +64,8 @@ void all_records_are_found_and_no_point_wants_more(MapCache& cache, const std::s
         check(cache.has_duplicate({h.position, h.normal, 0.3f, 0}), what + ": a record is found where it is");
     }
     size_t wanting = 0;
-    for (const CachePoint& p : points()) wanting += wants_record(cache.judge(p, cache.select(p)));
+    NeighbourList around;
+    for (const CachePoint& p : points()) wanting += wants_record(cache.judge(p, cache.select(p, around)));
     check_equal(wanting, size_t{0}, what + ": points that want a record");
 }
 
@@ -95,7 +96,8 @@ void blended_maps_outlive_later_insertions() {
     MapCache cache = cache_of(Criterion::kVisibility);
     const std::vector<Word> map(map_words(4), 0x00ff00ff00ff00ffull);
     cache.add({{0, 0, 0}, {0, 1, 0}}, map.data(), {});
-    const BlendedMaps maps = cache.blend(cache.select({{0.01f, 0, 0}, {0, 1, 0}, 0.3f, 0}));
+    NeighbourList around;
+    const BlendedMaps maps = cache.blend(cache.select({{0.01f, 0, 0}, {0, 1, 0}, 0.3f, 0}, around));
     check_equal(maps.count, 1, "records blended");
     for (int i = 1; i < 2000; ++i) {
         const std::vector<Word> other(map_words(4), Word(i));
