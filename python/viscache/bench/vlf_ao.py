@@ -146,7 +146,7 @@ def _living_room(outcome: Outcome) -> None:
             samples["embree"],
             goal=2.0,
             plan="by axis, 16, flag by trial",
-            **frames["auto"].parameters["engine"],
+            engine=frames["auto"].parameters["engine"],
         )
     )
     difference = np.abs(frames["auto"].image - frames["embree"].image).mean()
