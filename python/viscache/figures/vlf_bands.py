@@ -1,4 +1,5 @@
-"""What the visibility field's figures must show, written down before any was run in full.
+"""What the visibility field's figures must show, written down before any was run in full;
+`UPDATE_DIFFERS` came after a quick run.
 
 The paper's scenes are not public, so seconds have no band: they are printed beside ours. *VLF-RT*
 is `VisibilityField`, *CRT* is `Bsp`, both with the parameters that a grid search on the same rays
