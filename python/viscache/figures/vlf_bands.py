@@ -1,5 +1,4 @@
-"""What the visibility field's figures must show, written down before any was run in full;
-`UPDATE_DIFFERS` came after a quick run.
+"""What the visibility field's figures must show, written down before any was run in full.
 
 The paper's scenes are not public, so seconds have no band: they are printed beside ours. *VLF-RT*
 is `VisibilityField`, *CRT* is `Bsp`, both with the parameters that a grid search on the same rays
@@ -7,7 +6,8 @@ found fastest. A *speed-up* of A over B is the time of B over the time of A, on 
 CPU seconds, one thread. Where a band is the paper's claim and hardware of today breaks it, the row
 says so: the band stays.
 
-Figures that a trial program measured before have its values as `expected`.
+Figures that a trial program measured before have its values as `expected`. `UPDATE_DIFFERS` was
+written down after a quick run.
 """
 
 from __future__ import annotations

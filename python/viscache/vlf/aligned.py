@@ -99,8 +99,9 @@ def trace_aligned(
     engine : {"auto", "batch", "embree"}
         "batch": per axis, all triangles stream past all points. "embree": packets of 16 rays.
         "auto": the one of less predicted cost, which depends on scene, points and the
-        instruction set, not on time; `AlignedRows.reason` says why. Both are watertight; they may differ for rays within
-        rounding of an edge, and along triangles seen exactly edge-on, which the batch never hits.
+        instruction set, not on time; `AlignedRows.reason` says why. Both are watertight; they may
+        differ for rays within rounding of an edge, and along triangles seen exactly edge-on,
+        which the batch never hits.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
