@@ -19,6 +19,7 @@ void bind_render_aligned(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_shadow_map(py::module_& m);
 void bind_triangles(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
 void bind_vismap_cache(py::module_& m);
@@ -49,6 +50,7 @@ PYBIND11_MODULE(_core, m) {
     bind_triangles(m);
     bind_bsp(m);
     bind_render(m);
+    bind_shadow_map(m);
     bind_eye_paths(m);
     bind_correlation_rows(m);
     bind_vismap_product(m);

@@ -9,7 +9,7 @@ from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
-from viscache.visibility import Aqvc, Exact
+from viscache.visibility import Aqvc, Exact, ShadowMap
 from viscache.vismap import (
     MapSettings,
     Relighting,
@@ -36,6 +36,7 @@ __all__ = [
     "Scene",
     "SceneDescription",
     "SceneError",
+    "ShadowMap",
     "VisMaps",
     "VisibilityField",
     "VisibilityMapCache",

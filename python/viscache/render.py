@@ -18,7 +18,7 @@ from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.rays import Embree, Rays, check_rays
 from viscache.scene import Env, Scene
-from viscache.visibility import Aqvc, Exact, Visibility, VisMaps
+from viscache.visibility import Aqvc, Exact, ShadowMap, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
@@ -49,10 +49,10 @@ def render(
     integrator : Direct, Whitted or AmbientOcclusion
     rays : Embree, Bsp or Vlf, optional
         The ray caster: all rays of the frame go through it.
-    visibility : Exact, Aqvc or VisMaps, optional
+    visibility : Exact, Aqvc, ShadowMap or VisMaps, optional
         Who answers "does x see y?"; exact by default.
     use : {"replace", "correct"}, optional
-        How an approximation is used: in place of visibility (the default of Aqvc), or as a control
+        How an approximation is used: in place of visibility (Aqvc, ShadowMap), or as a control
         variate whose error is traced (the default of VisMaps, which offers both).
     size : (width, height), optional
         Pixels; the camera's own by default.
@@ -122,6 +122,8 @@ def render(
         parts = (scene._core, caster, view, core, frame)
         if isinstance(visibility, Aqvc):
             result = _core.render_aqvc(*parts, visibility.core(), progress=report)
+        elif isinstance(visibility, ShadowMap):
+            result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
         elif core.ambient_aligned:
             embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
             result = _core.render_aligned(

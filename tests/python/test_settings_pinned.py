@@ -92,6 +92,14 @@ def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
     assert {n: resolved[n] for n in names} == {n: approximately(v) for n, v in struct.items()}
 
 
+def test_shadow_maps_have_the_names_and_defaults_of_their_struct() -> None:
+    struct = values(_core.ShadowMapSettings())
+    assert {f.name for f in dataclasses.fields(vc.ShadowMap)} == set(struct)
+    assert values(vc.ShadowMap().core()) == struct
+    changed = {"resolution": 7, "bias": 0.5, "slope_bias": 3.0, "vpls": True, "max_bytes": 9}
+    assert values(vc.ShadowMap(**changed).core()) == changed  # type: ignore[arg-type]
+
+
 def test_the_bsp_has_the_names_and_defaults_of_its_struct() -> None:
     struct = values(_core.visibility.BspSettings())
     assert {f.name for f in dataclasses.fields(vc.Bsp)} == set(struct)

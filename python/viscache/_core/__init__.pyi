@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'Camera', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_exact', 'render_given_maps', 'render_shadow_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -402,6 +402,39 @@ class Camera:
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
+class ShadowMapSettings:
+    """
+    See viscache.ShadowMap.
+    """
+    vpls: bool
+    def __init__(self) -> None:
+        ...
+    def validate(self) -> None:
+        ...
+    @property
+    def bias(self) -> float:
+        ...
+    @bias.setter
+    def bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_bytes(self) -> int:
+        ...
+    @max_bytes.setter
+    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def resolution(self) -> int:
+        ...
+    @resolution.setter
+    def resolution(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def slope_bias(self) -> float:
+        ...
+    @slope_bias.setter
+    def slope_bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class AlphaMode(enum.Enum):
     """
     How the control variate's α is chosen.
@@ -436,6 +469,10 @@ def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals:
     """
     Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).
     """
+def lit_by_light(caster: RayCaster, settings: ShadowMapSettings, far: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, direction: bool, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> tuple:
+    """
+    One light's map asked about points with unit normals: lit (N,), depths (faces, rows, columns). `far` is a place, or a unit direction towards the light (tests).
+    """
 def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     """
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
@@ -460,6 +497,8 @@ def render_given_maps(scene: Scene, caster: RayCaster, camera: Camera, integrato
     """
     The same with one blend of maps for all points, whatever they see (tests).
     """
+def render_shadow_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: ShadowMapSettings, *, progress: typing.Any = None) -> dict:
+    ...
 def render_vismap(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
     """
     A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and footprint are those of the pixels' centres, (H·W,).
