@@ -1,0 +1,165 @@
+"""What the quantized cache's figures must show, written down before any was run in full.
+
+The paper's scenes are not public and its times are a GPU's: its numbers are printed beside ours, and
+a band says what can be expected of stand-ins on a CPU. *Paper* and *default* are the
+presets of `vc.Aqvc`: the paper's parameters with one look-up per query, and level waves. *RR* is
+queries over rays (the paper's ray reduction is one less), a *speed-up* the CPU seconds of the exact
+frame, in our fastest order, over those of the cached one. `expected` quotes a prototype in double
+precision (one scene, four point lights) or a trial program (201k triangles) of before this code.
+"""
+
+from __future__ import annotations
+
+import math
+
+from viscache.figures.outcome import Band
+
+# Figures 1 and 2: clusters
+
+#: Eye samples per occupied cell over C_E², a plane, samples over all of it.
+SAMPLES_PER_CELL = Band(
+    0.5, 1.5, "Eq. 3: C_E² on average; expected: ± 20 % by the ladder, less at borders and edges"
+)
+
+#: The same in the farther half of the plane over the nearer half.
+CELLS_FOLLOW_FOOTPRINT = Band(0.5, 2.0, "Sec. 3.2: cells follow the density of eye paths")
+
+#: Cells of a curved scene that hold normals farther apart than twice a bin's greatest half angle.
+MIXED_NORMALS = Band(0, 0, "Fig. 2: one grid for similar orientations, another for others")
+
+#: Share of pairs of neighbouring samples of one surface, a tenth of a cell apart, in one cell.
+NEIGHBOURS_SHARE = Band(0.7, 1.0, "Fig. 1: similar paths share a cluster; 0.9² on a square grid")
+
+# Figure 3: refinement, stairs in the sun, C_E 16
+
+#: rel_l1 without refinement over that with it.
+REFINEMENT_GAIN = {
+    "paper": Band(1.7, 6.0, "expected: a prototype measured .0241 / .0092 = 2.6, finest cell 1–2"),
+    "default": Band(1.3, 4.0, "expected: less than the paper's, as levels end at 4 eye samples"),
+}
+
+#: RR without refinement over that with it.
+REFINEMENT_COST = Band(1.5, 20.0, "expected: a prototype measured 107 / 32.8 = 3.3")
+
+# Figure 4: order of pixels, cube on a plane, C_E 16, without refinement
+
+#: Shift of the shadow in pixels to the right and down, in scan-line order.
+SCANLINE_SHIFT = Band(0.05, math.inf, "Fig. 4: shifted towards the bottom right; expected: > .05")
+
+#: Length of the shift in Halton–Morton or random order over that in scan-line order.
+ORDER_CURES = Band(0.0, 0.4, "Fig. 4: not in random order; expected: .03 over .08 in a prototype")
+
+#: With refinement, rel_l1 in scan-line order over that in Halton–Morton order.
+SCANLINE_HURTS_REFINEMENT = Band(
+    1.1, 4.0, "Sec. 4.3: reduces the effectiveness; expected: .0159 / .0092 in a prototype"
+)
+
+#: Without refinement, rays in any order over rays in Halton–Morton order.
+ORDER_KEEPS_RAYS = Band(1.0, 1.0, "expected: a ray per distinct key, whatever the order")
+
+# Figure 5: pictures
+
+#: RR at the C_E of the picture, preset paper.
+PICTURE_RR = {
+    "apartment": Band(5.0, 60.0, "expected: RR 10–50 at 1280×800; half of it with fewer pixels"),
+    "delta": Band(5.0, 60.0, "expected: RR 10–50 at 1280×800; half of it with fewer pixels"),
+    "conference": Band(3.0, 60.0, "expected: a prototype measured 9–42 with 64 area samples"),
+    "courtyard": Band(2.0, 60.0, "expected: a trial left 17–26 % of the rays in foliage"),
+}
+
+#: RR of bidirectional path tracing at C_E 12.
+BIDIRECTIONAL_RR = Band(3.0, 25.0, "Sec. 5.2: ≈ 6; expected: 5–25")
+
+#: Total rel_l1 of a picture.
+PICTURE_ERROR = Band(0.0, 0.1, "Fig. 5: differences show when amplified 16 times")
+
+# Figure 6: hairball
+
+#: RR, preset paper.
+HAIRBALL_RR = Band(
+    1.2, 12.0, "Fig. 6: reduces the achieved ray reduction; expected: 5 and less, a trial's grass"
+)
+
+#: Speed-up, preset default. The paper's 3 is against single rays on a GPU.
+HAIRBALL_SPEEDUP = Band(
+    0.5, 4.0, "Fig. 6: 3; expected: 1.3–3.4, a trial's leaves and grass against packets of 16"
+)
+
+# Figure 7: sweeps of C_E
+
+#: RR at the largest C_E over RR at the smallest.
+REDUCTION_RISES = Band(1.0, math.inf, "Fig. 7: the reduction rises with C_E")
+
+#: rel_l1 at the largest C_E over that at the smallest.
+ERROR_RISES = Band(1.0, math.inf, "Fig. 7: quality falls with C_E")
+
+#: Largest RR of all sweeps. Full runs have a quarter of the paper's pixels.
+LARGEST_REDUCTION = Band(
+    20.0, 200.0, "Sec. 5: up to 50; expected: 45–75, a trial's rays with 16 samples per pixel"
+)
+
+#: Largest speed-up of all sweeps, preset default.
+LARGEST_SPEEDUP = Band(
+    2.0, 12.0, "Sec. 5.2: 37/4.7 = 7.9; expected: 3–12, a trial's frames against packets of 16"
+)
+
+#: SSIM at the smallest C_E of a sweep. No QMOS here.
+LEAST_SSIM = Band(0.9, 1.0, "expected: quality is mostly preserved; QMOS > 77 % is another scale")
+
+#: Greatest speed-up in the conference room over the greatest in the apartment with all lights.
+CONFERENCE_GAINS_LESS = Band(0.0, 1.0, "Sec. 5.2: low ray cost and low speed-up in CONFERENCE")
+
+#: rel_l1 in the hairball over the mean of the others', each at its largest C_E, no anti-aliasing.
+HAIRBALL_ERRS_MOST = Band(1.0, math.inf, "expected: Fig. 6's fine geometry has the highest error")
+
+# Figure 8: shadow maps, 24 omni lights and a sun
+
+#: CPU seconds with maps of 1024² over the cached frame's, C_E 14. Ours are traced, not rasterized.
+MAPS_SLOWER = Band(1.0, math.inf, "Sec. 5.4: 2 times slower on a GPU; rays cost more than raster")
+
+#: rel_l1 of the largest map that takes no longer than the cached frame over the cache's, close up.
+MAPS_WORSE_CLOSE_UP = Band(
+    1.0, math.inf, "Sec. 5.4: caching remains superior for close-range viewpoints"
+)
+
+#: rel_l1 with maps: smallest resolution over largest.
+MAPS_IMPROVE = Band(1.5, math.inf, "expected: wrong bits fall about as 1/resolution")
+
+# Claims in the text, H1 to H8
+
+#: H1: share of the queries that become rays, the best of the sweeps' settings.
+H1_RAYS_LEFT = Band(0.0, 0.05, "Sec. 5: less than 2 %; expected: ≥ 50 only with all pixels and AA")
+
+#: H2: share of an exact frame on the CPU that is not visibility. Ours sums 16 lights at a time.
+H2_SHADING_SHARE = Band(0.02, 0.5, "Sec. 5.2: 32 %; expected: 14 % and less, vectorised")
+
+#: H2: speed-up times that share.
+H2_WITHIN_BOUND = Band(0.0, 1.0, "Sec. 5.2: cannot be expected to exceed 1/share")
+
+#: H3: rays with a table of at least 10 slots per key over rays with 4 times as many.
+H3_LARGE_TABLES = Band(1.0, 1.05, "Sec. 4.4: 4 times the table only slightly better, ≈ 5 %")
+
+#: H3: rays with a table of a tenth of the keys over rays with the largest.
+H3_SMALL_TABLE = Band(1.05, math.inf, "expected: keys are lost below the number of keys")
+
+#: H4: share of the rays that a table without loss would not have traced.
+H4_COLLISIONS = Band(0.0, 0.03, "Sec. 5: well below a few percent in the single-threaded case")
+
+#: H5: speed-up in the Cornell box, preset paper.
+H5_NO_SPEEDUP = Band(0.0, 1.1, "Sec. 5.2: no speed-up on simple scenes (e.g. Cornell box)")
+
+#: H5: RR there.
+H5_REDUCTION = Band(3.0, math.inf, "expected: many rays saved, and no time")
+
+#: H6: RR at the last value of a sweep over that at the first.
+H6_REDUCTION = {
+    "c_n": Band(0.1, 1.0, "expected: more normal bins, more cells"),
+    "c_z": Band(0.5, 1.05, "expected: a prototype measured 61 / 78 for 32 over 1"),
+    "c_r": Band(0.95, 2.0, "expected: a prototype measured 84 / 62 for 1.5 over 1.1"),
+}
+
+#: H6: largest rel_l1 of the sweeps of C_Z and C_R over the smallest.
+H6_ERROR = Band(1.0, 2.0, "expected: error nearly flat, so that no value is best")
+
+#: H8: temporal variance of the error with refinement over that without, C_E 16.
+H8_FLICKER = Band(0.0, 0.9, "Sec. 5.3: adaptive refinement almost entirely eliminates flickering")
