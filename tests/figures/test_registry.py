@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -83,11 +84,39 @@ def test_the_table_says_what_was_printed_and_what_was_measured() -> None:
 
 
 def test_unknown_and_later_figures_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = ["-o", str(tmp_path / "none")]
     assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
     assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
-    assert cli.main(["reproduce", "aqvc-fig7", *out]) == 2
+    monkeypatch.setitem(figures.FIGURES, "made-up", FigureInfo(description="of a part to come"))
+    assert cli.main(["reproduce", "made-up", *out]) == 2
     assert "not there yet" in capsys.readouterr().err
+    assert cli.main(["reproduce", "list"]) == 0
+    assert "made-up: not there yet (of a part to come)" in capsys.readouterr().out
     assert not (tmp_path / "none").exists()
+
+
+def test_a_size_reaches_the_figures_it_is_for_and_is_refused_by_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sizes = []
+
+    def function(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
+        sizes.append(size)
+        return Outcome()
+
+    info = FigureInfo(description="made up", function=function, sized=True)
+    fixed = FigureInfo(description="made up", function=lambda folder, quick, progress: Outcome())
+    for name in list(figures.FIGURES):
+        monkeypatch.delitem(figures.FIGURES, name)
+    monkeypatch.setitem(figures.FIGURES, "sized", info)
+    monkeypatch.setitem(figures.FIGURES, "fixed", fixed)
+    out = ["-o", str(tmp_path), "--json"]
+    assert cli.main(["reproduce", "sized", "--size", "64x40", *out]) == 0
+    assert json.loads(capsys.readouterr().out)["size"] == [64, 40]
+    assert cli.main(["reproduce", "sized", *out]) == 0
+    assert cli.main(["reproduce", "all", "--size", "8x4", *out]) == 0
+    assert sizes == [(64, 40), None, (8, 4)]
+    assert cli.main(["reproduce", "fixed", "--size", "8x4", *out]) == 2
+    assert "size must be left out for fixed; it is for sized" in capsys.readouterr().err

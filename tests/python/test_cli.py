@@ -83,7 +83,8 @@ def test_diff_against_black_prints_null(
         (["sweep", "/", "-o", "out"], "/: Is a directory"),
         (["report", "none"], "no such directory"),
         (["reproduce", "aqvc-fig9"], "unknown figure"),
-        (["reproduce", "aqvc-fig2"], "not there yet"),
+        (["reproduce", "aqvc-fig3", "--size", "0x4"], "size must be WxH, both >= 1"),
+        (["reproduce", "vismap-fig5", "--size", "8x4"], "size must be left out for vismap-fig5"),
         (["bench", "no-such-bench"], "unknown bench"),
         (["tune", "room"], "tune is not there yet"),
     ],
@@ -154,9 +155,9 @@ def test_ctrl_c_gives_130_and_keeps_what_was_finished(
     assert status == 0 and Path(text.strip()).read_text("utf-8").startswith("<!doctype html>")
 
 
-def test_lists_name_what_is_not_there_yet(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     status, out, _ = run(capsys, "reproduce", "list")
-    assert status == 0 and "aqvc-fig8: not there yet" in out
+    assert status == 0 and "aqvc-fig3 (shadow edges" in out
     status, out, _ = run(capsys, "bench", "list", "--json")
     names = [b["bench"] for b in json.loads(out)["benches"]]
     assert status == 0 and {"rays", "aqvc-frame", "peers"} <= set(names)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from viscache.commands.shared import print_json
+from viscache.commands.shared import size as pixels
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,6 +15,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="DIR", default="out/reproduce",
                         help="where pictures and tables go (default: out/reproduce)")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="small sizes")
+    parser.add_argument("--size", metavar="WxH", type=pixels,
+                        help="of the pictures of the figures that allow it")  # fmt: skip
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -25,9 +28,11 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(arguments.json)
     there = [name for name, info in figures.FIGURES.items() if info.is_there]
     results = []
-    for name in there if arguments.name == "all" else [arguments.name]:
+    everything = arguments.name == "all"
+    for name in there if everything else [arguments.name]:
+        size = arguments.size if not everything or figures.FIGURES[name].sized else None
         results.append(figures.reproduce(name, arguments.output, quick=arguments.quick,
-                                         progress=sys.stderr.isatty()))  # fmt: skip
+                                         progress=sys.stderr.isatty(), size=size))  # fmt: skip
         if not arguments.json:
             print((Path(arguments.output) / f"{name}.md").read_text("utf-8"))
             for left in results[-1]["skipped"]:

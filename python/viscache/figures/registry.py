@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscache.figures import (
+    aqvc_edges,
     vlf_axes,
     vlf_drawings,
     vlf_frames,
@@ -33,8 +34,8 @@ from viscache.settings import NotThereYetError, nearest
 
 __all__ = ["FIGURES", "FigureInfo", "reproduce"]
 
-#: Takes the folder to write to, `quick`, and whether to show progress.
-Figure: TypeAlias = Callable[[Path, bool, bool], Outcome]
+#: Takes the folder to write to, `quick`, whether to show progress, and `size=` where sized.
+Figure: TypeAlias = Callable[..., Outcome]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -44,6 +45,8 @@ class FigureInfo:
     description: str
     function: Figure | None = None
     """None where the part it shows is not there yet."""
+    sized: bool = False
+    """Whether its pictures can be rendered at another size."""
 
     @property
     def is_there(self) -> bool:
@@ -58,13 +61,19 @@ def _later(**descriptions: str) -> dict[str, FigureInfo]:
 FIGURES: dict[str, FigureInfo] = {
     **_later(
         aqvc_fig2="grids of two normals",
-        aqvc_fig3="shadow edges with and without refinement",
-        aqvc_fig4="scan order shifts shadows",
         aqvc_fig5="exact and cached images, amplified difference",
         aqvc_fig6="fine geometry",
         aqvc_fig7="ray reduction, speed-up and quality over C_E",
         aqvc_fig8="comparison with shadow maps",
         aqvc_claims="numbers in the text of the quantized cache's paper",
+    ),
+    "aqvc-fig3": FigureInfo(
+        description="shadow edges with and without refinement",
+        function=aqvc_edges.figure3,
+        sized=True,
+    ),
+    "aqvc-fig4": FigureInfo(
+        description="scan order shifts shadows", function=aqvc_edges.figure4, sized=True
     ),
     "vlf-fig1": FigureInfo(
         description="tiles of an edge: supercover against DDA", function=vlf_drawings.figure1
@@ -150,7 +159,12 @@ FIGURES: dict[str, FigureInfo] = {
 
 
 def reproduce(
-    name: str, directory: str | os.PathLike[str], *, quick: bool = False, progress: bool = False
+    name: str,
+    directory: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    progress: bool = False,
+    size: tuple[int, int] | None = None,
 ) -> dict[str, Any]:
     """Reproduce one figure or table of the papers.
 
@@ -162,6 +176,8 @@ def reproduce(
         Made where missing. Gets the picture, `NAME.md` with the table and `NAME.json`.
     quick : bool
         Small sizes: seconds instead of minutes.
+    size : (width, height), optional
+        Of the rendered pictures in pixels, for the figures that allow it.
 
     Returns
     -------
@@ -172,7 +188,7 @@ def reproduce(
     Raises
     ------
     ValueError
-        An unknown name; the message has the nearest known one.
+        An unknown name, with the nearest known one; a size where it has no effect.
     NotThereYetError
         A figure whose part viscache does not have yet.
     """
@@ -181,9 +197,13 @@ def reproduce(
     function = FIGURES[name].function
     if function is None:
         raise NotThereYetError(f"reproduce {name} is not there yet in this version of viscache")
+    if size is not None and not FIGURES[name].sized:
+        sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
+        raise ValueError(f"size must be left out for {name}; it is for {sized}")
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    outcome = function(folder, quick, progress)
+    given = {} if size is None else {"size": size}
+    outcome = function(folder, quick, progress, **given)
     table, record = folder / f"{name}.md", folder / f"{name}.json"
     table.write_text(text(name, outcome.rows), encoding="utf-8")
     result = {
@@ -194,6 +214,7 @@ def reproduce(
         "skipped": outcome.skipped,
         "notes": outcome.notes,
         "quick": quick,
+        "size": None if size is None else list(size),
         "provenance": provenance(),
     }
     record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")

@@ -1,0 +1,138 @@
+"""Exact and cached frames of one shot, and what figures of the quantized cache say about them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core, metrics, tonemap
+from viscache.figures.outcome import Row
+from viscache.frame import Frame
+from viscache.integrators import Integrator
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.visibility import Aqvc, Exact, Visibility
+
+__all__ = ["AMPLIFIED", "Shot", "Trade", "difference", "group_rows", "presets"]
+
+#: Figure 5's amplification of the luminance error.
+AMPLIFIED = 16.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Shot:
+    """What is rendered, but for who answers "does x see y?"."""
+
+    scene: Scene
+    integrator: Integrator
+    size: tuple[int, int]
+    spp: int = 1
+    camera: str | int | _core.Camera | None = None
+
+    def frame(self, visibility: Visibility | None = None, seed: int = 0) -> Frame:
+        """A frame; exact by default. Building the ray caster is not part of its time."""
+        self.scene.caster()
+        return render(self.scene, self.integrator, visibility=visibility or Exact(), seed=seed,
+                      size=self.size, spp=self.spp, camera=self.camera)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Trade:
+    """A cached frame beside the exact one of the same samples."""
+
+    frame: Frame
+    exact: Frame
+
+    @property
+    def ray_reduction(self) -> float:
+        """Queries over rays."""
+        return float(self.frame.counters["ray_reduction"])
+
+    @property
+    def speedup(self) -> float:
+        """CPU seconds of the exact frame over those of the cached one."""
+        return self.exact.timings["cpu_s"] / self.frame.timings["cpu_s"]
+
+    @property
+    def rel_l1(self) -> float:
+        """Of the whole picture."""
+        return float(metrics.rel_l1(_double(self.frame.image), _double(self.exact.image)) or 0.0)
+
+    @property
+    def ssim(self) -> float:
+        """Of the whole picture; NaN where it is smaller than SSIM's window."""
+        value = metrics.compare(self.frame, self.exact, metrics=["ssim"]).ssim
+        return float("nan") if value is None else value
+
+    @property
+    def groups(self) -> list[str]:
+        """Light groups that were asked about."""
+        return [n for n, c in self.exact.counters["groups"].items() if c["queries"]]
+
+    def group_rel_l1(self, group: str) -> float:
+        """Of one light group's layer; 0 where it is black."""
+        cached, exact = (_double(f.layers[group]) for f in (self.frame, self.exact))
+        return float(metrics.rel_l1(cached, exact) or 0.0)
+
+    def group_reduction(self, group: str) -> float:
+        """Queries over rays of one light group; infinite without a ray."""
+        counts = self.frame.counters["groups"][group]
+        return float(counts["queries"] / counts["rays"]) if counts["rays"] else float("inf")
+
+    @property
+    def note(self) -> str:
+        """RR, speed-up and the two times."""
+        exact, cached = self.exact.timings["cpu_s"], self.frame.timings["cpu_s"]
+        return (
+            f"RR {self.ray_reduction:.1f}, speed-up {self.speedup:.2f}"
+            f" ({exact:.2f} to {cached:.2f} CPU s)"
+        )
+
+    def record(self) -> dict[str, Any]:
+        """A line of a table."""
+        groups = {f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups}
+        reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
+        return {
+            "ray_reduction": self.ray_reduction, "speedup": self.speedup, "rel_l1": self.rel_l1,
+            "ssim": self.ssim, "exact_cpu_s": self.exact.timings["cpu_s"],
+            "cpu_s": self.frame.timings["cpu_s"], **groups, **reductions,
+        }  # fmt: skip
+
+
+def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    return np.asarray(image, dtype=np.float64)
+
+
+def presets(c_e: float, **given: Any) -> dict[str, Aqvc]:
+    """The default and the paper's preset at one C_E."""
+    return {
+        "default": Aqvc(c_e=c_e, **given),
+        "paper": Aqvc(preset="paper", c_e=c_e, **given),
+    }
+
+
+def group_rows(label: str, trade: Trade) -> list[Row]:
+    """The error of every light group, so that none hides in the total."""
+    return [
+        Row(what=f"{label}: rel_l1 of {group} light", measured=trade.group_rel_l1(group),
+            note=f"RR {trade.group_reduction(group):.1f}")
+        for group in trade.groups
+    ]  # fmt: skip
+
+
+def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]:
+    """The absolute luminance error, amplified and exposed like the picture: (H, W, 1) in [0, 1]."""
+    exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
+    cached, exact = (tonemap.luminance(f.image) for f in (trade.frame, trade.exact))
+    error: npt.NDArray[np.float64] = np.clip(gain * exposure * np.abs(cached - exact), 0, 1)
+    return error[:, :, None]
+
+
+def best(trades: Mapping[Any, Trade], what: str) -> tuple[Any, Trade]:
+    """The key and the trade whose attribute `what` is largest."""
+    key = max(trades, key=lambda k: getattr(trades[k], what))
+    return key, trades[key]

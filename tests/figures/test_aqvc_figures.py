@@ -1,0 +1,93 @@
+"""Figures of the quantized cache: their parts against what they stand for, and quick runs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import cli
+from viscache.figures import aqvc_edges
+from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
+from viscache.frame import Frame
+
+
+def disc(x: float, y: float) -> Any:
+    rows, columns = np.mgrid[0:90, 0:120]
+    return 1.0 / (1 + np.exp(np.hypot(columns - 60 - x, rows - 45 - y) - 20))
+
+
+@pytest.mark.parametrize("moved", [(0.0, 0.0), (0.4, -0.2), (-3.0, 2.0)])
+def test_a_shift_is_found_to_the_right_and_down(moved: tuple[float, float]) -> None:
+    found = aqvc_edges.shift(disc(*moved), disc(0, 0))
+    assert found == pytest.approx(moved, abs=0.02)
+
+
+@pytest.fixture(scope="module")
+def trade() -> Trade:
+    shot = Shot(scene=vc.scenes.cornell_box(), size=(40, 40),
+                integrator=vc.Whitted(n_vpls=16, n_area=4))  # fmt: skip
+    return Trade(frame=shot.frame(vc.Aqvc(c_e=16)), exact=shot.frame())
+
+
+def test_a_trade_names_the_error_of_every_light_group(trade: Trade) -> None:
+    assert trade.groups == ["area", "vpl"]
+    rows = group_rows("box", trade)
+    assert [row.what for row in rows] == ["box: rel_l1 of area light", "box: rel_l1 of vpl light"]
+    for group, row in zip(trade.groups, rows, strict=True):
+        cached, exact = (f.layers[group].astype(float) for f in (trade.frame, trade.exact))
+        assert row.measured == pytest.approx(np.abs(cached - exact).sum() / exact.sum())
+        assert row.measured is not None and row.measured > 0
+    total = vc.metrics.compare(trade.frame, trade.exact)
+    assert trade.rel_l1 == pytest.approx(total.rel_l1) and trade.ssim == pytest.approx(total.ssim)
+    counts = trade.frame.counters["groups"]["vpl"]
+    assert trade.group_reduction("vpl") == counts["queries"] / counts["rays"]
+    assert set(trade.record()) >= {"rel_l1_area", "rr_vpl", "speedup", "cpu_s"}
+
+
+def test_differences_are_amplified_and_best_trades_found(trade: Trade) -> None:
+    image = np.full((4, 5, 3), 1.0, np.float32)
+    brighter = image.copy()
+    brighter[1, 2] += 0.03125
+    made = Trade(frame=Frame(layers={"color": brighter}), exact=Frame(layers={"color": image}))
+    shown = difference(made)
+    assert shown.shape == (4, 5, 1) and shown[1, 2, 0] == pytest.approx(0.5)
+    assert (np.delete(shown.ravel(), 7) == 0).all()
+    same = Trade(frame=trade.exact, exact=trade.exact)
+    assert best({"a": same, "b": trade}, "ray_reduction")[0] == "b"
+
+
+def test_presets_stand_side_by_side_with_what_was_given() -> None:
+    both = presets(9.0, refinement="off")
+    assert {name: s.preset for name, s in both.items()} == {"default": "default", "paper": "paper"}
+    assert all((s.c_e, s.refinement) == (9.0, "off") for s in both.values())
+
+
+#: Rows with a band, and files beside table and record, of a quick run.
+QUICK: dict[str, tuple[int, list[str]]] = {
+    "aqvc-fig3": (4, ["aqvc-fig3.png"]),
+    "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
+}
+
+
+@pytest.mark.figure
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_run_measures_every_row_and_draws(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
+    got: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert status == 0 and got["holds"]
+    n_banded, files = QUICK[name]
+    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
+    assert all(row["measured"] is not None for row in got["rows"])
+    written = {Path(file).name for file in got["files"]}
+    assert written == {*files, f"{name}.md", f"{name}.json"}
+    for file in files:
+        if file.endswith(".png"):
+            assert (tmp_path / file).read_bytes()[:4] == b"\x89PNG"
