@@ -11,7 +11,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import aqvc_edges
+from viscache.figures import aqvc_clusters, aqvc_edges
 from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
 from viscache.frame import Frame
 
@@ -67,8 +67,30 @@ def test_presets_stand_side_by_side_with_what_was_given() -> None:
     assert all((s.c_e, s.refinement) == (9.0, "off") for s in both.values())
 
 
+def test_false_colours_are_equal_where_keys_are() -> None:
+    shot = Shot(scene=vc.scenes.bumpy_spheres(triangles=2000, spheres=4), size=(48, 40),
+                integrator=vc.Direct())  # fmt: skip
+    samples = aqvc_clusters.eye_samples(shot)
+    keys = samples.keys(vc.Aqvc(c_e=8))
+    image = aqvc_clusters.false_colors(samples, keys, (40, 48)).reshape(-1, 3)
+    cells = aqvc_clusters.Cells(keys)
+    assert cells.count.sum() == len(keys) and len(cells.count) > 20
+    colors = image[samples.pixel]
+    np.testing.assert_array_equal(colors, colors[cells.first][cells.number])
+    assert len(np.unique(colors, axis=0)) == len(cells.count)
+    unseen = np.setdiff1d(np.arange(48 * 40), samples.pixel)
+    assert (image[unseen] == 0).all()
+
+
+def test_bins_of_normals_are_as_wide_as_their_rule_says() -> None:
+    rounded = aqvc_clusters.greatest_angle_deg(vc.Aqvc())
+    floored = aqvc_clusters.greatest_angle_deg(vc.Aqvc(normal_mode="floor"))
+    assert rounded == pytest.approx(11.3, abs=0.1) and floored == pytest.approx(25.2, abs=0.3)
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
+    "aqvc-fig2": (8, ["aqvc-fig2.png"]),
     "aqvc-fig3": (4, ["aqvc-fig3.png"]),
     "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
 }

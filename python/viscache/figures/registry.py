@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscache.figures import (
+    aqvc_clusters,
     aqvc_edges,
     vlf_axes,
     vlf_drawings,
@@ -60,12 +61,16 @@ def _later(**descriptions: str) -> dict[str, FigureInfo]:
 
 FIGURES: dict[str, FigureInfo] = {
     **_later(
-        aqvc_fig2="grids of two normals",
         aqvc_fig5="exact and cached images, amplified difference",
         aqvc_fig6="fine geometry",
         aqvc_fig7="ray reduction, speed-up and quality over C_E",
         aqvc_fig8="comparison with shadow maps",
         aqvc_claims="numbers in the text of the quantized cache's paper",
+    ),
+    "aqvc-fig2": FigureInfo(
+        description="cells that follow normals and footprints",
+        function=aqvc_clusters.figure2,
+        sized=True,
     ),
     "aqvc-fig3": FigureInfo(
         description="shadow edges with and without refinement",
