@@ -3,11 +3,13 @@
 
 #include "checked_rows.h"
 #include "interrupt.h"
+#include "isa_argument.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/visibility_rows.h"
+#include "viscache/vlf/aligned_rows.h"
 
 namespace viscache::bindings {
 
@@ -44,26 +46,63 @@ py::dict area_points(const Scene& scene, size_t n, uint64_t seed) {
     return points_dict(points);
 }
 
+/// The arguments of a call, checked, and the bits it gives.
+struct RowCall {
+    RowInput input;
+    py::array_t<uint64_t> bits;
+
+    RowCall(const FloatArray& positions, const FloatArray& normals, const FloatArray& directions, float t_max)
+        : input{usable(positions, "positions"), units(normals, "normals"), units(directions, "directions"),
+                t_max} {
+        if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
+        if (input.normal.size() != input.position.size())
+            throw py::value_error("positions and normals must have equal numbers of rows, got " +
+                                  shape_text(positions) + " and " + shape_text(normals));
+        bits = py::array_t<uint64_t>({input.position.size(), row_words_for(input.direction.size())});
+    }
+    /// work(rows, control) without the interpreter's lock.
+    template <class Work>
+    void run(Work work, const py::object& progress) {
+        run_interruptible(
+            [&, rows = std::span(bits.mutable_data(), size_t(bits.size()))](Control& control) {
+                control.total = input.position.size();
+                work(rows, control);
+            },
+            progress);
+    }
+};
+
 py::tuple visibility_rows(const Scene& scene, const RayCaster& caster, const FloatArray& positions,
                           const FloatArray& normals, const FloatArray& directions, float t_max,
                           std::optional<PacketOrder> order, int threads, const py::object& progress) {
-    const RowInput input{usable(positions, "positions"), units(normals, "normals"),
-                         units(directions, "directions"), t_max};
-    if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
-    if (input.normal.size() != input.position.size())
-        throw py::value_error("positions and normals must have equal numbers of rows, got " +
-                              shape_text(positions) + " and " + shape_text(normals));
-    const size_t n = input.position.size(), words = row_words_for(input.direction.size());
-    py::array_t<uint64_t> bits({n, words});
+    RowCall call(positions, normals, directions, t_max);
     uint64_t rays = 0;
-    run_interruptible(
-        [&, rows = std::span(bits.mutable_data(), n * words)](Control& control) {
-            control.total = n;
-            rays = viscache::visibility_rows(caster, scene.offset_extent(), input, rows, order, threads,
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            rays = viscache::visibility_rows(caster, scene.offset_extent(), call.input, rows, order, threads,
                                              control, &control.done);
         },
         progress);
-    return py::make_tuple(bits, rays);
+    return py::make_tuple(call.bits, rays);
+}
+
+/// (bits, rays, by the batch?, its predicted nanoseconds per ray, Embree's)
+py::tuple aligned_rows(const Scene& scene, const AlignedBatch& batch, const RayCaster& caster,
+                       const FloatArray& positions, const FloatArray& normals, const FloatArray& directions,
+                       float t_max, bool choose, int threads, const std::optional<std::string>& isa,
+                       const py::object& progress) {
+    RowCall call(positions, normals, directions, t_max);
+    AlignedRows found;
+    AlignedWish wish{.isa = isa_of(isa)};
+    if (!choose) wish.engine = AlignedEngine::kBatch;
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            found = viscache::aligned_rows(batch, caster, scene.offset_extent(), call.input, rows, wish,
+                                           threads, control);
+        },
+        progress);
+    const EngineChoice& c = found.choice;
+    return py::make_tuple(call.bits, found.rays, c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns);
 }
 
 }  // namespace
@@ -84,6 +123,12 @@ void bind_correlation_rows(py::module_& m) {
           py::arg("normals"), py::arg("directions"), py::kw_only(), py::arg("t_max") = kInfinity,
           py::arg("order") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(),
           "Rows of bits (N, words) uint64 and the number of rays.");
+    c.def("aligned_rows", &aligned_rows, py::arg("scene"), py::arg("batch"), py::arg("caster"),
+          py::arg("positions"), py::arg("normals"), py::arg("directions"), py::kw_only(),
+          py::arg("t_max") = kInfinity, py::arg("choose") = true, py::arg("threads") = 0,
+          py::arg("isa") = py::none(), py::arg("progress") = py::none(),
+          "The same by the batch, or by the cheaper engine; whether it was the batch, and what both were "
+          "predicted to take, ns per ray.");
 }
 
 }  // namespace viscache::bindings

@@ -1,7 +1,9 @@
 // Directions of the visibility field.
 #include <pybind11/stl.h>
 
+#include "checked_rows.h"
 #include "rows.h"
+#include "viscache/vlf/direction_axes.h"
 #include "viscache/vlf/directions.h"
 
 namespace viscache::bindings {
@@ -29,6 +31,18 @@ py::array_t<float> frames(uint32_t n_directions) {
     return a;
 }
 
+/// Numbers of the directions along and against each axis; -1: none.
+py::array_t<int64_t> shared_axes(const FloatArray& directions) {
+    const auto axes = axes_of(units(directions, "directions"));
+    py::array_t<int64_t> numbers({py::ssize_t(axes.size()), py::ssize_t(2)});
+    int64_t* out = numbers.mutable_data();
+    for (const SharedAxis& axis : axes) {
+        *out++ = axis.along;
+        *out++ = axis.against == SharedAxis::kNone ? -1 : int64_t(axis.against);
+    }
+    return numbers;
+}
+
 }  // namespace
 
 void bind_vlf_directions(py::module_& m) {
@@ -49,6 +63,8 @@ void bind_vlf_directions(py::module_& m) {
             return py::array_t<float>(py::ssize_t(weights.size()), weights.data());
         },
         py::arg("n_directions"), "Solid angles (l,), in sr.");
+    v.def("shared_axes", &shared_axes, py::arg("directions"),
+          "Which of unit directions go along and against one axis, (A, 2); -1 against: none.");
     v.def("nearest_direction", &nearest_direction, py::arg("directions"), py::arg("n_directions"),
           "Index of the axis nearest to each row.");
 }

@@ -52,7 +52,6 @@ PYBIND11_MODULE(_core, m) {
     bind_render(m);
     bind_shadow_map(m);
     bind_eye_paths(m);
-    bind_correlation_rows(m);
     bind_vismap_product(m);
     bind_vismap_estimate(m);
     bind_vismap_cache_maps(m);
@@ -63,6 +62,7 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_render(m);
     bind_vlf_directions(m);
     bind_vlf_aligned(m);
+    bind_correlation_rows(m);
     bind_render_aligned(m);
     bind_vlf_field(m);
     bind_vlf_dynamic(m);

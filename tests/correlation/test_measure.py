@@ -416,3 +416,19 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
     line = 1 - 2 * theta / np.pi
     off = [np.abs(ds["near_mean"].values - line)[enough].mean() for ds in (near, far)]
     assert off[0] < off[1]
+
+
+def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
+    """Rows within rounding of an edge may differ; the store keeps engines apart."""
+    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "store": tmp_path}
+    plain = measure("room?triangles=3000", **common)
+    batch = measure("room?triangles=3000", engine="batch", **common)
+    assert plain.attrs["engine"] == "embree" and plain.attrs["batch_rays"] == 0
+    assert batch.attrs["batch_rays"] == batch.attrs["n_rays"] == plain.attrs["n_rays"]
+    np.testing.assert_allclose(batch["mean"], plain["mean"], atol=1e-4)
+    assert len(list(tmp_path.iterdir())) == 2
+    again = measure("room?triangles=3000", engine="batch", **common)
+    assert again.attrs["rows_s"] == 0 and again.attrs["batch_rays"] == again.attrs["n_rays"]
+    np.testing.assert_array_equal(again["mean"], batch["mean"])
+    with pytest.raises(ValueError, match="engine must be"):
+        measure("room?triangles=3000", engine="gpu", **common)  # type: ignore[arg-type]

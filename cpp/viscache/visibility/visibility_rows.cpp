@@ -11,6 +11,21 @@ namespace {
 constexpr size_t kPointsPerBlock = 256, kFewestPointsPerBlock = 4;
 constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
 
+/// Bits of the directions above the plane with normal n. Padding columns are zero vectors: never above.
+void upper_hemisphere(const FarEnds& sky, Vec3 n, std::span<Word> row) {
+    for (size_t w = 0; w < row.size(); ++w) {
+        uint8_t above[kWordBits];
+        const size_t first = w * kWordBits;
+        for (size_t j = 0; j < kWordBits; ++j)
+            above[j] = sky.x[first + j] * n.x + sky.y[first + j] * n.y + sky.z[first + j] * n.z > 0;
+        Word bits = 0;
+        for (size_t j = 0; j < kWordBits; ++j) bits |= Word{above[j]} << j;
+        row[w] = bits;
+    }
+}
+
+}  // namespace
+
 FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
     FarEnds sky;
     sky.semantic = Semantic::kDirection;
@@ -24,18 +39,19 @@ FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
     return sky;
 }
 
-/// Bits of the directions above the plane with normal n. Padding columns are zero vectors: never above.
-void upper_hemisphere(const FarEnds& sky, Vec3 n, std::span<Word> row) {
-    for (size_t w = 0; w < row.size(); ++w) {
-        uint8_t above[kWordBits];
-        const size_t first = w * kWordBits;
-        for (size_t j = 0; j < kWordBits; ++j)
-            above[j] = sky.x[first + j] * n.x + sky.y[first + j] * n.y + sky.z[first + j] * n.z > 0;
-        Word bits = 0;
-        for (size_t j = 0; j < kWordBits; ++j) bits |= Word{above[j]} << j;
-        row[w] = bits;
+void RowBlock::fill(const RowInput& input, const FarEnds& sky, std::span<const uint32_t> points,
+                    float extent) {
+    eyes.clear();
+    wanted.reset(points.size(), sky.count);
+    for (size_t i = 0; i < points.size(); ++i) {
+        const Vec3 position = input.position[points[i]], normal = input.normal[points[i]];
+        eyes.position.push_back(position), eyes.normal.push_back(normal);
+        eyes.origin.push_back(spawn(position, normal, extent));
+        upper_hemisphere(sky, normal, wanted.row_span(i));
     }
 }
+
+namespace {
 
 /// What one thread needs.
 class Worker {
@@ -51,19 +67,13 @@ public:
     }
     /// The rows of some points, near each other; row i is that of points[i].
     const BitMatrix& rows(const RowInput& input, std::span<const uint32_t> points) {
-        eyes_.clear();
-        wanted_.reset(points.size(), sky_.count), visible_.reset(points.size(), sky_.count);
-        for (size_t i = 0; i < points.size(); ++i) {
-            const Vec3 position = input.position[points[i]], normal = input.normal[points[i]];
-            eyes_.position.push_back(position), eyes_.normal.push_back(normal);
-            eyes_.origin.push_back(spawn(position, normal, extent_));
-            upper_hemisphere(sky_, normal, wanted_.row_span(i));
-        }
+        block_.fill(input, sky_, points, extent_);
+        visible_.reset(points.size(), sky_.count);
         order_.piece([&](PacketOrder order) {
             ExactOracle& oracle = order == PacketOrder::kByLight ? by_light_ : by_pixel_;
             const uint64_t before = counters_.rays();
-            oracle.begin_tile(eyes_);
-            oracle.block(eyes_, sky_, wanted_, visible_, counters_);
+            oracle.begin_tile(block_.eyes);
+            oracle.block(block_.eyes, sky_, block_.wanted, visible_, counters_);
             return size_t(counters_.rays() - before);
         });
         return visible_;
@@ -75,8 +85,8 @@ private:
     const FarEnds& sky_;
     ExactOracle by_light_, by_pixel_;
     Trial<PacketOrder> order_;
-    EyeBlock eyes_;
-    BitMatrix wanted_, visible_;
+    RowBlock block_;
+    BitMatrix visible_;
     Counters counters_;
 };
 

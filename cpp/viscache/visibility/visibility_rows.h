@@ -18,6 +18,16 @@ struct RowInput {
     float t_max = kInfinity;          ///< how far they look
 };
 
+/// The directions as the far ends of a block.
+FarEnds far_ends(std::span<const Vec3> directions, float t_max);
+
+/// Some points and the directions above their planes, ready for an oracle.
+struct RowBlock {
+    EyeBlock eyes;
+    BitMatrix wanted;
+    void fill(const RowInput& input, const FarEnds& sky, std::span<const uint32_t> points, float extent);
+};
+
 /// [VisMap Eq. 7] V(x, ω) over the whole sphere: bit k of row i is 1 if direction k lies above the plane of
 /// point i and its ray hits nothing; the lower hemisphere is 0 by definition and costs no ray. `rows` has
 /// row_words_for(directions) words a point; padding bits become 0. Packet order changes no bit; without one,

@@ -9,10 +9,6 @@ namespace viscache {
 
 namespace {
 
-/// How far points may be from the scene, in its sizes: floats there are farther apart than it is large, and
-/// products of three coordinates are still floats.
-constexpr float kFarthest = 1e9f;
-
 /// Kinds of triangles, in the order they are met: those of large area, which are led through the tree one by
 /// one; long ones; middling ones; the many small ones.
 constexpr size_t kSizes = 4;

@@ -17,6 +17,9 @@ namespace viscache {
 
 constexpr size_t kLanes = 16;            ///< triangles of a block, points of a packet, children of a node
 constexpr size_t kBlocksPerCheck = 256;  ///< between looks whether the caller gave up
+/// How far points may be from the scene, in its sizes: floats there are farther apart than it is large, and
+/// products of three coordinates are still floats.
+constexpr float kFarthest = 1e9f;
 
 inline size_t in_lanes(size_t n) { return (n + kLanes - 1) / kLanes; }
 
@@ -121,6 +124,8 @@ struct alignas(64) TurnedPacket {
 
 /// One thread's view along one axis.
 struct AxisState {
+    /// Per packet, lanes whose ray runs along the axis, and lanes asked; nullptr: by normals, all points.
+    const uint16_t *up = nullptr, *asked = nullptr;
     std::vector<uint16_t> free;  ///< the answer: lanes asked that nothing blocks, per packet
     std::vector<TurnedPacket> packets;
     std::vector<uint32_t> lane;    ///< which lane of all points a packed lane holds

@@ -6,8 +6,9 @@
 namespace viscache {
 
 /// Traces the ray of every point along `axis` (its z) or against it, on the side of the point's normal;
-/// n·z = 0 counts as along. Sets `state.free`, adds to `state.counts`. `reach` is t_max in
-/// placed units, infinity for none. Ends early when cancelled; the caller checks.
+/// n·z = 0 counts as along; or as `state.up` and `state.asked` say. Sets `state.free`, adds to
+/// `state.counts`. `reach` is t_max in placed units, infinity for none. Ends early when cancelled; the caller
+/// checks.
 using TraceAxis = void (*)(const TriangleBlocks& triangles, const PointPackets& points, const Frame3& axis,
                            float reach, AxisState& state, const Control& control);
 

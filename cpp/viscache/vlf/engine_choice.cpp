@@ -36,24 +36,38 @@ AlignedOrder embree_order(uint64_t triangles, uint64_t points) {
     return triangles / kSparseTrianglesPerPoint > points ? AlignedOrder::kByPoint : AlignedOrder::kByAxis;
 }
 
-EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,
-                           Control& control, Isa isa) {
+std::vector<size_t> probed_axes(size_t axes) {
+    const size_t n = std::min(axes, std::clamp<size_t>(axes / kAxesPerProbe, 1, kProbedAxes));
+    std::vector<size_t> some;
+    for (size_t i = 0; i < n; ++i) some.push_back((2 * i + 1) * axes / (2 * n));
+    return some;
+}
+
+EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa) {
     EngineChoice choice;
-    const size_t axes = input.axes.size();
-    if (input.origin.empty() || axes == 0) return choice;
-    const size_t n = std::clamp<size_t>(axes / kAxesPerProbe, 1, kProbedAxes);
-    std::vector<Frame3> some;
-    for (size_t i = 0; i < n; ++i) some.push_back(input.axes[(2 * i + 1) * axes / (2 * n)]);
-    AlignedInput probe = input;
-    probe.axes = some;
-    std::vector<Word> rows(input.origin.size() * words_for(n));
-    const AlignedCounts work = batch.rows(probe, rows, threads, control, isa);
-    const double rays = double(input.origin.size()) * double(n);
+    if (rays == 0) return choice;
     const BatchCosts cost = batch_costs(isa);
     choice.batch_ns = cost.ray + (cost.node * double(work.nodes) + cost.test * double(work.tests)) / rays;
     choice.embree_ns = embree_cost(double(work.tests) / rays);
-    if (choice.batch_ns > kMargin * choice.embree_ns) choice.engine = AlignedEngine::kEmbree;
     return choice;
+}
+
+EngineChoice decided(EngineChoice costs) {
+    const bool dear = costs.batch_ns > kMargin * costs.embree_ns;
+    costs.engine = dear ? AlignedEngine::kEmbree : AlignedEngine::kBatch;
+    return costs;
+}
+
+EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,
+                           Control& control, Isa isa) {
+    if (input.origin.empty()) return {};
+    std::vector<Frame3> some;
+    for (const size_t axis : probed_axes(input.axes.size())) some.push_back(input.axes[axis]);
+    AlignedInput probe = input;
+    probe.axes = some;
+    std::vector<Word> rows(input.origin.size() * words_for(some.size()));
+    const AlignedCounts work = batch.rows(probe, rows, threads, control, isa);
+    return decided(predicted_costs(work, double(input.origin.size()) * double(some.size()), isa));
 }
 
 }  // namespace viscache

@@ -20,6 +20,15 @@ bool is_hopeless(uint64_t triangles, uint64_t points);
 /// have nothing in common.
 AlignedOrder embree_order(uint64_t triangles, uint64_t points);
 
+/// The axes, of so many, along which work is measured.
+std::vector<size_t> probed_axes(size_t axes);
+
+/// What both engines cost by the work that some rays were to the batch, without a decision.
+EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa);
+
+/// Decides: Embree where the batch is not clearly cheaper.
+EngineChoice decided(EngineChoice costs);
+
 /// Predicts the batch's cost from its work along a few of the axes, and Embree's from the same work: how many
 /// tests a ray needs tells how crowded its way is.
 EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,

@@ -8,13 +8,18 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['PairRows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
+import viscache._core.vlf
+__all__: list[str] = ['PairRows', 'aligned_rows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
 class PairRows:
     """
     Points, their rows of bits, and the rules of their statistics.
     """
     def __init__(self, bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], n_directions: typing.SupportsInt | typing.SupportsIndex, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups: typing.SupportsInt | typing.SupportsIndex, domain: str, directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], min_bits: typing.SupportsInt | typing.SupportsIndex, one_if_both: bool) -> None:
         ...
+def aligned_rows(scene: viscache._core.Scene, batch: viscache._core.vlf.AlignedBatch, caster: viscache._core.RayCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., choose: bool = True, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
+    """
+    The same by the batch, or by the cheaper engine; whether it was the batch, and what both were predicted to take, ns per ray.
+    """
 def and_popcount_add(steps: typing.SupportsInt | typing.SupportsIndex) -> int:
     """
     The bench's yardstick: and, popcount, add of 512 bits, `steps` times.

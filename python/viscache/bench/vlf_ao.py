@@ -14,6 +14,8 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache.bench.frames import g_buffer
+from viscache.correlation import DirectionSet, surface_points, visibility_rows
+from viscache.correlation.rows import VisibilityRows
 from viscache.integrators import AmbientOcclusion
 from viscache.render import render
 from viscache.scene import Scene, load_scene
@@ -60,6 +62,13 @@ QUICK_CASES = (
          n_directions=129),
 )  # fmt: skip
 
+#: The rows of the correlation statistics: 9216 directions over the sphere from side² points.
+ROWS = (
+    Case(name="spheres-15k", spec="bumpy_spheres?triangles=15000", side=128, goal=1.15),
+    Case(name="spheres-100k", spec="bumpy_spheres?triangles=100000", side=64, goal=0.9),
+)
+QUICK_ROWS = (Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=48, goal=0.9),)
+
 
 def vlf_ao(quick: bool = False) -> Outcome:
     """Every case, engine chosen by predicted cost, against the fastest of Embree's plans."""
@@ -68,6 +77,8 @@ def vlf_ao(quick: bool = False) -> Outcome:
     for case in QUICK_CASES if quick else CASES:
         scene = scenes.setdefault(case.spec, build_scene(case.spec))
         _compare(outcome, case, scene, 2 if quick else 3)
+    for case in QUICK_ROWS if quick else ROWS:
+        _compare_rows(outcome, case, scenes.setdefault(case.spec, build_scene(case.spec)))
     if not quick:
         _living_room(outcome)
     outcome.notes.append(
@@ -120,6 +131,39 @@ def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
     outcome.check(f"{case.label}: share unlike embree", differing, DIFFERING)
     free = _ones(answers["ours"]) / rays
     outcome.check(f"{case.label}: nothing traced", float(not 0 <= free < 1), 0)
+
+
+def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
+    """Rows of visibility, the engine chosen, against Embree in the faster of its packet orders."""
+    label = f"rows {case.name} {case.side**2} points"
+    at, directions = surface_points(scene, case.side**2), DirectionSet()
+    scene.aligned_batch(), scene.caster()
+    rows: dict[str, VisibilityRows] = {}
+
+    def run(engine: Literal["auto", "embree"]) -> Sample:
+        time, rows[engine] = timed(
+            lambda: visibility_rows(scene, at, directions, engine=engine, threads=THREADS)
+        )
+        return time
+
+    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
+    n_rays = rows["auto"].n_rays
+    outcome.figures.append(
+        ratio_figure(
+            f"{label} vs embree",
+            samples["ours"],
+            samples["embree"],
+            work=n_rays,
+            goal=case.goal,
+            points=len(at.positions),
+            triangles=scene.triangles,
+            engine=rows["auto"].engine,
+            reason=rows["auto"].reason,
+        )
+    )
+    differing = _ones(rows["auto"].bits ^ rows["embree"].bits) / n_rays
+    outcome.check(f"{label}: share unlike embree", differing, DIFFERING)
+    outcome.check(f"{label}: nothing traced", float(n_rays == 0), 0)
 
 
 def _living_room(outcome: Outcome) -> None:

@@ -6,9 +6,10 @@ import argparse
 import os
 import sys
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from viscache.commands.shared import at_least_one, print_json, print_table, worker_pool
+from viscache.correlation.rows import RowEngine
 from viscache.provenance import thread_count
 
 
@@ -31,6 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="of the angle between points")  # fmt: skip
     parser.add_argument("--t-max", type=float, metavar="T",
                         help="local visibility: occluders within T only")  # fmt: skip
+    parser.add_argument("--engine", choices=get_args(RowEngine), default="embree",
+                        help="who traces the rows; auto: by predicted cost")  # fmt: skip
     parser.add_argument("--camera", metavar="NAME", help="name or index")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
@@ -66,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             camera=int(wish) if wish and index else wish, seed=arguments.seed,
             d_edges=arguments.d_bins, theta_edges_deg=arguments.theta_bins, d_max=arguments.d_max,
             directions=arguments.directions, domain=arguments.domain, normals=arguments.normals,
-            store=arguments.store, executor=executor, threads=threads,
+            engine=arguments.engine, store=arguments.store, executor=executor, threads=threads,
             progress=sys.stderr.isatty(),
             **({} if arguments.t_max is None else {"t_max": arguments.t_max}),
         )  # fmt: skip
@@ -107,7 +110,8 @@ def _summary(dataset: Any, path: str) -> dict[str, Any]:
     ratios = dataset["predicted_variance_ratio"]
     return {
         "scene": a["scene"], "n_points": a["n_points"], "n_pairs": a["n_pairs"],
-        "n_rays": a["n_rays"], "rows_s": a["rows_s"], "pairs_s": a["pairs_s"],
+        "n_rays": a["n_rays"], "batch_rays": a["batch_rays"], "rows_s": a["rows_s"],
+        "pairs_s": a["pairs_s"],
         "corner": float(dataset["corner"]), "corner_se": float(dataset["corner_se"]),
         "d_max": a["d_max"], "d_near": a["d_near"],
         "box_d_max": a["box_d_max"], "box_theta_max_deg": a["box_theta_max_deg"],

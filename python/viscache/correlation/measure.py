@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,7 @@ from viscache.correlation.bins import N_D, N_THETA
 from viscache.correlation.dataset import to_dataset
 from viscache.correlation.local_means import add_local_means
 from viscache.correlation.pairs import Domain, Undefined
+from viscache.correlation.rows import RowEngine
 from viscache.correlation.run import Run
 from viscache.correlation.tasks import (
     Points,
@@ -40,6 +41,7 @@ from viscache.correlation.tasks import (
     trace_in_worker,
     write_points,
 )
+from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.progress import progress_bar
 from viscache.provenance import version
@@ -74,6 +76,7 @@ def measure(
     undefined: Undefined = "skip",
     min_bits: int = 1,
     t_max: float = np.inf,
+    engine: RowEngine = "embree",
     spatial: bool = True,
     store: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
@@ -119,6 +122,9 @@ def measure(
         A row with fewer visible directions has no ρ.
     t_max : float > 0
         Occluders farther than this are no occluders: local visibility. inf for the sky.
+    engine : {"embree", "batch", "field", "auto"}
+        Who traces the rows, as in `visibility_rows`; the attribute "batch_rays" says how many rays
+        the batch traced.
     spatial : bool
         Also the mean ρ of every point with its surroundings.
     store : path, optional
@@ -174,16 +180,19 @@ def measure(
     options = pair_options(geometry, bins, len(chosen.directions), sampled=n_pairs is not None,
                            domain=domain, undefined=undefined, min_bits=min_bits,
                            directions=chosen)  # fmt: skip
+    require(engine in get_args(RowEngine),
+            'engine must be "embree", "batch", "field" or "auto"', engine)  # fmt: skip
     key = content_key({
         "viscache": version(), "scene": opened.content_hash, "t_max": t_max,
         "directions": [map_size, directions, seed],
         "points": digest(found.positions, found.normals, found.theta_normals),
+        **({} if engine == "embree" else {"engine": engine}),
     })  # fmt: skip
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
             first=first, last=last, folder=run.folder, scene=spec, threads=threads, t_max=t_max,
-            scene_hash=opened.content_hash, directions=chosen,
+            scene_hash=opened.content_hash, directions=chosen, engine=engine,
         )  # fmt: skip
 
     def here(task: RowsTask) -> Arrays:
@@ -191,7 +200,8 @@ def measure(
 
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
-                  executor=executor, threads=threads, report=report)  # fmt: skip
+                  executor=executor, threads=threads, report=report,
+                  rows_per_block=_rows_per_block(engine))  # fmt: skip
         if run.folder is not None:
             write_points(run.folder, geometry, found.normals)
         run.trace_rows(make, here if executor is None else trace_in_worker)
@@ -205,7 +215,12 @@ def measure(
         "camera": find_camera(opened, camera).name if where == "camera" else "",
         "domain": domain, "undefined": undefined, "min_bits": min_bits, "seed": seed,
         "n_points": len(found.positions), "n_rays": run.n_rays, "rows_s": run.rows_s,
+        "engine": engine, "batch_rays": run.batch_rays,
     })  # fmt: skip
+
+
+def _rows_per_block(engine: RowEngine) -> int | None:
+    return BATCH_ROWS_PER_BLOCK if engine in ("auto", "batch") else None
 
 
 def correlate(

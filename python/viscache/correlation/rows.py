@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import typing
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
@@ -15,10 +16,12 @@ from viscache.cameras import find_camera
 from viscache.checks import checked_points, checked_threads, is_whole, require
 from viscache.correlation.directions import DirectionSet
 from viscache.progress import progress_bar
+from viscache.rays import Embree, Vlf
 from viscache.scene import Scene
 
 __all__ = [
     "DirectionSet",
+    "RowEngine",
     "SurfacePoints",
     "VisibilityRows",
     "spatial_groups",
@@ -29,6 +32,7 @@ __all__ = [
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 Progress: TypeAlias = bool | Callable[[int, int], None]
+RowEngine: TypeAlias = Literal["embree", "batch", "field", "auto"]
 
 N_GROUPS = 16
 
@@ -69,6 +73,10 @@ class VisibilityRows:
     """Rays traced: the directions above the points' planes."""
     seconds: float
     """Wall time."""
+    engine: Literal["embree", "batch", "field"]
+    """What traced the rays."""
+    reason: str
+    """Why it was chosen."""
 
     @property
     def rays_per_second(self) -> float:
@@ -157,6 +165,7 @@ def visibility_rows(
     directions: DirectionSet,
     *,
     t_max: float = np.inf,
+    engine: RowEngine = "embree",
     threads: int | None = None,
     progress: Progress = False,
 ) -> VisibilityRows:
@@ -169,6 +178,12 @@ def visibility_rows(
     directions : DirectionSet
     t_max : float > 0
         How far the points look, in scene units.
+    engine : {"embree", "batch", "field", "auto"}
+        "batch": direction by direction, opposite ones together, all triangles stream past all
+        points (VLF Sec. 7), which pays where points are about as many as triangles or more.
+        "field": single rays through `Vlf()`. "auto": batch or Embree, by predicted
+        cost, which depends on scene, points and the instruction set, not on time. All are exact;
+        they may differ for rays within rounding of an edge.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
@@ -177,7 +192,9 @@ def visibility_rows(
     Raises
     ------
     ValueError
-        A parameter out of range.
+        A parameter out of range; for the batch also points 1e9 times the scene's size away.
+    MemoryError
+        A field that does not fit the budget of `Vlf()`.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
 
@@ -192,7 +209,7 @@ def visibility_rows(
     """
     return trace_rows(
         scene, points.positions, points.normals, directions,
-        t_max=t_max, threads=threads, progress=progress,
+        t_max=t_max, engine=engine, threads=threads, progress=progress,
     )  # fmt: skip
 
 
@@ -203,22 +220,50 @@ def trace_rows(
     directions: DirectionSet,
     *,
     t_max: float = np.inf,
+    engine: RowEngine = "embree",
     threads: int | None = None,
     progress: Progress = False,
 ) -> VisibilityRows:
     """`visibility_rows` of any points (N, 3) on surfaces, with unit normals (N, 3)."""
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     require(isinstance(directions, DirectionSet), "directions must be a DirectionSet", directions)
-    start = time.perf_counter()
+    known = engine in typing.get_args(RowEngine)
+    require(known, 'engine must be "embree", "batch", "field" or "auto"', engine)
+    start, n_threads = time.perf_counter(), checked_threads(threads)
+    points = checked_points(positions, "positions"), checked_points(normals, "normals")
+    asked = (*points, directions.directions)
     with progress_bar(progress, unit="point") as report:
-        bits, n_rays = _core.correlation.visibility_rows(
-            scene._core, scene.caster(), checked_points(positions, "positions"),
-            checked_points(normals, "normals"), directions.directions,
-            t_max=t_max, threads=checked_threads(threads), progress=report,
-        )  # fmt: skip
+        more: _More = {"t_max": t_max, "threads": n_threads, "progress": report}
+        hopeless = engine == "auto" and _core.vlf.is_hopeless(scene.triangles, len(points[0]))
+        if engine in ("embree", "field") or hopeless:
+            caster = scene.caster(Vlf() if engine == "field" else Embree(), threads=threads)
+            bits, n_rays = _core.correlation.visibility_rows(scene._core, caster, *asked, **more)
+            by: Literal["embree", "batch", "field"] = "field" if engine == "field" else "embree"
+            costs = (0.0, 0.0)
+        else:
+            bits, n_rays, is_batch, batch_ns, embree_ns = _core.correlation.aligned_rows(
+                scene._core, scene.aligned_batch(), scene.caster(), *asked,
+                choose=engine == "auto", **more,
+            )  # fmt: skip
+            by, costs = "batch" if is_batch else "embree", (batch_ns, embree_ns)
     return VisibilityRows(
         bits=bits,
         n_directions=len(directions.directions),
         n_rays=n_rays,
         seconds=time.perf_counter() - start,
+        engine=by,
+        reason="asked for" if engine != "auto" else _reason(scene, len(points[0]), *costs),
     )
+
+
+class _More(typing.TypedDict):
+    t_max: float
+    threads: int
+    progress: Callable[[int, int], None] | None
+
+
+def _reason(scene: Scene, n_points: int, batch_ns: float, embree_ns: float) -> str:
+    size = f"{scene.triangles} triangles, {n_points} points"
+    if embree_ns == 0:
+        return f"too few points for so many triangles, or too far away: {size}"
+    return f"predicted ns per ray: batch {batch_ns:.0f}, Embree {embree_ns:.0f} ({size})"

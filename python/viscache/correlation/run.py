@@ -72,12 +72,14 @@ class Run:
         Needs a folder.
     report : callable, optional
         Gets the numbers of finished and of all blocks.
+    rows_per_block : int, optional
+        Points whose rows are traced together.
     """
 
     def __init__(
         self, key: str, points: Points, bins: Bins, options: PairOptions,
         *, n_pairs: int | None, seed: int, folder: Path | None, executor: Executor | None,
-        threads: int | None, report: Report | None,
+        threads: int | None, report: Report | None, rows_per_block: int | None = None,
     ) -> None:  # fmt: skip
         self.points, self.bins, self.options = points, bins, options
         self.executor, self.threads, self.report = executor, threads, report
@@ -91,9 +93,9 @@ class Run:
             self.folder = folder / key[:20]
             self.store = FolderStore(self.folder, shape)
         self.d_near = None if n_pairs is None else near_limit(points, bins, n_pairs, seed)
-        self.row_blocks = row_blocks(len(points.group))
+        self.row_blocks = row_blocks(len(points.group), rows_per_block)
         self.pair_tasks = self._pair_tasks(pair_blocks(points.group, n_pairs, seed))
-        self.rows_s, self.n_rays = 0.0, 0
+        self.rows_s, self.n_rays, self.batch_rays = 0.0, 0, 0
         self._finished = 0
 
     def _pair_tasks(self, blocks: list[PairBlock]) -> list[PairTask]:
@@ -117,6 +119,7 @@ class Run:
                 todo.append(make(first, last))
             else:
                 self.n_rays += int(known["n_rays"])
+                self.batch_rays += int(known["batch_rays"])
                 self._step()
         self.rows_s = 0.0
         work_through(todo, work, self._keep_rows, self.executor)
@@ -125,6 +128,7 @@ class Run:
         self.store.bits[task.first : task.last] = result.pop("bits")
         self.store.put(_rows_name(task.first, task.last), result)
         self.n_rays += int(result["n_rays"])
+        self.batch_rays += int(result["batch_rays"])
         self.rows_s += float(result["seconds"])
         self._step()
 

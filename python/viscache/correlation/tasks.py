@@ -65,6 +65,7 @@ class RowsTask:
     scene_hash: str
     directions: _rows.DirectionSet
     t_max: float
+    engine: _rows.RowEngine
     threads: int | None
 
 
@@ -90,8 +91,12 @@ def trace(
     """Rows of a block, in this process; positions and normals are those of all points."""
     block = slice(task.first, task.last)
     rows = _rows.trace_rows(scene, positions[block], normals[block], task.directions,
-                            t_max=task.t_max, threads=task.threads)  # fmt: skip
-    return {"bits": rows.bits, "n_rays": np.array(rows.n_rays), "seconds": np.array(rows.seconds)}
+                            t_max=task.t_max, engine=task.engine,
+                            threads=task.threads)  # fmt: skip
+    return {
+        "bits": rows.bits, "n_rays": np.array(rows.n_rays), "seconds": np.array(rows.seconds),
+        "batch_rays": np.array(rows.n_rays if rows.engine == "batch" else 0),
+    }  # fmt: skip
 
 
 def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Arrays:

@@ -18,6 +18,8 @@ Result = TypeVar("Result")
 
 #: Points whose rows are traced together.
 ROWS_PER_BLOCK = 2048
+#: The batch gains by many points at a time.
+BATCH_ROWS_PER_BLOCK = 1 << 14
 #: Pairs of a block, about: a second of one core.
 PAIRS_PER_BLOCK = 1 << 27
 
@@ -74,10 +76,10 @@ def pair_blocks(
     return blocks
 
 
-def row_blocks(n_points: int) -> list[tuple[int, int]]:
-    """First and last + 1 of the points of each block."""
-    starts = range(0, n_points, ROWS_PER_BLOCK)
-    return [(i, min(i + ROWS_PER_BLOCK, n_points)) for i in starts]
+def row_blocks(n_points: int, size: int | None = None) -> list[tuple[int, int]]:
+    """First and last + 1 of the points of each block, of ROWS_PER_BLOCK by default."""
+    size = size or ROWS_PER_BLOCK
+    return [(i, min(i + size, n_points)) for i in range(0, n_points, size)]
 
 
 def work_through(

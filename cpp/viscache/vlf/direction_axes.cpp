@@ -1,0 +1,47 @@
+#include "viscache/vlf/direction_axes.h"
+
+#include <algorithm>
+
+namespace viscache {
+
+namespace {
+
+/// A number per direction that opposites have with opposite sign, and hardly any two others have alike.
+double key(Vec3 d) {
+    return double(d.x) + 1.4142135623730951 * double(d.y) + 1.7320508075688772 * double(d.z);
+}
+constexpr double kKeySlack = 4.2 * double(kOppositeSlack);
+
+bool opposite(Vec3 a, Vec3 b) {
+    const Vec3 sum = a + b;
+    return std::max({std::fabs(sum.x), std::fabs(sum.y), std::fabs(sum.z)}) <= kOppositeSlack;
+}
+
+}  // namespace
+
+std::vector<SharedAxis> axes_of(std::span<const Vec3> directions) {
+    std::vector<std::pair<double, uint32_t>> by_key;
+    std::vector<Vec3> unit;
+    for (uint32_t i = 0; i < directions.size(); ++i) {
+        unit.push_back(normalize(directions[i]));
+        by_key.emplace_back(key(unit[i]), i);
+    }
+    std::sort(by_key.begin(), by_key.end());
+    std::vector<SharedAxis> axes;
+    std::vector<bool> taken(directions.size());
+    for (uint32_t i = 0; i < directions.size(); ++i) {
+        if (taken[i]) continue;
+        SharedAxis axis{frame_around(unit[i]), length(directions[i]), i};
+        // The first that is opposite and has no partner yet
+        const double sought = -key(unit[i]);
+        for (auto at = std::lower_bound(by_key.begin(), by_key.end(), std::pair(sought - kKeySlack, 0u));
+             at != by_key.end() && at->first <= sought + kKeySlack; ++at)
+            if (const uint32_t j = at->second; j > i && !taken[j] && opposite(unit[i], unit[j]))
+                axis.against = std::min(axis.against, j);
+        if (axis.against != SharedAxis::kNone) taken[axis.against] = true;
+        axes.push_back(axis);
+    }
+    return axes;
+}
+
+}  // namespace viscache
