@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,11 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import aqvc_clusters, aqvc_edges
+from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_maps
+from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
+from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.outcome import Outcome
 from viscache.frame import Frame
 
 
@@ -88,10 +92,58 @@ def test_bins_of_normals_are_as_wide_as_their_rule_says() -> None:
     assert rounded == pytest.approx(11.3, abs=0.1) and floored == pytest.approx(25.2, abs=0.3)
 
 
+def test_stand_ins_have_the_papers_lights_samples_and_triangles() -> None:
+    kinds = Counter(light["kind"] for light in SETUPS["delta"].make(2000).lights)
+    assert kinds == {"point": 24, "directional": 1}
+    assert SETUPS["hairball"].make(100).triangles >= 100
+    for setup in SETUPS.values():
+        triangles = printed.SCENES[setup.printed].triangles
+        assert setup.triangles[0] == triangles or setup.name == "courtyard"
+        assert setup.pixels(False, (1280, 800)) == (1280, 800)
+    apartment = SETUPS["apartment"]
+    full, small = apartment.integrator(False), apartment.integrator(True)
+    assert (full.n_vpls, full.n_environment + full.n_brdf) == (1024, 256)
+    assert (small.n_vpls, small.n_environment + small.n_brdf) == (128, 32)
+    assert SETUPS["conference"].integrator(False).n_area == 64
+    paper = apartment.cache("paper", 24.0)
+    assert (paper.preset, paper.c_e, dict(paper.c_e_groups)) == ("paper", 24.0, {"point": 4.0})
+    assert apartment.cache("default", 24.0).preset == "default"
+
+
+def test_reflected_light_leaves_out_what_shines_itself() -> None:
+    shown = np.full((3, 4, 3), 1.0, np.float32)
+    lit = Frame(layers={"color": shown * 5, "emitted": shown * 4})
+    wrong = Frame(layers={"color": shown * 5.5, "emitted": shown * 4})
+    made = Trade(frame=wrong, exact=lit)
+    assert made.rel_l1 == pytest.approx(0.1) and made.reflected_rel_l1 == pytest.approx(0.5)
+
+
+def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    image = np.ones((2, 2, 3), np.float32)
+
+    def taking(cpu_s: float) -> Trade:
+        frame = Frame(layers={"color": image}, timings={"cpu_s": cpu_s})
+        return Trade(frame=frame, exact=frame)
+
+    sizes = (16, 32, 64)
+    trades = {f"map {r}": taking(r / 16) for r in sizes} | {"default": taking(2.5)}
+    assert aqvc_maps.equal_time(trades, sizes, "default") == 32
+    assert aqvc_maps.equal_time(trades | {"default": taking(0.5)}, sizes, "default") == 16
+    outcome = Outcome()
+    memory = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1 << 20}  # 4 GiB
+    monkeypatch.setattr(aqvc_maps.os, "sysconf", memory.__getitem__)
+    assert aqvc_maps.fitting((1024, 2048, 4096), outcome) == [1024, 2048]
+    assert outcome.skipped == [
+        {"what": "maps of 4096x4096", "reason": "they need 9.1 GiB of memory"}
+    ]
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig2": (8, ["aqvc-fig2.png"]),
     "aqvc-fig3": (4, ["aqvc-fig3.png"]),
+    "aqvc-fig6": (1, ["aqvc-fig6.png"]),
+    "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),
     "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
 }
 

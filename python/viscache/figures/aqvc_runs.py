@@ -63,6 +63,14 @@ class Trade:
         return float(metrics.rel_l1(_double(self.frame.image), _double(self.exact.image)) or 0.0)
 
     @property
+    def reflected_rel_l1(self) -> float:
+        """The same without what the camera sees shine, the sky among it."""
+        cached, exact = (
+            _double(f.image) - _double(f.layers["emitted"]) for f in (self.frame, self.exact)
+        )
+        return float(metrics.rel_l1(cached, exact) or 0.0)
+
+    @property
     def ssim(self) -> float:
         """Of the whole picture; NaN where it is smaller than SSIM's window."""
         value = metrics.compare(self.frame, self.exact, metrics=["ssim"]).ssim
@@ -98,8 +106,9 @@ class Trade:
         reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
         return {
             "ray_reduction": self.ray_reduction, "speedup": self.speedup, "rel_l1": self.rel_l1,
-            "ssim": self.ssim, "exact_cpu_s": self.exact.timings["cpu_s"],
-            "cpu_s": self.frame.timings["cpu_s"], **groups, **reductions,
+            "reflected_rel_l1": self.reflected_rel_l1, "ssim": self.ssim,
+            "exact_cpu_s": self.exact.timings["cpu_s"], "cpu_s": self.frame.timings["cpu_s"],
+            **groups, **reductions,
         }  # fmt: skip
 
 

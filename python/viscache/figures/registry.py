@@ -12,6 +12,8 @@ from typing import Any, TypeAlias
 from viscache.figures import (
     aqvc_clusters,
     aqvc_edges,
+    aqvc_hairball,
+    aqvc_maps,
     vlf_axes,
     vlf_drawings,
     vlf_frames,
@@ -62,9 +64,7 @@ def _later(**descriptions: str) -> dict[str, FigureInfo]:
 FIGURES: dict[str, FigureInfo] = {
     **_later(
         aqvc_fig5="exact and cached images, amplified difference",
-        aqvc_fig6="fine geometry",
         aqvc_fig7="ray reduction, speed-up and quality over C_E",
-        aqvc_fig8="comparison with shadow maps",
         aqvc_claims="numbers in the text of the quantized cache's paper",
     ),
     "aqvc-fig2": FigureInfo(
@@ -79,6 +79,12 @@ FIGURES: dict[str, FigureInfo] = {
     ),
     "aqvc-fig4": FigureInfo(
         description="scan order shifts shadows", function=aqvc_edges.figure4, sized=True
+    ),
+    "aqvc-fig6": FigureInfo(
+        description="fine geometry", function=aqvc_hairball.figure6, sized=True
+    ),
+    "aqvc-fig8": FigureInfo(
+        description="comparison with shadow maps", function=aqvc_maps.figure8, sized=True
     ),
     "vlf-fig1": FigureInfo(
         description="tiles of an edge: supercover against DDA", function=vlf_drawings.figure1

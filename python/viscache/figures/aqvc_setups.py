@@ -1,0 +1,127 @@
+"""Stand-ins for the scenes of the quantized cache's paper, lit and sampled as Section 5 says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from viscache import _core, scenes
+from viscache.figures import aqvc_printed as printed
+from viscache.figures.aqvc_runs import Shot
+from viscache.integrators import Whitted
+from viscache.scene import Scene
+from viscache.visibility import Aqvc
+
+__all__ = ["CLOSE_UP", "QUICK_SIZE", "SETUPS", "SIZE", "Setup", "delta"]
+
+SIZE, QUICK_SIZE = (640, 400), (96, 60)
+#: Where the sun of APARTMENT DELTA stands, and its irradiance.
+SUN, SUNLIGHT = (-0.35, 0.45, -0.8), (4.0, 3.8, 3.4)
+#: Under a chair of the living room: place of the camera, what it looks at, angle of view.
+CLOSE_UP = ((-1.89, 0.31, -1.18), (-2.29, 0.01, -1.52), 40.0)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Setup:
+    """One of the paper's renderings, in full or small."""
+
+    name: str
+    printed: str
+    """The paper's scene, as in `aqvc_printed.SCENES`."""
+    make: Callable[[int], Scene]
+    """Takes the number of triangles."""
+    triangles: tuple[int, int]
+    """In full, and quick."""
+    n_vpls: int = 0
+    n_area: int = 0
+    n_environment: int = 0
+    """Of the environment by its radiance; as many by the BRDF."""
+    antialiased: int = 16
+    """Samples per pixel of the paper's anti-aliased frames."""
+    delta_lights: bool = False
+    square: bool = False
+    c_e_groups: Mapping[str, float] = field(default_factory=dict)
+
+    def integrator(self, quick: bool) -> Whitted:
+        """The paper's numbers of samples; an eighth of them where quick."""
+        share = 8 if quick else 1
+        environment = self.n_environment // share
+        return Whitted(n_vpls=self.n_vpls // share, n_area=self.n_area // share,
+                       n_environment=environment, n_brdf=environment)  # fmt: skip
+
+    def pixels(self, quick: bool, size: tuple[int, int] | None = None) -> tuple[int, int]:
+        """The size asked for, or this setup's own."""
+        if size is not None:
+            return size
+        if self.square:
+            return (128, 128) if quick else (512, 512)
+        return QUICK_SIZE if quick else SIZE
+
+    def shot(self, quick: bool, size: tuple[int, int] | None = None, spp: int = 1) -> Shot:
+        """Ready to be rendered."""
+        scene = self.make(self.triangles[quick])
+        return Shot(scene=scene, integrator=self.integrator(quick), spp=spp,
+                    size=self.pixels(quick, size))  # fmt: skip
+
+    def cache(self, preset: str, c_e: float, **given: Any) -> Aqvc:
+        """A preset at one C_E; light groups that the paper keeps at theirs."""
+        return Aqvc(preset="paper" if preset == "paper" else "default", c_e=c_e,
+                    c_e_groups=dict(self.c_e_groups), **given)  # fmt: skip
+
+
+def delta(triangles: int) -> Scene:
+    """The apartment under its 24 lamps and a sun through the windows, without a sky."""
+    d: _core.SceneDescription = scenes.SCENES["apartment"].builder(triangles=triangles).description
+    d.clear_environment()
+    d.add_directional_light(SUN, SUNLIGHT)
+    return Scene.from_description(d)
+
+
+SETUPS: dict[str, Setup] = {
+    setup.name: setup
+    for setup in (
+        Setup(
+            name="delta",
+            printed="delta",
+            make=delta,
+            triangles=(750_000, 20_000),
+            delta_lights=True,
+        ),
+        Setup(
+            name="apartment",
+            printed="apartment",
+            make=scenes.apartment,
+            triangles=(750_000, 20_000),
+            n_vpls=1024,
+            n_environment=128,
+            c_e_groups={"point": printed.APARTMENT_POINT_C_E},
+        ),
+        Setup(
+            name="conference",
+            printed="conference",
+            make=scenes.conference,
+            triangles=(280_000, 20_000),
+            n_area=64,
+        ),
+        Setup(
+            name="courtyard",
+            printed="san miguel",
+            make=scenes.courtyard,
+            triangles=(2_200_000, 60_000),
+            n_vpls=1024,
+            n_environment=128,
+            antialiased=9,
+        ),
+        Setup(
+            name="hairball",
+            printed="hairball",
+            make=scenes.hairball,
+            triangles=(3_000_000, 30_000),
+            n_vpls=256,
+            n_environment=32,
+            antialiased=9,
+            square=True,
+        ),
+    )
+}
