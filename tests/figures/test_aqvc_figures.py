@@ -12,7 +12,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_maps
+from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_maps, aqvc_sweeps
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
 from viscache.figures.aqvc_setups import SETUPS
@@ -138,11 +138,34 @@ def test_maps_are_compared_at_equal_time_and_must_fit(monkeypatch: pytest.Monkey
     ]
 
 
+def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
+    ranges = {
+        ("delta", True): printed.DELTA_AA,
+        ("delta", False): printed.DELTA_PLAIN,
+        ("courtyard", True): printed.SMOOTH_AA,
+        ("courtyard", False): printed.SMOOTH_PLAIN,
+    }
+    for (name, antialiased), (low, high) in ranges.items():
+        for quick in (False, True):
+            values = aqvc_sweeps.c_e_values(SETUPS[name], antialiased, quick)
+            for preset in ("default", "paper"):
+                assert (min(values[preset]), max(values[preset])) == (low, high)
+            assert set(values["paper"]) <= set(values["default"])
+    delta = SETUPS["delta"]
+    sweep, shot = aqvc_sweeps.make_sweep(delta, delta.make(2000), True, False, None)
+    assert (sweep.label, shot.spp, shot.size) == ("delta, AA", 16, (640, 400))
+    apartment = SETUPS["apartment"]
+    _, shot = aqvc_sweeps.make_sweep(apartment, apartment.make(2000), True, False, (8, 8))
+    assert isinstance(shot.integrator, vc.Whitted) and shot.size == (8, 8)
+    assert (shot.integrator.n_vpls, shot.integrator.n_environment) == (128, 16)
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig2": (8, ["aqvc-fig2.png"]),
     "aqvc-fig3": (4, ["aqvc-fig3.png"]),
     "aqvc-fig6": (1, ["aqvc-fig6.png"]),
+    "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
     "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),
     "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
 }

@@ -15,7 +15,7 @@ from viscache.visibility import Aqvc
 
 __all__ = ["CLOSE_UP", "QUICK_SIZE", "SETUPS", "SIZE", "Setup", "delta"]
 
-SIZE, QUICK_SIZE = (640, 400), (96, 60)
+SIZE, QUICK_SIZE = (640, 400), (80, 50)
 #: Where the sun of APARTMENT DELTA stands, and its irradiance.
 SUN, SUNLIGHT = (-0.35, 0.45, -0.8), (4.0, 3.8, 3.4)
 #: Under a chair of the living room: place of the camera, what it looks at, angle of view.
