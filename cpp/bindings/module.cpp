@@ -5,6 +5,7 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
+void bind_bdpt(py::module_& m);
 void bind_bsp(py::module_& m);
 void bind_correlation_pairs(py::module_& m);
 void bind_correlation_rows(py::module_& m);
@@ -51,6 +52,7 @@ PYBIND11_MODULE(_core, m) {
     bind_bsp(m);
     bind_render(m);
     bind_shadow_map(m);
+    bind_bdpt(m);
     bind_eye_paths(m);
     bind_vismap_product(m);
     bind_vismap_estimate(m);

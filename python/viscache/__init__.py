@@ -4,7 +4,7 @@ from viscache import correlation, metrics, plots, report, scenes, vlf
 from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Direct, Whitted
+from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
@@ -25,6 +25,7 @@ __version__ = "0.1.0"
 __all__ = [
     "AmbientOcclusion",
     "Aqvc",
+    "Bdpt",
     "Bsp",
     "Direct",
     "Embree",

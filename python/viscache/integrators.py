@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 from viscache import _core
 from viscache.checks import check_types, require
 
-__all__ = ["AmbientOcclusion", "Direct", "Integrator", "Whitted"]
+__all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 
 PMode: TypeAlias = Literal["last_vertex", "footprint"]
 
@@ -171,7 +171,47 @@ class AmbientOcclusion:
         _check_density(self)
 
 
-Integrator: TypeAlias = Direct | Whitted | AmbientOcclusion
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Bdpt:
+    """Bidirectional path tracing (Veach 1997): all light paths of up to `max_depth` edges.
+
+    Every sample of a pixel traces one path from the camera and one from the lights; every vertex of
+    the one is connected with every vertex of the other, weighted by the balance heuristic over all
+    ways to make the same path. `spp` is the number of such pairs per pixel. Paths end at
+    `max_depth` or where nothing is reflected; there is no Russian roulette.
+
+    Sphere lights are found by connections alone (they are traced tessellated), except where only
+    mirrors and glass lie between them and the camera.
+
+    Parameters
+    ----------
+    max_depth : int in [1, 64]
+        Edges of a path as Mitsuba counts them: 1 = emission seen directly, 2 = direct light.
+    camera_connections : {"bypass", "keyed", "off"}
+        Connections of light paths with the camera: a shadow ray each, past any cache; through the
+        cache, keyed by the camera as a point; or none, which leaves caustics to chance.
+    cosmin : float in (0, 1]
+        Floor of the cosine in the cache's densities.
+    """
+
+    max_depth: int = 8
+    camera_connections: Literal["bypass", "keyed", "off"] = "bypass"
+    cosmin: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        require(1 <= self.max_depth <= 64, "max_depth must be in [1, 64]", self.max_depth)
+        _check_density(self)
+
+    def core(self) -> _core.BdptSettings:
+        """The C++ settings."""
+        core = _core.BdptSettings()
+        core.max_depth, core.cosmin = self.max_depth, self.cosmin
+        core.camera_connections = _core.CameraConnections[self.camera_connections.upper()]
+        return core
+
+
+Integrator: TypeAlias = Direct | Whitted | AmbientOcclusion | Bdpt
 
 
 def _check_density(s: Integrator) -> None:
@@ -186,7 +226,9 @@ def _check_samples(s: Direct | Whitted) -> None:
 
 
 def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
-    """The C++ struct of an integrator's settings."""
+    """The C++ struct of an integrator that shades eye points; `Bdpt` has its own."""
+    require(not isinstance(integrator, Bdpt), "integrator must shade eye points", integrator)
+    assert not isinstance(integrator, Bdpt)
     core = _core.IntegratorSettings()
     core.p_mode = _core.PMode[integrator.p_mode.upper()]
     core.cosmin = integrator.cosmin

@@ -13,7 +13,7 @@ from viscache import _core
 from viscache.cameras import find_camera
 from viscache.checks import is_whole, require
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Direct, Integrator, Whitted, core_settings
+from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.rays import Embree, Rays, check_rays
@@ -46,7 +46,7 @@ def render(
     Parameters
     ----------
     scene : Scene
-    integrator : Direct, Whitted or AmbientOcclusion
+    integrator : Direct, Whitted, AmbientOcclusion or Bdpt
     rays : Embree, Bsp or Vlf, optional
         The ray caster: all rays of the frame go through it.
     visibility : Exact, Aqvc, ShadowMap or VisMaps, optional
@@ -57,7 +57,7 @@ def render(
     size : (width, height), optional
         Pixels; the camera's own by default.
     spp : int >= 1
-        Eye paths per pixel, box filter.
+        Eye paths per pixel, box filter. `Bdpt`: pairs of eye and light paths.
     seed : int >= 0
         Same seed, same bytes, whatever the number of threads.
     threads : int >= 1, optional
@@ -73,7 +73,9 @@ def render(
     Returns
     -------
     Frame
-        Layers "color", "emitted", one per light group, and of what the camera sees first, mirrors
+        Layers "color", "emitted", one per light group (of `Bdpt`, whose layers are weighted, also
+        "connection" for those of two surfaces, "camera" for those of light paths with the camera,
+        and all lights that eye paths hit in "emitted"), and of what the camera sees first, mirrors
         and glass included: "depth" (H, W, 1) distance from the camera, scene units, "normal"
         (H, W, 3) shading normal turned to the camera, "albedo" (H, W, 3) base colour. These three
         are means over the samples of the pixel that hit a surface, 0 where none did (normals of an
@@ -113,31 +115,36 @@ def render(
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
     frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
-    core = core_settings(integrator)
 
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
     build_s = time.perf_counter() - start
     with progress_bar(progress) as report:
-        parts = (scene._core, caster, view, core, frame)
-        if isinstance(visibility, Aqvc):
-            result = _core.render_aqvc(*parts, visibility.core(), progress=report)
-        elif isinstance(visibility, ShadowMap):
-            result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
-        elif core.ambient_aligned:
-            embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
-            result = _core.render_aligned(
-                scene._core, embree, view, core, frame, _batch_for(scene, integrator, frame),
-                progress=report,
-            )  # fmt: skip
-        elif isinstance(visibility, VisMaps):
-            result = render_with_maps(
-                scene, geometry, rays, *parts[1:], visibility, replace=use == "replace",
-                progress=report,
-            )  # fmt: skip
+        if isinstance(integrator, Bdpt):
+            result = _bidirectional(
+                (scene._core, caster, view, integrator.core(), frame), visibility, report
+            )
         else:
-            order, coherent = visibility.core()
-            result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
+            core = core_settings(integrator)
+            parts = (scene._core, caster, view, core, frame)
+            if isinstance(visibility, Aqvc):
+                result = _core.render_aqvc(*parts, visibility.core(), progress=report)
+            elif isinstance(visibility, ShadowMap):
+                result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
+            elif core.ambient_aligned:
+                embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
+                result = _core.render_aligned(
+                    scene._core, embree, view, core, frame, _batch_for(scene, integrator, frame),
+                    progress=report,
+                )  # fmt: skip
+            elif isinstance(visibility, VisMaps):
+                result = render_with_maps(
+                    scene, geometry, rays, *parts[1:], visibility, replace=use == "replace",
+                    progress=report,
+                )  # fmt: skip
+            else:
+                order, coherent = visibility.core()
+                result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
@@ -170,6 +177,19 @@ def render(
     return made
 
 
+def _bidirectional(
+    parts: tuple[
+        _core.Scene, _core.RayCaster, _core.Camera, _core.BdptSettings, _core.FrameSettings
+    ],
+    visibility: Visibility,
+    report: Callable[[int, int], None] | None,
+) -> dict[str, typing.Any]:
+    """A frame of `Bdpt`."""
+    assert isinstance(visibility, Exact)  # _check_use allows no other
+    order, coherent = visibility.core()
+    return _core.render_bdpt_exact(*parts, order=order, coherent=coherent, progress=report)
+
+
 def _batch_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> list[_core.vlf.AlignedBatch]:
@@ -196,6 +216,9 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
         require(isinstance(integrator, Direct | Whitted),
                 "integrator must be vc.Direct(...) or vc.Whitted(...) with visibility maps",
                 integrator)  # fmt: skip
+    if isinstance(integrator, Bdpt):
+        require(isinstance(visibility, Exact), "visibility must be vc.Exact(...) with Bdpt",
+                visibility)  # fmt: skip
     if isinstance(integrator, Direct) and not both:
         product = integrator.environment == "product"
         require(not (product and isinstance(visibility, Aqvc)),

@@ -13,7 +13,9 @@ from viscache.vismap.estimate import VisMaps
 
 __all__ = ["Aqvc", "Exact", "ShadowMap", "VisMaps", "Visibility"]
 
-LIGHT_GROUPS = ("point", "directional", "area", "environment", "vpl", "ambient")
+LIGHT_GROUPS = (
+    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -81,7 +83,8 @@ class Aqvc:
     c_e : float > 0
         C_E: a cluster spans about C_E × C_E eye samples. The error knob.
     c_e_groups : mapping of light group to float > 0
-        C_E of single groups: point, directional, area, environment, vpl, ambient.
+        C_E of single groups: point, directional, area, environment, vpl, ambient; of `Bdpt` also
+        connection (two surfaces) and camera.
     c_n : int in [1, 64]
         C_N: normal bins per axis (Eq. 4). 8.
     c_z : float in [0.01, 1024]

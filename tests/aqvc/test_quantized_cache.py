@@ -277,8 +277,8 @@ def test_empty_tiles_and_blocks_are_answered(form):
 
 def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
     """Auto: shared lights only, and only where clusters are larger than a pixel."""
-    p = _core.aqvc.AqvcParameters(c_e=16, c_e_group=[0, 0, 0, 0, 9, 0])
-    assert [len(p.level_list(g)) for g in range(6)] == [2, 2, 1, 1, 2, 1]
+    p = _core.aqvc.AqvcParameters(c_e=16, c_e_group=[0, 0, 0, 0, 9, 0, 0, 0])
+    assert [len(p.level_list(g)) for g in range(8)] == [2, 2, 1, 1, 2, 1, 1, 1]
     assert p.level_list(0) == [16, 4] and p.level_list(4) == [9, 4]
     assert len(p.level_list(0, spp=256)) == 1 and len(p.level_list(0, spp=255)) == 2
 

@@ -228,6 +228,19 @@ def test_render_writes_the_picture_its_json_describes(
     assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
 
 
+def test_bidirectional_path_tracing_is_an_integrator(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    status, text, _ = run(
+        capsys, "render", "cornell_box", "-o", str(tmp_path / "o.exr"), "--integrator", "bdpt",
+        "--set", "integrator.max_depth=3", "--size", "16x16", "--spp", "2", "--json",
+    )  # fmt: skip
+    assert status == 0
+    got = json.loads(text)
+    assert got["parameters"]["integrator"]["max_depth"] == 3
+    assert got["counters"]["groups"]["connection"]["queries"] > 0
+
+
 def test_a_camera_is_named_by_index_too_and_env_takes_a_number(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

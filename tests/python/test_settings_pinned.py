@@ -81,6 +81,16 @@ def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
     assert shared.ambient_engine == _core.AmbientEngine.BATCH
 
 
+def test_bidirectional_path_tracing_has_the_names_and_defaults_of_its_struct() -> None:
+    struct = values(_core.BdptSettings())
+    assert {f.name for f in dataclasses.fields(vc.Bdpt)} == set(struct)
+    assert values(vc.Bdpt().core()) == struct
+    changed = values(vc.Bdpt(max_depth=3, camera_connections="off", cosmin=0.5).core())
+    assert changed == {
+        "max_depth": 3, "camera_connections": _core.CameraConnections.OFF, "cosmin": 0.5,
+    }  # fmt: skip
+
+
 def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
     # cosmin is the integrator's in Python, c_e_group is a mapping by name
     struct = values(_core.aqvc.AqvcParameters())

@@ -30,6 +30,7 @@ INTEGRATORS = [
     vc.Direct(n_area=4, n_environment=2, n_brdf=2),
     vc.Whitted(n_vpls=24, n_area=4, n_environment=2, n_brdf=2),
     vc.AmbientOcclusion(n_samples=8, max_distance=0.5),
+    vc.Bdpt(max_depth=4),
 ]
 
 
@@ -81,7 +82,8 @@ def test_any_size_and_number_of_samples_renders(
     frame = vc.render(room, integrator, size=size, spp=spp)
     assert frame.image.shape == (size[1], size[0], 3)
     assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
-    assert frame.image.max() > 0
+    few = isinstance(integrator, vc.Bdpt) and frame.image.size * spp < 10
+    assert few or frame.image.max() > 0  # three pairs of paths may find no light
     assert frame.counters["non_finite"] == 0
 
 

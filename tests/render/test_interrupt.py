@@ -107,6 +107,7 @@ def seconds_to_stop(call: str, delay: float = 0.6) -> float:
             "vc.render(scene, many, size=SIZE, visibility=vc.Aqvc())",
             id="quantized",
         ),
+        pytest.param("vc.render(scene, vc.Bdpt(), size=SIZE, spp=4)", id="bidirectional"),
         pytest.param(
             "vc.render(scene, some, size=SIZE, visibility=vc.Aqvc(preset='paper'))",
             id="quantized, the paper's form",

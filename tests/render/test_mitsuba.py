@@ -26,14 +26,6 @@ SIZE = (48, 32)
 Images = npt.NDArray[np.float64]
 
 
-@pytest.fixture(scope="module")
-def mi() -> Any:
-    mitsuba = pytest.importorskip("mitsuba")
-    mitsuba.set_variant("scalar_rgb")
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)
-    return mitsuba
-
-
 def theirs(
     mi: Any, scene: Any, *, depth: int = 2, spp: int = 64, seeds: int = 16, **kwargs: Any
 ) -> Images:

@@ -1,12 +1,10 @@
 #include "viscache/render/frame.h"
 
-#include <chrono>
-
 #include "viscache/math/morton.h"
 #include "viscache/render/local_samples.h"
+#include "viscache/render/stage_clock.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 
@@ -18,23 +16,6 @@ constexpr size_t kFewLights = 256;
 constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
 constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
 constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-/// Adds the CPU time since the last call to one stage after another.
-class StageClock {
-public:
-    void skip() { last_ = thread_cpu_seconds(); }
-    void lap(double& stage) {
-        const double now = thread_cpu_seconds();
-        stage += now - last_;
-        last_ = now;
-    }
-
-private:
-    double last_ = thread_cpu_seconds();
-};
 
 }  // namespace
 

@@ -7,24 +7,24 @@ namespace viscache {
 LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
     const SceneDescription& d = scene.description();
     std::vector<double> power;
-    auto add = [&](Kind kind, size_t index, double watts) {
+    auto add = [&](LightKind kind, size_t index, double watts) {
         if (watts > 0) entries_.push_back({kind, index}), power.push_back(watts);
     };
     const double disk = M_PI * double(scene.radius()) * scene.radius();
     for (size_t i = 0; i < d.point_lights.size(); ++i)
-        add(Kind::kPoint, i, 4 * M_PI * luminance(d.point_lights[i].intensity));
+        add(LightKind::kPoint, i, 4 * M_PI * luminance(d.point_lights[i].intensity));
     for (size_t i = 0; i < d.directional_lights.size(); ++i)
-        add(Kind::kDirectional, i, disk * luminance(d.directional_lights[i].irradiance));
+        add(LightKind::kDirectional, i, disk * luminance(d.directional_lights[i].irradiance));
     const AreaLights& area = scene.area_lights();
     for (size_t i = 0; i < area.triangles.size(); ++i)
-        add(Kind::kTriangle, i,
+        add(LightKind::kTriangle, i,
             M_PI * area.triangles[i].area * luminance(area.triangles[i].radiance) *
                 (area.triangles[i].two_sided ? 2 : 1));
     for (size_t i = 0; i < area.spheres.size(); ++i)
-        add(Kind::kSphere, i,
+        add(LightKind::kSphere, i,
             4 * M_PI * M_PI * double(area.spheres[i].radius) * area.spheres[i].radius *
                 luminance(area.spheres[i].radiance));
-    if (scene.environment()) add(Kind::kEnvironment, 0, disk * scene.environment()->total_power());
+    if (scene.environment()) add(LightKind::kEnvironment, 0, disk * scene.environment()->total_power());
     if (!power.empty()) choice_ = Distribution1D(power);
 }
 
@@ -32,53 +32,85 @@ std::optional<Emission> LightSampler::emit(Rng& rng) const {
     const auto pick = choice_.sample(rng.next());
     Emission e = emit_from(entries_[pick.index], rng);
     e.flux = e.flux / float(pick.pmf);
+    e.pdf_point *= pick.pmf;
     if (!is_finite(e.flux) || !(max_component(e.flux) > 0)) return std::nullopt;
     return e;
 }
 
+double LightSampler::pdf_point(Rgb radiance, bool two_sided) const {
+    // Chosen by power: π·A·luminance of one side
+    return empty() ? 0 : M_PI * double(luminance(radiance)) * (two_sided ? 2 : 1) / choice_.total();
+}
+
+double LightSampler::pdf_environment(Vec3 wi) const {
+    // The environment is the last entry
+    if (empty() || entries_.back().kind != LightKind::kEnvironment) return 0;
+    return choice_.pmf(choice_.size() - 1) * double(scene_.environment()->pdf(wi));
+}
+
+double LightSampler::pdf_parallel() const { return 1 / (M_PI * double(disk_radius()) * disk_radius()); }
+
 /// Parallel light: a ray from the disk that the bounding sphere casts.
 Emission LightSampler::emit_through_scene(Vec3 towards_light, Rgb irradiance, Rng& rng) const {
-    const float radius = scene_.radius() * 1.001f;
+    const float radius = disk_radius();
     const Vec2 disk = square_to_disk_concentric(rng.next2());
     const Frame3 frame = frame_around(towards_light);
     const Vec3 start = scene_.center() + (frame.x * disk.x + frame.y * disk.y + towards_light) * radius;
-    return {{start, 0, -towards_light, kInfinity}, irradiance * (kPi * radius * radius)};
+    return {.ray = {start, 0, -towards_light, kInfinity},
+            .flux = irradiance * (kPi * radius * radius),
+            .point = start,
+            .pdf_ray = pdf_parallel()};
 }
 
 Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     const SceneDescription& d = scene_.description();
     const AreaLights& area = scene_.area_lights();
     const float extent = scene_.offset_extent();
-    auto from_surface = [&](Vec3 p, Vec3 n, Rgb radiance, float surface_area) {
+    auto from_surface = [&](Vec3 p, Vec3 n, Rgb radiance, float surface_area, bool two_sided) {
         const Vec3 local = square_to_cosine_hemisphere(rng.next2());
-        return Emission{{spawn(p, n, extent), 0, frame_around(n).to_world(local), kInfinity},
-                        radiance * (kPi * surface_area)};
+        return Emission{.ray = {spawn(p, n, extent), 0, frame_around(n).to_world(local), kInfinity},
+                        .flux = radiance * (kPi * surface_area * (two_sided ? 2.f : 1.f)),
+                        .kind = entry.kind,
+                        .point = p,
+                        .normal = n,
+                        .two_sided = two_sided,
+                        .radiance = radiance,
+                        .pdf_point = 1 / double(surface_area),
+                        .pdf_ray = double(local.z) / M_PI * (two_sided ? 0.5 : 1.0)};
     };
     switch (entry.kind) {
-        case Kind::kPoint: {
+        case LightKind::kPoint: {
             const PointLight& l = d.point_lights[entry.index];
-            return {{l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity},
-                    l.intensity * (4 * kPi)};
+            return {.ray = {l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity},
+                    .flux = l.intensity * (4 * kPi),
+                    .kind = entry.kind,
+                    .point = l.position,
+                    .radiance = l.intensity,
+                    .pdf_ray = 0.25 / M_PI};
         }
-        case Kind::kDirectional: {
+        case LightKind::kDirectional: {
             const DirectionalLight& l = d.directional_lights[entry.index];
-            return emit_through_scene(l.direction, l.irradiance, rng);
+            Emission e = emit_through_scene(l.direction, l.irradiance, rng);
+            e.kind = entry.kind, e.radiance = l.irradiance;
+            return e;
         }
-        case Kind::kTriangle: {
+        case LightKind::kTriangle: {
             const EmissiveTriangle& t = area.triangles[entry.index];
             const Vec2 b = square_to_triangle(rng.next2());
             const bool back = t.two_sided && rng.next() < 0.5f;
             return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
-                                t.radiance, t.two_sided ? 2 * t.area : t.area);
+                                t.radiance, t.area, t.two_sided);
         }
-        case Kind::kSphere: {
+        case LightKind::kSphere: {
             const SphereLight& s = area.spheres[entry.index];
             const Vec3 n = square_to_uniform_sphere(rng.next2());
-            return from_surface(s.center + n * s.radius, n, s.radiance, 4 * kPi * s.radius * s.radius);
+            return from_surface(s.center + n * s.radius, n, s.radiance, 4 * kPi * s.radius * s.radius, false);
         }
-        case Kind::kEnvironment: {
+        case LightKind::kEnvironment: {
             const auto sample = scene_.environment()->sample(rng.next2());
-            return emit_through_scene(sample.wi, sample.radiance / sample.pdf, rng);
+            Emission e = emit_through_scene(sample.wi, sample.radiance / sample.pdf, rng);
+            e.kind = entry.kind, e.radiance = sample.radiance, e.pdf_point = sample.pdf;
+            return e;
         }
     }
     return {};

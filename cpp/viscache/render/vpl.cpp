@@ -3,6 +3,7 @@
 #include <array>
 
 #include "viscache/render/light_sampling.h"
+#include "viscache/render/scatter.h"
 #include "viscache/sampling/rng.h"
 #include "viscache/sampling/warp.h"
 
@@ -30,12 +31,6 @@ struct Landing {
     Vec3 ng, ns, wi;  ///< wi: to where it came from
     bool front;
 };
-
-/// Adjoint of shading with normal n on a surface with normal ng (Veach 1997, Sec. 5.3): photons arrive and
-/// leave in proportion to the cosines to ng, radiance reckons with those to n. One where n = ng.
-float adjoint(Vec3 n, Vec3 ng, Vec3 wi, Vec3 wo) {
-    return std::fabs(dot(wi, n) * dot(wo, ng) / (dot(wi, ng) * dot(wo, n)));
-}
 
 /// Sends the photon on; false where its flux is not finite.
 bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux, float extent) {

@@ -22,7 +22,9 @@ enum class Purpose : uint32_t {
     kSurfacePoint,
     kDirectionPattern,
     kProduct,
-    kMapStartup
+    kMapStartup,
+    kEyeSubpath,
+    kLightSubpath
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).

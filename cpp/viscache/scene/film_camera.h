@@ -1,5 +1,7 @@
 #pragma once
 // Primary rays of a pinhole camera at an image size.
+#include <optional>
+
 #include "viscache/scene/camera.h"
 
 namespace viscache {
@@ -18,6 +20,15 @@ struct FilmCamera {
     Vec3 direction(float x, float y) const {
         return camera.forward + camera.right * ((2 * x / width - 1) * half_width) +
                camera.up * ((1 - 2 * y / height) * half_height);
+    }
+    /// Row-major number of the pixel that looks along `d`; empty beside the film or behind the camera.
+    std::optional<uint32_t> pixel_of(Vec3 d) const {
+        const float depth = dot(d, camera.forward);
+        if (!(depth > 0)) return std::nullopt;
+        const float x = 0.5f * width * (1 + dot(d, camera.right) / (depth * half_width));
+        const float y = 0.5f * height * (1 - dot(d, camera.up) / (depth * half_height));
+        if (!(x >= 0 && x < float(width) && y >= 0 && y < float(height))) return std::nullopt;
+        return uint32_t(y) * uint32_t(width) + uint32_t(x);
     }
     /// Area of one pixel on the plane at distance 1.
     float pixel_area() const { return 4 * half_width * half_height / (float(width) * float(height)); }

@@ -5,11 +5,21 @@
 
 namespace viscache {
 
-constexpr int kLightGroups = 6;
-/// Light groups of a frame, in this order everywhere.
-enum class LightGroup : int { kPoint, kDirectional, kArea, kEnvironment, kVpl, kAmbient };
-constexpr const char* kLightGroupNames[kLightGroups] = {"point",       "directional", "area",
-                                                        "environment", "vpl",         "ambient"};
+constexpr int kLightGroups = 8;
+/// Light groups of a frame, in this order everywhere. The last two are those of bidirectional path tracing:
+/// connections of two surfaces, and of a surface with the camera.
+enum class LightGroup : int {
+    kPoint,
+    kDirectional,
+    kArea,
+    kEnvironment,
+    kVpl,
+    kAmbient,
+    kConnection,
+    kCamera
+};
+constexpr const char* kLightGroupNames[kLightGroups] = {"point", "directional", "area",       "environment",
+                                                        "vpl",   "ambient",     "connection", "camera"};
 constexpr int kMaxLevels = 32;
 
 struct GroupCounters {

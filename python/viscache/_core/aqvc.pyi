@@ -45,10 +45,10 @@ class AqvcParameters:
     def c_e(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def c_e_group(self) -> typing.Annotated[list[float], "FixedSize(6)"]:
+    def c_e_group(self) -> typing.Annotated[list[float], "FixedSize(8)"]:
         ...
     @c_e_group.setter
-    def c_e_group(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(6)"]) -> None:
+    def c_e_group(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(8)"]) -> None:
         ...
     @property
     def c_finest(self) -> float:

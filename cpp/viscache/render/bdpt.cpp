@@ -1,0 +1,189 @@
+#include "viscache/render/bdpt.h"
+
+#include <numeric>
+
+#include "viscache/render/connections.h"
+#include "viscache/render/stage_clock.h"
+#include "viscache/scene/check.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr int kTileEdge = 16;             // pixels; a work item is one sample of each
+constexpr size_t kFirstRound = 4;         // items of the first round; a few more in every round after it,
+constexpr size_t kItemsPerRound = 64;     // up to this number
+constexpr size_t kQueriesPerCall = 8192;  // asked of the oracle at once
+
+/// What one work item adds to the frame.
+struct ItemResult {
+    EyeLight light;
+    std::array<std::vector<Rgb>, kLightGroups> sums;  ///< per pixel of the tile
+    std::vector<std::pair<uint32_t, Rgb>> splats;     ///< on pixels of the frame, in order
+    Counters counters;
+    StageSeconds stages;
+};
+
+/// One thread's work on items; buffers are kept between them.
+class ItemWorker {
+public:
+    ItemWorker(const BdptContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
+        : c_(context), tracer_(context), oracle_(std::move(oracle)) {
+        oracle_->watch(control);
+    }
+    VisibilityOracle& oracle() { return *oracle_; }
+
+    void run(const SampleTile& work, const FrameResult& frame, ItemResult& out, const Control& control) {
+        StageClock clock;
+        out.counters = {}, out.stages = {}, out.splats.clear();
+        tracer_.trace_light(work, light_paths_, out.counters, control);
+        tracer_.trace_eye(work, eye_paths_, out.light, out.counters, control);
+        clock.lap(out.stages.eye_paths);
+        const size_t pixels = out.light.emitted.size();
+        for (size_t g = 0; g < out.sums.size(); ++g)
+            out.sums[g].assign(frame.groups[g].empty() || g == size_t(LightGroup::kCamera) ? 0 : pixels, {});
+        connections_.clear();
+        Connector connector(c_, connections_, out.counters);
+        const int width = work.tile.x1 - work.tile.x0;
+        const auto places = morton_pixels(width, work.tile.y1 - work.tile.y0);
+        for (size_t p = 0; p < places.size(); ++p)
+            connector.join(eye_paths_, light_paths_, p,
+                           uint32_t(places[p].second) * uint32_t(width) + places[p].first);
+        clock.lap(out.stages.contributions);
+        ask(out);
+        clock.lap(out.stages.visibility);
+        add(out);
+        clock.lap(out.stages.shading);
+    }
+
+private:
+    void ask(ItemResult& out) {
+        const std::span<const ShadowQuery> queries(connections_.queries);
+        answer_.assign(words_for(queries.size()), 0);
+        oracle_->begin_tile(connections_.eyes);
+        for (size_t first = 0; first < queries.size(); first += kQueriesPerCall) {
+            const size_t n = std::min(kQueriesPerCall, queries.size() - first);
+            oracle_->pairs(connections_.eyes, queries.subspan(first, n),
+                           std::span(answer_).subspan(first / kWordBits, words_for(n)), out.counters);
+        }
+    }
+    void add(ItemResult& out) {
+        for_each_bit(answer_, [&](size_t i) {
+            const Rgb value = connections_.contribution[i];
+            const uint32_t pixel = connections_.pixel[i];
+            const uint8_t group = connections_.queries[i].group;
+            if (group == uint8_t(LightGroup::kCamera))
+                out.splats.emplace_back(pixel, value);
+            else
+                out.sums[group][pixel] += value;
+        });
+    }
+
+    const BdptContext& c_;
+    SubpathTracer tracer_;
+    std::unique_ptr<VisibilityOracle> oracle_;
+    Subpaths eye_paths_, light_paths_;
+    Connections connections_;
+    std::vector<Word> answer_;
+};
+
+FrameResult empty_result(const BdptContext& c) {
+    FrameResult out;
+    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
+    const size_t n = size_t(out.width) * size_t(out.height);
+    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
+        out.albedo.resize(n), out.coverage.resize(n);
+    auto has = [&](LightGroup g, bool there) {
+        if (there) out.groups[size_t(g)].resize(n);
+    };
+    const SceneDescription& d = c.scene.description();
+    const bool lit = !c.lights.empty();
+    has(LightGroup::kPoint, !d.point_lights.empty());
+    has(LightGroup::kDirectional, !d.directional_lights.empty());
+    has(LightGroup::kArea, !c.scene.area_lights().empty());
+    has(LightGroup::kEnvironment, c.scene.environment() != nullptr);
+    has(LightGroup::kConnection, lit && c.settings.max_depth > 2);
+    has(LightGroup::kCamera, lit && c.settings.max_depth > 1 && c.to_camera());
+    return out;
+}
+
+/// Adds an item's pixels and splats to the frame.
+void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
+    const size_t width = size_t(tile.x1 - tile.x0);
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const size_t from = size_t(y - tile.y0) * width + size_t(x - tile.x0);
+            const size_t to = size_t(y) * size_t(out.width) + size_t(x);
+            out.emitted[to] += item.light.emitted[from];
+            for (size_t g = 0; g < item.sums.size(); ++g)
+                if (!item.sums[g].empty()) out.groups[g][to] += item.sums[g][from];
+            const FirstHits& first = item.light.first[from];
+            out.coverage[to] += float(first.count), out.depth[to] += first.depth;
+            out.normal[to] += first.normal, out.albedo[to] += first.albedo;
+        }
+    for (const auto& [pixel, value] : item.splats) out.groups[size_t(LightGroup::kCamera)][pixel] += value;
+    out.counters.merge(item.counters), out.stages.merge(item.stages);
+}
+
+/// Sums become colours and means.
+void finish(FrameResult& out) {
+    for (size_t i = 0; i < out.color.size(); ++i) {
+        out.color[i] = out.emitted[i];
+        for (const auto& group : out.groups)
+            if (!group.empty()) out.color[i] += group[i];
+        const float hits = out.coverage[i], share = hits > 0 ? 1 / hits : 0.f;
+        out.coverage[i] = hits / float(out.spp), out.depth[i] *= share;
+        out.normal[i] = out.normal[i] * share, out.albedo[i] = out.albedo[i] * share;
+    }
+}
+
+/// Items of the frame in order: sample by sample, in each the tiles in steps of the golden ratio, so that
+/// the first samples of a cluster lie anywhere in it.
+SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
+    size_t step = std::max<size_t>(1, size_t(0.6180339887 * double(tiles.size())));
+    while (std::gcd(step, tiles.size()) != 1) ++step;
+    return {tiles[number % tiles.size() * step % tiles.size()], uint32_t(number / tiles.size())};
+}
+
+}  // namespace
+
+FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                        const BdptSettings& settings, const FrameSettings& frame, const RoundOracles& oracles,
+                        Control& control) {
+    check_camera(camera);
+    const double start = wall_seconds();
+    const LightSampler lights(scene);
+    const BdptContext context{scene,    caster, lights, FilmCamera(camera, frame.width, frame.height),
+                              settings, frame};
+    FrameResult out = empty_result(context);
+    out.tile_edge_px = kTileEdge;
+    const auto tiles = cut_tiles(frame.width, frame.height, kTileEdge);
+    const size_t items = tiles.size() * size_t(frame.spp);
+    out.threads = std::min<int>(resolve_threads(frame.threads), int(std::min(items, kItemsPerRound)));
+    std::vector<std::unique_ptr<ItemWorker>> workers(size_t(out.threads));
+    std::vector<ItemResult> results(kItemsPerRound);
+    control.total = items;
+    out.lights_s = wall_seconds() - start;
+
+    size_t first = 0;
+    for (size_t size = kFirstRound; first < items; first += size, size += size / 2) {
+        size = std::min({size, kItemsPerRound, items - first});
+        oracles.begin_round(size);
+        parallel_for(size, out.threads, [&](size_t i, int worker) {
+            control.check();
+            auto& mine = workers[size_t(worker)];
+            if (!mine) mine = std::make_unique<ItemWorker>(context, oracles.make(), control);
+            mine->run(item_at(first + i, tiles), out, results[i], control);
+            oracles.end_item(mine->oracle(), i);
+            control.done.fetch_add(1);
+        });
+        // In order of the items, whoever worked on them
+        oracles.end_round(out.counters);
+        for (size_t i = 0; i < size; ++i) merge(results[i], item_at(first + i, tiles).tile, out);
+    }
+    finish(out);
+    out.tiles_s = wall_seconds() - start - out.lights_s;
+    return out;
+}
+
+}  // namespace viscache

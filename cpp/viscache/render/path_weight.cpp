@@ -1,0 +1,32 @@
+#include "viscache/render/path_weight.h"
+
+namespace viscache {
+
+double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> light,
+                   const JoinDensities& join, StrategyRules rules) {
+    const size_t t = eye.size(), s = light.size();
+    double others = 0;
+    // Fewer vertices by the eye: its last ones are made by the light instead
+    double ratio = 1;
+    for (size_t i = t - 1; i >= 1; --i) {
+        const double reverse = i == t - 1 ? join.eye_last : i == t - 2 ? join.eye_before : eye[i].reverse;
+        ratio *= reverse / eye[i].forward;
+        const bool allowed = i > 1 || (rules.to_camera && s + t > 2);
+        if (allowed && eye[i].connects && eye[i - 1].connects) others += ratio;
+    }
+    // More vertices by the eye
+    ratio = 1;
+    for (size_t i = s; i-- > 0;) {
+        const double reverse = i == s - 1   ? join.light_last
+                               : i + 2 == s ? join.light_before
+                                            : light[i].reverse;
+        ratio *= reverse / light[i].forward;
+        const bool allowed = i == 0 ? rules.hittable : light[i - 1].connects;
+        if (allowed && light[i].connects) others += ratio;
+    }
+    // A light that is not hit on purpose counts where nothing else finds it
+    if (s == 0 && !rules.hittable) return others > 0 ? 0 : 1;
+    return 1 / (1 + others);
+}
+
+}  // namespace viscache

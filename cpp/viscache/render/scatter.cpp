@@ -1,0 +1,89 @@
+#include "viscache/render/scatter.h"
+
+namespace viscache {
+
+namespace {
+
+/// What a mirror or glass does with light from one direction.
+struct SpecularEvent {
+    Vec3 direction;
+    Vec3 normal;  ///< that decided it, on the side of the light's arrival
+    double probability = 1;
+    float eta = 1;  ///< index of refraction of the side of arrival over that of the other; 1: reflected
+};
+
+/// The event for a direction on either side of the surface. Mirrors reflect about the shading normal, or
+/// about the geometric one where that would lead below the surface.
+std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool through) {
+    const bool same_side = dot(v.surface.ng, from) >= 0, front = same_side == v.front;
+    const Vec3 ng = same_side ? v.surface.ng : -v.surface.ng;
+    Vec3 n = same_side ? v.surface.ns : -v.surface.ns;
+    if (dot(n, from) <= 0) n = ng;
+    const bool glass = v.surface.kind == MaterialKind::kDielectric;
+    const double fresnel =
+        glass ? double(fresnel_dielectric(front ? dot(n, from) : -dot(n, from), v.surface.eta)) : 1.0;
+    if (through) {
+        const float eta = front ? 1 / v.surface.eta : v.surface.eta;
+        const auto direction = refract(from, n, eta);
+        if (!direction || dot(*direction, ng) >= 0) return std::nullopt;
+        return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta};
+    }
+    Vec3 direction = n * (2 * dot(from, n)) - from;
+    if (dot(direction, ng) <= 0) n = ng, direction = n * (2 * dot(from, n)) - from;
+    return SpecularEvent{normalize(direction), n, fresnel, 1};
+}
+
+std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport, Rng& rng) {
+    constexpr float kSameDirection = 0.999f;
+    const bool glass = v.surface.kind == MaterialKind::kDielectric;
+    const Vec3 from = v.surface.wo;
+    auto event = specular_event(v, from, false);
+    const bool through = glass && double(rng.next()) >= event->probability;
+    if (through) event = specular_event(v, from, true);
+    if (!event || !(event->probability > 0)) return std::nullopt;
+    Scatter s;
+    s.specular = true, s.direction = event->direction, s.pdf = event->probability;
+    s.side = through ? -v.surface.ng : v.surface.ng;
+    // Bent normals can make the way back another one
+    const auto back = specular_event(v, s.direction, through);
+    if (back && dot(back->direction, from) > kSameDirection) s.pdf_back = back->probability;
+    s.factor = glass ? Rgb{1, 1, 1} : v.surface.specular;
+    if (transport == Transport::kImportance)
+        s.factor = s.factor * adjoint(event->normal, v.surface.ng, from, s.direction);
+    else
+        s.factor = s.factor * (event->eta * event->eta);  // radiance is compressed by the change of index
+    return s;
+}
+
+std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, Rng& rng) {
+    const ShadingPoint sp = shading_from(v, v.surface.wo);
+    if (is_black(sp)) return std::nullopt;
+    const float u_lobe = rng.next();
+    const auto drawn = sample_bsdf(sp, u_lobe, rng.next2());
+    if (!drawn || !(drawn->pdf > 0)) return std::nullopt;
+    Scatter s;
+    s.direction = drawn->wi, s.side = sp.ng, s.pdf = double(drawn->pdf);
+    s.pdf_back = scatter_pdf(v, drawn->wi, sp.wo);
+    s.factor = drawn->weight;
+    if (transport == Transport::kImportance)
+        s.factor =
+            reflected(v, drawn->wi, sp.wo) * (dot(sp.ng, drawn->wi) / (dot(sp.ng, sp.wo) * drawn->pdf));
+    return s;
+}
+
+}  // namespace
+
+std::optional<Scatter> scatter(const PathVertex& v, Transport transport, Rng& rng) {
+    std::optional<Scatter> s;
+    switch (v.surface.kind) {
+        case MaterialKind::kDiffuse:
+        case MaterialKind::kGlossy: s = scatter_rough(v, transport, rng); break;
+        case MaterialKind::kMirror:
+        case MaterialKind::kDielectric: s = scatter_specular(v, transport, rng); break;
+    }
+    if (!s || !is_finite(s->direction) || !is_finite(s->factor) || !(max_component(s->factor) > 0))
+        return std::nullopt;
+    return s;
+}
+
+}  // namespace viscache

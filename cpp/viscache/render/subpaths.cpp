@@ -1,0 +1,202 @@
+#include "viscache/render/subpaths.h"
+
+#include "viscache/sampling/pixel_place.h"
+#include "viscache/visibility/shadow_ray.h"
+
+namespace viscache {
+
+void SubpathTracer::start(const SampleTile& work) {
+    const int width = work.tile.x1 - work.tile.x0, height = work.tile.y1 - work.tile.y0;
+    width_ = width;
+    places_ = morton_pixels(width, height);
+    walkers_.clear();
+}
+
+/// Number of the sample in the frame.
+uint64_t SubpathTracer::stream_of(const SampleTile& work, uint32_t path) const {
+    const auto [x, y] = places_[path];
+    const uint64_t pixel = uint64_t(work.tile.y0 + y) * uint64_t(c_.film.width) + uint64_t(work.tile.x0 + x);
+    return pixel * uint64_t(c_.frame.spp) + work.sample;
+}
+
+void SubpathTracer::trace_light(const SampleTile& work, Subpaths& out, Counters& counters,
+                                const Control& control) {
+    start(work);
+    // With the camera as last vertex the light makes one vertex per edge, else one less
+    const size_t longest = size_t(c_.settings.max_depth - (c_.to_camera() ? 0 : 1));
+    out.reset(places_.size(), std::max<size_t>(1, longest));
+    if (c_.lights.empty() || longest == 0) return;
+    for (uint32_t p = 0; p < places_.size(); ++p) {
+        const uint64_t stream = stream_of(work, p);
+        Rng rng(c_.frame.seed, Purpose::kLightSubpath, stream, 0);
+        const auto e = c_.lights.emit(rng);
+        if (!e || !is_traceable(e->ray.o)) continue;
+        out.start[p] = *e;
+        PathVertex& y = out.append(p);
+        y.infinite = is_infinite(e->kind);
+        y.position = e->point, y.surface.ng = e->normal;
+        y.forward = e->pdf_point, y.density = e->pdf_point, y.beta = e->radiance / float(e->pdf_point);
+        walkers_.push_back({.path = p,
+                            .stream = stream,
+                            .ray = e->ray,
+                            .beta = e->flux,
+                            .pdf = e->pdf_ray,
+                            .parallel = y.infinite,
+                            .spread = e->pdf_ray,
+                            .parallel_spread = y.infinite});
+    }
+    walk(Transport::kImportance, longest - 1, out, nullptr, counters, control);
+}
+
+void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& light, Counters& counters,
+                              const Control& control) {
+    start(work);
+    const size_t longest = size_t(c_.settings.max_depth) + 1;
+    out.reset(places_.size(), longest);
+    light.emitted.assign(places_.size(), {}), light.first.assign(places_.size(), {});
+    for (uint32_t p = 0; p < places_.size(); ++p) {
+        const auto [px, py] = places_[p];
+        const uint64_t stream = stream_of(work, p), pixel = stream / uint64_t(c_.frame.spp);
+        const Vec2 jitter = pixel_place(c_.frame.seed, pixel, work.sample);
+        const Vec3 raw =
+            c_.film.direction(float(work.tile.x0 + px) + jitter.x, float(work.tile.y0 + py) + jitter.y);
+        const double pdf = c_.film_pdf(1 / double(length(raw)));
+        PathVertex& z = out.append(p);
+        z.position = c_.film.camera.origin, z.forward = 1;
+        walkers_.push_back({.path = p,
+                            .stream = stream,
+                            .ray = {z.position, 0, normalize(raw), kInfinity},
+                            .beta = {1, 1, 1},
+                            .pdf = pdf,
+                            .spread = pdf});
+    }
+    walk(Transport::kRadiance, longest - 1, out, &light, counters, control);
+}
+
+/// Follows all walkers for so many edges.
+void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLight* light,
+                         Counters& counters, const Control& control) {
+    for (size_t edge = 0; edge < edges && !walkers_.empty(); ++edge) {
+        control.check();
+        rays_.clear(), next_.clear();
+        for (const Walker& w : walkers_) rays_.push_back(w.ray);
+        hits_.assign(rays_.size(), {});
+        c_.caster.intersect(rays_, hits_);
+        (light ? counters.camera_rays : counters.light_rays) += rays_.size();
+        for (size_t i = 0; i < walkers_.size(); ++i) {
+            Walker& w = walkers_[i];
+            if (arrive(w, hits_[i], out, light, counters) && edge + 1 < edges &&
+                go_on(w, transport, out.of(w.path)))
+                next_.push_back(w);
+        }
+        walkers_.swap(next_);
+    }
+}
+
+/// Adds the vertex that was hit; false where the sub-path ends without one.
+bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* light,
+                           Counters& counters) const {
+    if (!hit.valid()) {
+        if (light && c_.scene.environment()) hit_environment(w, out, *light, counters);
+        return false;
+    }
+    const int instance = hit.instance == kNoHit ? -1 : int(hit.instance);
+    const SurfacePoint s = c_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
+    const bool front = dot(s.ng, w.ray.d) <= 0;
+    if (light) {
+        if (out.count[w.path] == 1) note_first_hit(w, hit, s, *light);
+        if (max_component(s.emission) > 0 && (front || s.emits_two_sided))
+            hit_light(w, hit, s, out, *light, counters);
+    }
+    if (length2(s.ng) == 0) return false;
+    const Material& material = c_.scene.materials()[size_t(s.material)];
+    const bool glass = material.kind == MaterialKind::kDielectric;
+    if (!front && !material.two_sided && !glass) return false;
+    PathVertex& v = out.append(w.path);
+    v = vertex_at(w, hit, s);
+    w.distance += hit.t;
+    v.surface.base = s.base_color, v.surface.specular = material.specular;
+    v.surface.roughness = material.roughness, v.surface.kind = material.kind, v.surface.eta = material.eta;
+    v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
+    return true;
+}
+
+/// Position, normals and densities of the vertex at the end of the walker's ray.
+PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const SurfacePoint& s) const {
+    PathVertex v;
+    v.front = dot(s.ng, w.ray.d) <= 0;
+    v.position = s.position;
+    v.surface.ng = v.front ? s.ng : -s.ng, v.surface.ns = v.front ? s.ns : -s.ns, v.surface.wo = -w.ray.d;
+    v.beta = w.beta;
+    const double cosine = std::fabs(double(dot(v.surface.ng, w.ray.d))), t = double(hit.t);
+    v.forward = w.parallel ? w.pdf * cosine : w.pdf * cosine / (t * t);
+    const double clamped = std::max(cosine, double(c_.settings.cosmin)), d = double(w.distance + hit.t);
+    v.density = w.parallel_spread ? w.spread * clamped : w.spread * clamped / (d * d);
+    return v;
+}
+
+/// Scatters at the last vertex; false where the sub-path ends.
+bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> path) const {
+    const PathVertex& v = path.back();
+    PathVertex& before = path[path.size() - 2];
+    const auto purpose = transport == Transport::kRadiance ? Purpose::kEyeSubpath : Purpose::kLightSubpath;
+    Rng rng(c_.frame.seed, purpose, w.stream, path.size());
+    const auto s = scatter(v, transport, rng);
+    if (!s) return false;
+    before.reverse = to_area(s->pdf_back, v, before);
+    w.beta = w.beta * s->factor, w.pdf = s->pdf, w.parallel = false;
+    if (s->specular)
+        w.spread *= s->pdf;
+    else
+        w.spread = s->pdf, w.parallel_spread = false, w.distance = 0;
+    w.ray = {spawn(v.position, s->side, c_.scene.offset_extent()), 0, s->direction, kInfinity};
+    return is_finite(w.beta) && max_component(w.beta) > 0;
+}
+
+void SubpathTracer::hit_environment(const Walker& w, Subpaths& out, EyeLight& light,
+                                    Counters& counters) const {
+    const Rgb radiance = c_.scene.environment()->eval(w.ray.d);
+    if (!(max_component(radiance) > 0)) return;
+    PathVertex emitter;
+    emitter.infinite = true, emitter.beta = w.beta, emitter.forward = w.pdf;
+    const PathVertex& before = out.of(w.path).back();
+    const double pdf_before = c_.lights.pdf_parallel() * std::fabs(double(dot(before.surface.ng, w.ray.d)));
+    add_emitted(w, emitter, c_.lights.pdf_environment(w.ray.d), pdf_before, radiance, out, light, counters,
+                {c_.to_camera(), true});
+}
+
+void SubpathTracer::hit_light(const Walker& w, const Hit& hit, const SurfacePoint& s, Subpaths& out,
+                              EyeLight& light, Counters& counters) const {
+    const PathVertex emitter = vertex_at(w, hit, s);
+    const PathVertex& before = out.of(w.path).back();
+    const double emitted = std::fabs(double(dot(s.ng, w.ray.d))) / M_PI * (s.emits_two_sided ? 0.5 : 1.0);
+    // Sphere lights are traced tessellated and sampled as spheres: found by chance only where nothing else
+    // finds them
+    const bool sphere = c_.scene.sphere_light_of(hit.mesh) >= 0;
+    add_emitted(w, emitter, c_.lights.pdf_point(s.emission, s.emits_two_sided),
+                to_area(emitted, emitter, before), s.emission, out, light, counters,
+                {c_.to_camera(), !sphere});
+}
+
+/// Adds what a light brings that the eye path has hit by itself.
+void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, double pdf_point,
+                                double pdf_before, Rgb radiance, Subpaths& out, EyeLight& light,
+                                Counters& counters, StrategyRules rules) const {
+    out.append(w.path) = emitter;
+    const double weight = path_weight(out.of(w.path), {}, {pdf_point, pdf_before, 0, 0}, rules);
+    --out.count[w.path];
+    const Rgb value = w.beta * radiance * float(weight / c_.frame.spp);
+    if (is_finite(value))
+        light.emitted[pixel_of(w.path)] += value;
+    else
+        ++counters.non_finite;
+}
+
+void SubpathTracer::note_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,
+                                   EyeLight& light) const {
+    FirstHits& first = light.first[pixel_of(w.path)];
+    ++first.count, first.depth += hit.t;
+    first.normal += dot(s.ng, w.ray.d) <= 0 ? s.ns : -s.ns, first.albedo += s.base_color;
+}
+
+}  // namespace viscache

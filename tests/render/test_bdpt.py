@@ -1,0 +1,147 @@
+"""Bidirectional path tracing: against `Direct`, closed forms, and at its edges."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render import bdpt_scenes as scenes
+from render.mitsuba_scene import Look, Model, ball, box, quad
+from render.ztest import compare
+
+Images = npt.NDArray[np.float64]
+SIZE = (24, 16)
+
+
+def images(
+    scene: vc.Scene, integrator: Any, spp: int, seeds: int, first: int = 0, **kwargs: Any
+) -> Images:
+    made = [
+        vc.render(scene, integrator, size=SIZE, spp=spp, seed=first + i, **kwargs)
+        for i in range(seeds)
+    ]
+    assert all(f.counters["non_finite"] == 0 for f in made)
+    return np.stack([f.image for f in made]).astype(np.float64)
+
+
+def assert_same(a: Images, b: Images) -> None:
+    found = compare(a, b)
+    assert found.same, found
+    assert not compare(0.98 * a, b).same, "the test has no power to see 2 % of the energy"
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("camera", ["bypass", pytest.param("off", marks=pytest.mark.slow)])
+def test_two_edges_are_direct_light_of_every_kind(camera: str) -> None:
+    scene = scenes.LIGHTS.to_viscache()
+    direct = images(scene, vc.Direct(n_area=32), 16, 6, first=100)
+    bdpt = vc.Bdpt(max_depth=2, camera_connections=camera)
+    assert_same(images(scene, bdpt, 128, 6), direct)
+    for light in ("points", "directions", "spheres"):
+        dark = replace(scenes.LIGHTS, **{light: ()}).to_viscache()
+        assert not compare(images(dark, bdpt, 64, 6), direct).same, light
+
+
+def test_one_edge_is_emission_seen_directly() -> None:
+    """The same eye paths as all integrators: the same light, without a query."""
+    scene = scenes.LIGHTS.to_viscache()
+    frame = vc.render(scene, vc.Bdpt(max_depth=1), size=SIZE, spp=8)
+    direct = vc.render(scene, vc.Direct(), size=SIZE, spp=8)
+    np.testing.assert_allclose(frame.image, direct.layers["emitted"], rtol=1e-5)
+    for name in ("depth", "normal", "albedo", "coverage"):
+        np.testing.assert_allclose(frame.layers[name], direct.layers[name], rtol=1e-4, atol=1e-5)
+    assert frame.counters["queries"] == 0 and frame.image.max() > 0
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("camera", ["bypass", "off"])
+def test_a_furnace_shines_by_the_geometric_series(camera: str) -> None:
+    """A closed box of albedo 1/2 that emits 1: Σ 2^−k over max_depth bounces, everywhere."""
+    half = Look(base_color=(0.5, 0.5, 0.5))
+    walls = box((-1, -1, -1), (1, 1, 1), look=half, emission=(1, 1, 1)).reversed()
+    scene = Model((walls,), origin=(0.2, 0.1, 0.3), target=(0, 0, -1)).to_viscache()
+    for depth in (1, 2, 5):
+        made = images(scene, vc.Bdpt(max_depth=depth, camera_connections=camera), 32, 8)
+        means = made.mean(axis=(1, 2, 3))
+        error = means.std(ddof=1) / np.sqrt(len(means))
+        assert abs(means.mean() - (2 - 2.0 ** (1 - depth))) < 4 * error + 1e-6
+        assert error < 0.003
+
+
+@pytest.mark.stat
+def test_a_lamp_in_a_mirror_and_behind_glass_is_seen() -> None:
+    """Only eye paths find these; sphere lights then count in full."""
+    lamp = (((0.0, 1.0, 3.0), 0.4, (5.0, 4.0, 3.0)),)
+    mirror = quad((-2, -1, 0), (4, 0, 0), (0, 4, 0), look=Look(kind="mirror"))
+    pane = box((-2, -1, 0.5), (2, 3, 0.6), look=Look(kind="dielectric"))
+    for part, origin in ((mirror, (0.0, 1.0, 2.0)), (pane, (0.0, 1.0, -2.0))):
+        model = Model((part,), spheres=lamp, origin=origin, target=(0, 1, 0.3))
+        scene = model.to_viscache()
+        want = images(scene, vc.Whitted(n_vpls=0, max_depth=8), 64, 4)
+        got = images(scene, vc.Bdpt(max_depth=9), 64, 4)
+        assert want.max() > 1 and compare(got, want).same
+
+
+def test_the_layers_sum_up_to_the_colour_and_queries_to_their_groups() -> None:
+    frame = vc.render(scenes.LIGHTS.to_viscache(), vc.Bdpt(max_depth=4), size=SIZE, spp=4)
+    groups = ("point", "directional", "area", "environment", "connection", "camera")
+    total = sum(frame.layers[g] for g in (*groups, "emitted"))
+    np.testing.assert_allclose(frame.image, total, rtol=1e-4, atol=1e-6)
+    counted = frame.counters["groups"]
+    assert set(counted) == set(groups)
+    for name in groups:
+        assert 0 < counted[name]["occluded"] < counted[name]["queries"] == counted[name]["rays"]
+    assert frame.counters["queries"] == sum(c["queries"] for c in counted.values())
+
+
+EDGES: dict[str, Model] = {
+    "no light": scenes.OUTSIDE,
+    "nothing but mirrors": Model(
+        (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(kind="mirror")),),
+        points=(((0, 2, 0), (1, 1, 1)),), env=(0.2, 0.3, 0.4),
+    ),
+    "the camera in glass": Model(
+        (scenes.FLOOR, ball((0, 1.5, 3), 1, 16, smooth=True, look=Look(kind="dielectric"))),
+        points=(((0, 4, 0), (9, 9, 9)),), env=(0.2, 0.3, 0.4), origin=(0, 1.5, 3),
+    ),
+    "a light that is black": Model((scenes.FLOOR,), points=(((0, 2, 0), (0, 0, 0)),)),
+    "a black surface": Model(
+        (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(base_color=(0, 0, 0))),),
+        env=(1, 1, 1),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_scenes_at_the_edge_give_finite_frames(name: str) -> None:
+    scene = EDGES[name].to_viscache()
+    for depth in (1, 2, 6):
+        frame = vc.render(scene, vc.Bdpt(max_depth=depth), size=SIZE, spp=4)
+        assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
+        assert frame.counters["non_finite"] == 0
+    lit = EDGES[name].env is not None
+    assert (frame.image.max() > 0) == lit
+    if name in ("nothing but mirrors", "a black surface", "no light"):
+        assert frame.counters["queries"] == 0
+
+
+def test_vismaps_and_other_settings_are_refused_with_what_must_hold() -> None:
+    scene = scenes.ROOM.to_viscache()
+    with pytest.raises(ValueError, match=r"integrator must be vc.Direct"):
+        vc.render(scene, vc.Bdpt(), visibility=vc.VisMaps(), size=(4, 4))
+    with pytest.raises(ValueError, match=r"max_depth must be in \[1, 64\], got 0"):
+        vc.Bdpt(max_depth=0)
+    with pytest.raises(ValueError, match="camera_connections must be"):
+        vc.Bdpt(camera_connections="on")  # type: ignore[arg-type]
+
+
+def test_any_caster_gives_the_same_light() -> None:
+    scene = scenes.ROOM.to_viscache()
+    embree = vc.render(scene, vc.Bdpt(max_depth=4), size=SIZE, spp=2)
+    bsp = vc.render(scene, vc.Bdpt(max_depth=4), size=SIZE, spp=2, rays=vc.Bsp())
+    assert np.abs(bsp.image - embree.image).sum() < 0.01 * embree.image.sum()

@@ -1,0 +1,86 @@
+"""Bidirectional path tracing against Mitsuba 3's `path`: z-tests, each with its power."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render import bdpt_scenes as scenes
+from render.mitsuba_scene import Model
+from render.test_mitsuba import smooth_map, theirs
+from render.ztest import compare
+
+pytestmark = [pytest.mark.mitsuba, pytest.mark.stat]
+
+Images = npt.NDArray[np.float64]
+SIZE = (24, 16)
+
+
+def frames(model: Model, depth: int, spp: int, seeds: int, **kwargs: Any) -> list[vc.Frame]:
+    scene, integrator = model.to_viscache(), vc.Bdpt(max_depth=depth, **kwargs)
+    made = [vc.render(scene, integrator, size=SIZE, spp=spp, seed=i) for i in range(seeds)]
+    assert all(f.counters["non_finite"] == 0 for f in made)
+    return made
+
+
+def stack(made: list[vc.Frame], without: str = "") -> Images:
+    """Images, or images that lack one kind of strategy."""
+    lack = [f.layers[without] if without else np.float32(0) for f in made]
+    return np.stack([f.image - x for f, x in zip(made, lack, strict=True)]).astype(np.float64)
+
+
+def assert_same(a: Images, b: Images) -> None:
+    found = compare(a, b)
+    assert found.same, found
+    assert not compare(0.99 * a, b).same, "the test has no power to see 1 % of the energy"
+
+
+def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path: Path) -> None:
+    """Whatever strategy is left out or counted twice, as by a wrong weight, is missed."""
+    reference = theirs(mi, scenes.ROOM.to_mitsuba(mi, SIZE, tmp_path), depth=5, spp=160, seeds=10)
+    made = frames(scenes.ROOM, 5, 160, 8)
+    assert_same(stack(made), reference)
+    for layer in ("emitted", "area", "connection", "camera"):
+        assert not compare(stack(made, layer), reference).same, layer
+        twice = 2 * stack(made) - stack(made, layer)
+        assert not compare(twice, reference).same, layer
+    shallow = stack(frames(scenes.ROOM, 4, 80, 4))
+    assert not compare(shallow, reference).same, "the last bounce is not seen"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("camera", ["bypass", "off"])
+@pytest.mark.parametrize(
+    ("model", "depth"),
+    [
+        pytest.param(scenes.CAUSTICS, 7, id="caustics"),
+        pytest.param(scenes.GLOSSY, 5, id="glossy"),
+        pytest.param(scenes.SMOOTH, 5, id="interpolated normals"),
+        pytest.param(scenes.OPEN, 5, id="point, sun and sky"),
+    ],
+)
+def test_many_bounces_are_mitsubas(
+    model: Model, depth: int, camera: str, mi: Any, tmp_path: Path
+) -> None:
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=depth, spp=256, seeds=16)
+    made = frames(model, depth, 256, 16, camera_connections=camera)
+    assert_same(stack(made), reference)
+
+
+@pytest.mark.slow
+def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
+    """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
+    model = replace(
+        scenes.OUTSIDE, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30
+    )
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=5, spp=256)
+    made = frames(model, 5, 256, 16)
+    assert_same(stack(made), reference)
+    for layer in ("emitted", "environment", "connection", "camera"):
+        assert not compare(stack(made, layer), reference).same, layer
