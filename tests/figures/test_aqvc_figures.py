@@ -12,7 +12,7 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_maps, aqvc_sweeps
+from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_flicker, aqvc_maps, aqvc_sweeps
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
 from viscache.figures.aqvc_setups import SETUPS
@@ -160,11 +160,27 @@ def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
     assert (shot.integrator.n_vpls, shot.integrator.n_environment) == (128, 16)
 
 
+def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows() -> None:
+    planes = [np.array([[0.0, 1.0]]), np.array([[0.0, 3.0]]), np.array([[0.0, 5.0]])]
+    assert aqvc_flicker.mean_temporal_variance(planes) == pytest.approx(4.0 / 2)
+    image = np.full((1, 2, 3), 0.25, np.float32)
+    image[0, 1] = 4.0
+    shown = aqvc_flicker.seen(Frame(layers={"color": image}), 2.0)
+    np.testing.assert_allclose(shown, [[0.5, 1.0]], rtol=1e-6)
+    views = aqvc_flicker.cameras(3)
+    np.testing.assert_allclose(
+        [view.origin for view in views],
+        [aqvc_flicker.PATH[0], np.mean(aqvc_flicker.PATH, axis=0), aqvc_flicker.PATH[1]],
+        rtol=1e-6,
+    )
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig2": (8, ["aqvc-fig2.png"]),
     "aqvc-fig3": (4, ["aqvc-fig3.png"]),
     "aqvc-fig6": (1, ["aqvc-fig6.png"]),
+    "aqvc-claims": (12, ["aqvc-claims.png", "aqvc-claims.csv"]),
     "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
     "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),
     "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from viscache import _core, scenes
@@ -60,14 +61,22 @@ class Setup:
 
     def shot(self, quick: bool, size: tuple[int, int] | None = None, spp: int = 1) -> Shot:
         """Ready to be rendered."""
-        scene = self.make(self.triangles[quick])
-        return Shot(scene=scene, integrator=self.integrator(quick), spp=spp,
+        return Shot(scene=self.scene(quick), integrator=self.integrator(quick), spp=spp,
                     size=self.pixels(quick, size))  # fmt: skip
+
+    def scene(self, quick: bool) -> Scene:
+        """The scene; those made last are kept."""
+        return _made(self.name, self.triangles[quick])
 
     def cache(self, preset: str, c_e: float, **given: Any) -> Aqvc:
         """A preset at one C_E; light groups that the paper keeps at theirs."""
         return Aqvc(preset="paper" if preset == "paper" else "default", c_e=c_e,
                     c_e_groups=dict(self.c_e_groups), **given)  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def _made(name: str, triangles: int) -> Scene:
+    return SETUPS[name].make(triangles)
 
 
 def delta(triangles: int) -> Scene:

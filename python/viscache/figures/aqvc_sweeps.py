@@ -61,7 +61,7 @@ def figure7(
     outcome = Outcome()
     sweeps: list[Sweep] = []
     for setup in SETUPS.values():
-        scene = setup.make(setup.triangles[quick])
+        scene = setup.scene(quick)
         for antialiased in (False, True):
             sweep, shot = make_sweep(setup, scene, antialiased, quick, size)
             exact = shot.frame()
