@@ -103,6 +103,7 @@ void bind_render(py::module_& m) {
                                          "How the environment is sampled.")
         .value("MIS", EnvironmentSampling::kMis)
         .value("PRODUCT", EnvironmentSampling::kProduct)
+        .value("SHARED", EnvironmentSampling::kShared)
         .finalize();
     py::native_enum<AmbientEngine>(m, "AmbientEngine", "enum.Enum", "Who traces shared directions.")
         .value("AUTO", AmbientEngine::kAuto)

@@ -6,6 +6,7 @@
 #include "interrupt.h"
 #include "viscache/render/frame.h"
 #include "viscache/visibility/exact.h"
+#include "viscache/vlf/aligned_oracle.h"
 #include "viscache/vlf/directions.h"
 
 namespace viscache::bindings {
@@ -39,6 +40,35 @@ py::dict render_aligned(const Scene& scene, const EmbreeCaster& caster, const Ca
     return d;
 }
 
+/// The exact frame whose shared directions may go through the batch.
+py::dict render_shared(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                       const IntegratorSettings& integrator, const FrameSettings& frame,
+                       const AlignedBatch& batch, bool choose, PacketOrder order,
+                       std::optional<bool> coherent, const py::object& progress) {
+    std::optional<Coherence> flag;
+    if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
+    FrameResult result;
+    const auto oracle = [&] {
+        const ExactOracle exact(caster, scene.offset_extent(), order, flag);
+        return std::make_unique<AlignedOracle>(batch, exact, choose);
+    };
+    run_interruptible(
+        [&](Control& control) {
+            result = render_frame(scene, caster, camera, integrator, frame, oracle, control);
+        },
+        progress);
+    const Counters& c = result.counters;
+    py::dict d = frame_dict(result), engine;
+    const double share = c.predicted_rays ? 1 / double(c.predicted_rays) : 0;
+    engine["name"] = c.batch_rays == c.direction_rays ? "batch"
+                     : c.batch_rays                   ? "batch and embree"
+                                                      : "embree";
+    engine["direction_rays"] = c.direction_rays, engine["batch_rays"] = c.batch_rays;
+    engine["batch_ns"] = c.batch_ns * share, engine["embree_ns"] = c.embree_ns * share;
+    d["engine"] = engine;
+    return d;
+}
+
 }  // namespace
 
 void bind_render_aligned(py::module_& m) {
@@ -46,6 +76,12 @@ void bind_render_aligned(py::module_& m) {
           py::arg("integrator"), py::arg("frame"), py::arg("batch"), py::kw_only(),
           py::arg("progress") = py::none(),
           "Ambient occlusion along shared directions; `batch` is one or none: by Embree.");
+    m.def("render_shared", &render_shared, py::arg("scene"), py::arg("caster"), py::arg("camera"),
+          py::arg("integrator"), py::arg("frame"), py::arg("batch"), py::kw_only(), py::arg("choose"),
+          py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
+          py::arg("progress") = py::none(),
+          "An exact frame whose shared directions go through the batch, or, with `choose`, through the "
+          "engine that is cheaper for each tile.");
     m.def(
         "free_share",
         [](uint32_t n_directions, const FloatArray& normals,

@@ -31,9 +31,12 @@ class Direct:
     n_brdf : int >= 0
         Samples per eye point of the environment by the BRDF; both are combined by the balance
         heuristic.
-    environment : {"mis", "product"}
+    environment : {"mis", "product", "shared"}
         "product": the environment is sampled by light × reflection, `n_environment` directions per
-        eye point and pass; `n_brdf` has no part in it. `VisMaps` always does that.
+        eye point and pass; `n_brdf` has no part in it. `VisMaps` always does that. "shared":
+        `n_environment` directions drawn by radiance once for the frame, the same for all eye
+        points; no `n_brdf`. What they miss shows as bands instead of noise, and whole tiles may ask
+        together: `Aqvc` as level waves, `Exact(sky_engine="auto")` through the aligned batch.
     passes : int >= 1
         Independent passes of product samples; the image is their mean, the layer
         "environment_last_pass" the last one alone.
@@ -51,7 +54,7 @@ class Direct:
     n_area: int = 16
     n_environment: int = 16
     n_brdf: int = 16
-    environment: Literal["mis", "product"] = "mis"
+    environment: Literal["mis", "product", "shared"] = "mis"
     passes: int = 1
     points: Literal["even", "independent"] = "even"
     centred: bool = False
@@ -90,6 +93,8 @@ class Whitted:
         Camera points that judge the candidates.
     vpl_bound : float >= 0
         Bounds the geometry term cos·cos/(d² + (vpl_bound · scene diagonal)²); 0 = unbounded.
+    environment : {"mis", "shared"}
+        As in `Direct`.
     n_area, n_environment, n_brdf, p_mode, cosmin
         As in `Direct`.
     """
@@ -103,6 +108,7 @@ class Whitted:
     n_area: int = 16
     n_environment: int = 16
     n_brdf: int = 16
+    environment: Literal["mis", "shared"] = "mis"
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
@@ -243,8 +249,8 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
     for field in fields(integrator):
         if field.name not in ("p_mode", "environment", "points"):
             setattr(core, field.name, getattr(integrator, field.name))
+    core.environment = _core.EnvironmentSampling[integrator.environment.upper()]
     if isinstance(integrator, Direct):
-        core.environment = _core.EnvironmentSampling[integrator.environment.upper()]
         even = integrator.points == "even"
         core.points = _core.PointSet.ZERO_TWO if even else _core.PointSet.INDEPENDENT
     core.shade_after_specular = isinstance(integrator, Whitted)

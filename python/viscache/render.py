@@ -25,6 +25,9 @@ __all__ = ["render"]
 
 Progress: TypeAlias = bool | Callable[[int, int], None]
 
+#: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
+MOST_POINTS_OF_A_TILE = 1 << 16
+
 
 def render(
     scene: Scene,
@@ -143,8 +146,8 @@ def render(
                     progress=report,
                 )  # fmt: skip
             else:
-                order, coherent = visibility.core()
-                result = _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
+                batch = _sky_batch(scene, geometry, core, visibility)
+                result = _exact(parts, visibility, batch, report)
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
@@ -200,12 +203,52 @@ def _batch_for(
     return [] if engine == "embree" or hopeless else [scene.aligned_batch()]
 
 
+def _exact(
+    parts: tuple[
+        _core.Scene, _core.RayCaster, _core.Camera, _core.IntegratorSettings, _core.FrameSettings
+    ],
+    visibility: Exact,
+    batch: _core.vlf.AlignedBatch | None,
+    report: Callable[[int, int], None] | None,
+) -> dict[str, typing.Any]:
+    """An exact frame; with a batch, shared directions may go through it."""
+    order, coherent = visibility.core()
+    if batch is None:
+        return _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
+    choose = visibility.sky_engine == "auto"
+    return _core.render_shared(
+        *parts, batch, choose=choose, order=order, coherent=coherent, progress=report
+    )
+
+
+def _sky_batch(
+    scene: Scene, geometry: Scene, core: _core.IntegratorSettings, visibility: Exact
+) -> _core.vlf.AlignedBatch | None:
+    """The batch that a frame's shared directions may use; None where there are none for it."""
+    kinds = {light["kind"] for light in scene.lights}
+    sky = core.environment == _core.EnvironmentSampling.SHARED
+    shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))
+    if visibility.sky_engine == "embree" or not shared:
+        return None
+    hopeless = _core.vlf.is_hopeless(scene.triangles, MOST_POINTS_OF_A_TILE)
+    return None if visibility.sky_engine == "auto" and hopeless else geometry.aligned_batch()
+
+
 def _check_shared(integrator: Integrator, rays: Rays, visibility: Visibility) -> None:
     if isinstance(integrator, AmbientOcclusion) and integrator.directions == "shared":
         require(isinstance(rays, Embree) and rays.robust,
                 "rays must be vc.Embree() with shared directions", rays)  # fmt: skip
         require(isinstance(visibility, Exact),
                 "visibility must be vc.Exact(...) with shared directions", visibility)  # fmt: skip
+    if isinstance(visibility, Exact) and visibility.sky_engine != "embree":
+        require(isinstance(rays, Embree) and rays.robust,
+                f'rays must be vc.Embree() with sky_engine="{visibility.sky_engine}"',
+                rays)  # fmt: skip
+        require(
+            isinstance(integrator, Direct | Whitted),
+            "integrator must be vc.Direct(...) or vc.Whitted(...) with sky_engine",
+            integrator,
+        )
 
 
 def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) -> None:
@@ -216,6 +259,8 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
         require(isinstance(integrator, Direct | Whitted),
                 "integrator must be vc.Direct(...) or vc.Whitted(...) with visibility maps",
                 integrator)  # fmt: skip
+        require(getattr(integrator, "environment", "") != "shared",
+                'environment must not be "shared" with visibility maps', "shared")  # fmt: skip
     if isinstance(integrator, Bdpt):
         require(isinstance(visibility, Exact), "visibility must be vc.Exact(...) with Bdpt",
                 visibility)  # fmt: skip
@@ -225,7 +270,7 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
                 'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
                 visibility)  # fmt: skip
         require(product or integrator.passes == 1,
-                'passes must be 1 with environment="mis"', integrator.passes)  # fmt: skip
+                'passes must be 1 without environment="product"', integrator.passes)  # fmt: skip
 
 
 def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> list[str]:

@@ -30,10 +30,17 @@ class Exact:
     coherent : bool, optional
         Embree's traversal flag. By default short trials while rendering find the faster one. Never
         changes an answer.
+    sky_engine : {"embree", "batch", "auto"}
+        Who traces directions that all eye points share: directional lights and, with
+        environment="shared", the sky. "batch": per direction, all triangles stream past all points
+        of a tile (VLF Sec. 7). "auto": for each tile, batch or Embree by predicted cost, which
+        depends on tile, scene and instruction set, not on time; `Frame.parameters["engine"]`
+        says how much went where. The two may differ for rays within rounding of an edge.
     """
 
     order: Literal["by_light", "by_pixel"] = "by_light"
     coherent: bool | None = None
+    sky_engine: Literal["embree", "batch", "auto"] = "embree"
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -44,7 +51,7 @@ class Exact:
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""
-        return {"order": self.order, "coherent": self.coherent}
+        return {"order": self.order, "coherent": self.coherent, "sky_engine": self.sky_engine}
 
 
 #: What the presets change of the C++ defaults (docs/deviations.md tells why).

@@ -2,6 +2,7 @@
 
 #include "viscache/math/morton.h"
 #include "viscache/render/local_samples.h"
+#include "viscache/render/shared_sky.h"
 #include "viscache/render/stage_clock.h"
 #include "viscache/render/vpl.h"
 #include "viscache/scene/check.h"
@@ -44,6 +45,10 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
                 directions.add(l.direction, {}, l.direction, l.irradiance, 0);
         keep(points, Semantic::kPoint, LightGroup::kPoint);
         keep(directions, Semantic::kDirection, LightGroup::kDirectional);
+        if (scene.environment() && integrator.environment == EnvironmentSampling::kShared) {
+            SharedLights sky = shared_sky(*scene.environment(), integrator.n_environment, frame.seed);
+            keep(sky, Semantic::kDirection, LightGroup::kEnvironment);
+        }
     }
     if (integrator.n_vpls > 0) {
         const size_t n = size_t(integrator.n_vpls);

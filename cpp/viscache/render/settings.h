@@ -17,6 +17,7 @@ enum class PMode {
 enum class EnvironmentSampling {
     kMis,      ///< by its radiance and by the BRDF, combined by the balance heuristic
     kProduct,  ///< by light × reflection
+    kShared,   ///< by its radiance, the same directions for all eye points
 };
 
 /// Who traces ambient occlusion along shared directions.

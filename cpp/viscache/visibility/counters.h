@@ -55,6 +55,10 @@ struct Counters {
     uint64_t pilot_rays = 0;                            ///< rays of the trial before the first pass
     double greatest_ratio = 0;                          ///< B/B̃ over all samples
     uint64_t non_finite = 0;  ///< contributions dropped because they were not finite
+    // Blocks of shared directions, where an engine is chosen for them
+    uint64_t direction_rays = 0, batch_rays = 0;  ///< all; those that the aligned batch traced
+    double batch_ns = 0, embree_ns = 0;           ///< predicted, summed over the rays of `predicted_rays`
+    uint64_t predicted_rays = 0;
 
     uint64_t queries() const {
         uint64_t n = 0;
@@ -89,6 +93,8 @@ inline void Counters::merge(const Counters& b) {
     product_points += b.product_points, product_dark += b.product_dark;
     product_guided += b.product_guided, product_unserved += b.product_unserved;
     pilot_rays += b.pilot_rays;
+    direction_rays += b.direction_rays, batch_rays += b.batch_rays;
+    batch_ns += b.batch_ns, embree_ns += b.embree_ns, predicted_rays += b.predicted_rays;
     greatest_ratio = greatest_ratio > b.greatest_ratio ? greatest_ratio : b.greatest_ratio;
 }
 

@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_bdpt_exact', 'render_exact', 'render_given_maps', 'render_shadow_maps', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_bdpt_exact', 'render_exact', 'render_given_maps', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -211,6 +211,7 @@ class EnvironmentSampling(enum.Enum):
     """
     MIS: typing.ClassVar[EnvironmentSampling]
     PRODUCT: typing.ClassVar[EnvironmentSampling]
+    SHARED: typing.ClassVar[EnvironmentSampling]
     @classmethod
     def __new__(cls, value):
         ...
@@ -527,6 +528,10 @@ def render_given_maps(scene: Scene, caster: RayCaster, camera: Camera, integrato
     """
 def render_shadow_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: ShadowMapSettings, *, progress: typing.Any = None) -> dict:
     ...
+def render_shared(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: vlf.AlignedBatch, *, choose: bool, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
+    """
+    An exact frame whose shared directions go through the batch, or, with `choose`, through the engine that is cheaper for each tile.
+    """
 def render_vismap(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
     """
     A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and footprint are those of the pixels' centres, (H·W,).
