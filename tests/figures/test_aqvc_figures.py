@@ -12,7 +12,14 @@ import pytest
 
 import viscache as vc
 from viscache import cli
-from viscache.figures import aqvc_clusters, aqvc_edges, aqvc_flicker, aqvc_maps, aqvc_sweeps
+from viscache.figures import (
+    aqvc_clusters,
+    aqvc_edges,
+    aqvc_flicker,
+    aqvc_maps,
+    aqvc_pictures,
+    aqvc_sweeps,
+)
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, best, difference, group_rows, presets
 from viscache.figures.aqvc_setups import SETUPS
@@ -175,10 +182,38 @@ def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows() -> None:
     )
 
 
+def test_a_picture_is_exact_above_the_diagonal_and_cached_below() -> None:
+    above, below = np.full((40, 60, 3), 1.0), np.full((40, 60, 3), 2.0)
+    picture = aqvc_pictures.diagonal(above, below)
+    assert picture[0, 0, 0] == picture[5, 30, 1] == 1.0
+    assert picture[39, 59, 0] == picture[35, 30, 2] == 2.0
+    line = (picture == 0).all(axis=2)
+    assert line[39, 0] and line[0, 59] and line[20, 29] and 30 < line.sum() < 120
+
+
+def test_a_panel_that_cannot_be_made_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any, **__: Any) -> Any:
+        raise ValueError("visibility must be vc.Exact(...), got Aqvc(...)")
+
+    monkeypatch.setattr(Shot, "frame", refuse)
+    outcome = Outcome()
+    assert list(aqvc_pictures.bidirectional(outcome, True, None)) == []
+    assert outcome.skipped == [
+        {"what": "bidirectional path tracing", "reason": "visibility must be vc.Exact(...)"}
+    ]
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig2": (8, ["aqvc-fig2.png"]),
     "aqvc-fig3": (4, ["aqvc-fig3.png"]),
+    "aqvc-fig5": (
+        0,
+        [
+            f"aqvc-fig5-{n}.png"
+            for n in ("courtyard", "conference", "apartment", "delta", "bidirectional")
+        ],
+    ),
     "aqvc-fig6": (1, ["aqvc-fig6.png"]),
     "aqvc-claims": (12, ["aqvc-claims.png", "aqvc-claims.csv"]),
     "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
@@ -197,6 +232,8 @@ def test_a_quick_run_measures_every_row_and_draws(
     got: dict[str, Any] = json.loads(capsys.readouterr().out)
     assert status == 0 and got["holds"]
     n_banded, files = QUICK[name]
+    if any(left["what"] == "bidirectional path tracing" for left in got["skipped"]):
+        files = [file for file in files if "bidirectional" not in file]
     assert sum(row["band"] is not None for row in got["rows"]) == n_banded
     assert all(row["measured"] is not None for row in got["rows"])
     written = {Path(file).name for file in got["files"]}

@@ -15,6 +15,7 @@ from viscache.figures import (
     aqvc_edges,
     aqvc_hairball,
     aqvc_maps,
+    aqvc_pictures,
     aqvc_sweeps,
     vlf_axes,
     vlf_drawings,
@@ -59,14 +60,7 @@ class FigureInfo:
         return self.function is not None
 
 
-def _later(**descriptions: str) -> dict[str, FigureInfo]:
-    return {n.replace("_", "-"): FigureInfo(description=d) for n, d in descriptions.items()}
-
-
 FIGURES: dict[str, FigureInfo] = {
-    **_later(
-        aqvc_fig5="exact and cached images, amplified difference",
-    ),
     "aqvc-fig2": FigureInfo(
         description="cells that follow normals and footprints",
         function=aqvc_clusters.figure2,
@@ -79,6 +73,11 @@ FIGURES: dict[str, FigureInfo] = {
     ),
     "aqvc-fig4": FigureInfo(
         description="scan order shifts shadows", function=aqvc_edges.figure4, sized=True
+    ),
+    "aqvc-fig5": FigureInfo(
+        description="exact and cached images, amplified difference",
+        function=aqvc_pictures.figure5,
+        sized=True,
     ),
     "aqvc-fig6": FigureInfo(
         description="fine geometry", function=aqvc_hairball.figure6, sized=True

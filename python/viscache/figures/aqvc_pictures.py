@@ -1,0 +1,144 @@
+"""Figure 5 of the quantized cache's paper: exact and cached pictures, difference amplified."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import scenes, tonemap
+from viscache.figures import aqvc_bands as bands
+from viscache.figures import aqvc_printed as printed
+from viscache.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows
+from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.outcome import Band, Outcome, Row
+from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.integrators import Bdpt
+from viscache.visibility import Aqvc
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One picture: samples per pixel in full and quick, and C_E."""
+
+    setup: str
+    spp: int
+    quick_spp: int
+    c_e: float
+    c_e_note: str
+
+
+#: The paper's samples are 9, 1, 16 and 16. C_E spans C_E/√spp pixels: with fewer samples, less.
+PANELS = (
+    Panel("courtyard", 2, 1, printed.SAN_MIGUEL_C_E * (2 / 9) ** 0.5, "36 at 9 samples"),
+    Panel("conference", 1, 1, 12.0, "not told"),
+    Panel("apartment", 1, 1, 12.0, "not told; 4 for the lamps"),
+    Panel("delta", 16, 4, printed.MAPS_C_E, "14 in Figure 8"),
+)
+BIDIRECTIONAL_SIZE, QUICK_BIDIRECTIONAL_SIZE = (256, 256), (48, 48)
+BIDIRECTIONAL_SPP, QUICK_BIDIRECTIONAL_SPP = 64, 4
+
+
+def figure5(
+    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
+) -> Outcome:
+    """Every scene with both presets, and bidirectional path tracing with the paper's."""
+    outcome = Outcome()
+    for panel in PANELS:
+        setup = SETUPS[panel.setup]
+        shot = setup.shot(quick, size, spp=panel.quick_spp if quick else panel.spp)
+        exact = shot.frame()
+        trades = {
+            preset: Trade(frame=shot.frame(setup.cache(preset, panel.c_e)), exact=exact)
+            for preset in ("default", "paper")
+        }
+        outcome.rows += _panel_rows(panel, trades, quick)
+        outcome.files.append(draw_panel(panel.setup, trades, folder))
+        outcome.notes.append(
+            f"{panel.setup}: {shot.size[0]}x{shot.size[1]}, {shot.spp} samples, C_E "
+            f"{panel.c_e:.3g}; the paper's C_E: {panel.c_e_note}"
+        )
+    for name, trade in bidirectional(outcome, quick, size):
+        outcome.rows += _rows(name, "paper", trade, None if quick else bands.BIDIRECTIONAL_RR,
+                              printed_rr=printed.BIDIRECTIONAL_REDUCTION)  # fmt: skip
+        outcome.files.append(draw_panel(name, {"paper": trade}, folder))
+    return outcome
+
+
+def bidirectional(
+    outcome: Outcome, quick: bool, size: tuple[int, int] | None
+) -> Iterator[tuple[str, Trade]]:
+    """Bidirectional path tracing without refinement, where the integrator takes a cache."""
+    shot = Shot(
+        scene=scenes.cornell_box(), integrator=Bdpt(),
+        size=size or (QUICK_BIDIRECTIONAL_SIZE if quick else BIDIRECTIONAL_SIZE),
+        spp=QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP,
+    )  # fmt: skip
+    cache = Aqvc(preset="paper", c_e=printed.BIDIRECTIONAL_C_E, refinement="off", res_rule="eq6")
+    try:
+        cached = shot.frame(cache)
+    except ValueError as error:
+        outcome.skip("bidirectional path tracing", str(error).split(", got")[0])
+        return
+    yield "bidirectional", Trade(frame=cached, exact=shot.frame())
+
+
+def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
+    stand_in = SETUPS[panel.setup]
+    band = None if quick else bands.PICTURE_RR[panel.setup]
+    rows = [
+        Row(what=f"{panel.setup}: triangles", measured=stand_in.scene(quick).triangles,
+            printed=printed.SCENES[stand_in.printed].triangles)
+    ]  # fmt: skip
+    for preset, trade in trades.items():
+        rows += _rows(panel.setup, preset, trade, band if preset == "paper" else None,
+                      printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
+                      with_error=not quick)  # fmt: skip
+    return rows
+
+
+def _rows(
+    name: str, preset: str, trade: Trade, band: Band | None, *, printed_rr: float | None = None,
+    printed_speedup: float | None = None, with_error: bool = False,
+) -> list[Row]:  # fmt: skip
+    label = f"{name}, {preset}"
+    return [
+        Row(what=f"{label}: RR", printed=printed_rr, measured=trade.ray_reduction, band=band,
+            note=trade.note),
+        Row(what=f"{label}: speed-up", printed=printed_speedup, measured=trade.speedup),
+        Row(what=f"{label}: rel_l1", measured=trade.rel_l1,
+            band=bands.PICTURE_ERROR if with_error else None,
+            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
+        *group_rows(label, trade),
+    ]  # fmt: skip
+
+
+def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """One picture above the rising diagonal, the other below it, a thin black line between."""
+    height, width = above.shape[:2]
+    rows, columns = np.mgrid[0:height, 0:width]
+    # Negative above the line from the lower left to the upper right corner
+    side = (rows + 0.5) / height + (columns + 0.5) / width - 1
+    picture = np.where((side < 0)[..., None], above, below)
+    picture[np.abs(side) < 1.0 / max(height, width)] = 0
+    return picture
+
+
+def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
+    """Per preset: exact over cached, and the amplified difference."""
+    figure = new_figure((9.0, 3.0 * len(trades)))
+    for row, (preset, trade) in enumerate(trades.items()):
+        exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
+        seconds = [f"{f.timings['cpu_s']:.1f}" for f in (trade.exact, trade.frame)]
+        axes = figure.add_subplot(len(trades), 2, 2 * row + 1)
+        draw_image(axes, diagonal(trade.exact.image, trade.frame.image),
+                   f"{name}: exact, {seconds[0]} CPU s, over {preset}, {seconds[1]} CPU s",
+                   exposure=exposure)  # fmt: skip
+        axes = figure.add_subplot(len(trades), 2, 2 * row + 2)
+        draw_image(axes, difference(trade), f"{AMPLIFIED:g} × difference", exposure=1.0)
+    return save_figure(figure, folder / f"aqvc-fig5-{name}.png")
