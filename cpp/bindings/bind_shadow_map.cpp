@@ -18,9 +18,14 @@ double wall_seconds() {
 
 ShadowMaps build_maps(const Scene& scene, const RayCaster& caster, std::span<const SharedLights> lights,
                       const ShadowMapSettings& settings, int threads, Control& control) {
+    // Shared directions of the sky are samples, not lights: no maps
     std::vector<const FarEnds*> with_maps;
-    for (const SharedLights& l : lights)
-        if (l.ends.group != int(LightGroup::kVpl) || settings.vpls) with_maps.push_back(&l.ends);
+    for (const SharedLights& l : lights) {
+        const auto group = LightGroup(l.ends.group);
+        if (group == LightGroup::kPoint || group == LightGroup::kDirectional ||
+            (group == LightGroup::kVpl && settings.vpls))
+            with_maps.push_back(&l.ends);
+    }
     const ShadowMapExtent extent{scene.center(), scene.radius(), scene.offset_extent()};
     return ShadowMaps(caster, extent, settings, with_maps, threads, control);
 }

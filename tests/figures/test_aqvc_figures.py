@@ -214,7 +214,7 @@ QUICK: dict[str, tuple[int, list[str]]] = {
             for n in ("courtyard", "conference", "apartment", "delta", "bidirectional")
         ],
     ),
-    "aqvc-fig6": (1, ["aqvc-fig6.png"]),
+    "aqvc-fig6": (2, ["aqvc-fig6.png", "aqvc-fig6-aa.png"]),
     "aqvc-claims": (12, ["aqvc-claims.png", "aqvc-claims.csv"]),
     "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
     "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),

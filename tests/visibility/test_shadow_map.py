@@ -200,6 +200,17 @@ def test_frames_ask_maps_for_points_and_directions_and_rays_for_the_rest() -> No
     assert groups["point"]["queries"] == exact.counters["groups"]["point"]["queries"]
 
 
+def test_shared_directions_of_the_sky_are_samples_without_maps() -> None:
+    scene = ROOM.to_viscache()
+    direct = vc.Direct(n_area=0, n_environment=9, environment="shared")
+    exact = vc.render(scene, direct, size=(32, 24))
+    frame = vc.render(scene, direct, size=(32, 24), visibility=vc.ShadowMap(resolution=50))
+    np.testing.assert_array_equal(frame.layers["environment"], exact.layers["environment"])
+    sky = frame.counters["groups"]["environment"]
+    assert sky["queries"] == sky["rays"] == frame.counters["bypassed"] > 0
+    assert frame.counters["shadow_maps"] == 2
+
+
 def test_virtual_point_lights_have_maps_where_asked_for() -> None:
     scene = vc.scenes.cornell_box()
     whitted = vc.Whitted(n_vpls=8, n_area=1)
