@@ -1,6 +1,8 @@
 #include "viscache/render/aligned_ambient.h"
 
 #include <chrono>
+
+#include "viscache/math/isa.h"
 namespace viscache {
 
 namespace {
@@ -57,7 +59,11 @@ DirectionCells::DirectionCells(const Directions& directions) : count(directions.
     }
 }
 
-float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word> row) {
+namespace {
+
+/// `free_share`, compiled per instruction set below: the same operations in the same order.
+[[gnu::always_inline]] inline float sum_shares(const DirectionCells& cells, Vec3 normal,
+                                               std::span<const Word> row) {
     constexpr size_t kSums = 16;  // side by side, for the compiler's vectors
     float seen[kSums] = {}, all[kSums] = {};
     for (size_t first = 0; first < cells.count; first += kSums) {
@@ -71,6 +77,22 @@ float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word>
     }
     for (size_t j = 1; j < kSums; ++j) seen[0] += seen[j], all[0] += all[j];
     return all[0] > 0 ? seen[0] / all[0] : 0.f;
+}
+
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX2 float sum_shares_avx2(const DirectionCells& cells, Vec3 normal,
+                                           std::span<const Word> row) {
+    return sum_shares(cells, normal, row);
+}
+#endif
+
+}  // namespace
+
+float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word> row) {
+#if VISCACHE_X86
+    if (active_isa() != Isa::kPortable) return sum_shares_avx2(cells, normal, row);
+#endif
+    return sum_shares(cells, normal, row);
 }
 
 AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Tile>& tiles,

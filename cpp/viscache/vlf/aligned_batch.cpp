@@ -6,6 +6,13 @@
 
 namespace viscache {
 
+namespace {
+
+/// What a thread knows of so many packets along an axis stays in its caches, and so do the points.
+constexpr size_t kPacketsAtOnce = kLanes * kLanes * kLanes;
+
+}  // namespace
+
 AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows, int threads,
                                  Control& control, Isa isa) const {
     const TraceAxis trace = trace_axis_kernel(isa);
@@ -14,13 +21,12 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
     const float reach = input.t_max * triangles_.placement.scale;
     threads = resolve_threads(threads);
     std::vector<AxisState> states;
-    for (int t = 0; t < std::min<int>(threads, int(std::max<size_t>(1, input.axes.size()))); ++t)
-        states.emplace_back(points);
-    rows_by_axis(input.axes.size(), points.order, rows, threads, control,
-                 [&](size_t axis, int worker, uint16_t* lanes) {
+    for (int t = 0; t < threads; ++t) states.emplace_back(std::min(points.packets, kPacketsAtOnce));
+    rows_by_axis(input.axes.size(), kPacketsAtOnce, points.order, rows, threads, control,
+                 [&](size_t axis, PacketRange range, int worker, uint16_t* lanes) {
                      AxisState& state = states[size_t(worker)];
-                     trace(triangles_, points, input.axes[axis], reach, state, control);
-                     std::copy(state.free.begin(), state.free.end(), lanes);
+                     trace(triangles_, points, range, input.axes[axis], reach, state, control);
+                     std::copy_n(state.free.begin(), range.packets, lanes);
                  });
     AlignedCounts counts;
     for (const AxisState& state : states) counts.merge(state.counts);
@@ -53,8 +59,8 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
     if (order == AlignedOrder::kByAxis) {
         const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
                                points.ny.data(), points.nz.data(), points.asked.data(), points.packets};
-        rows_by_axis(input.axes.size(), points.order, rows, threads, control,
-                     [&](size_t axis, int worker, uint16_t* free) {
+        rows_by_axis(input.axes.size(), points.packets, points.order, rows, threads, control,
+                     [&](size_t axis, PacketRange, int worker, uint16_t* free) {
                          trials[size_t(worker)].piece([&](Coherence c) {
                              caster.blocked_along(lanes, input.axes[axis].z, input.t_max, free, {width, c});
                              return points.points;

@@ -95,6 +95,17 @@ TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::mov
             set_lane(lane, k < some.size() ? t : FlatTriangle{t.a, t.a, t.a});
             if (kind >= kSizes) masked.push_back(flat.sources[i]);
         }
+        if (kind >= kLarge) add_groups((lane - in_lanes(some.size()) * kLanes) / kLanes, lane / kLanes);
+    }
+}
+
+void TriangleBlocks::add_groups(size_t first, size_t last) {
+    for (size_t b = first; b < last; b += kLanes) {
+        const size_t end = std::min(last, b + kLanes);
+        Bounds box;
+        for (size_t lane = b * kLanes; lane < end * kLanes; ++lane)
+            for (const auto& c : corner) box.add(Vec3{c[0][lane], c[1][lane], c[2][lane]});
+        groups.push_back({b, end - b, box.center(), (box.hi - box.lo) * 0.5f});
     }
 }
 
@@ -127,9 +138,9 @@ PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> pos
     }
 }
 
-AxisState::AxisState(const PointPackets& points)
-    : free(points.packets), packets(points.packets), lane(points.packets * kLanes) {
-    for (size_t n = points.packets;; n = in_lanes(n)) {
+AxisState::AxisState(size_t most_packets)
+    : free(most_packets), packets(most_packets), lane(most_packets * kLanes) {
+    for (size_t n = most_packets;; n = in_lanes(n)) {
         BoxLevel& level = levels.emplace_back();
         level.nodes = n;
         for (LaneArray* a : {&level.x0, &level.x1, &level.y0, &level.y1, &level.from_up, &level.from_down,

@@ -15,8 +15,8 @@
 
 namespace viscache {
 
-constexpr size_t kLanes = 16;            ///< triangles of a block, points of a packet, children of a node
-constexpr size_t kBlocksPerCheck = 256;  ///< between looks whether the caller gave up
+constexpr size_t kLanes = 16;           ///< triangles of a block, points of a packet, children of a node
+constexpr size_t kGroupsPerCheck = 16;  ///< between looks whether the caller gave up
 /// How far points may be from the scene, in its sizes: floats there are farther apart than it is large, and
 /// products of three coordinates are still floats.
 constexpr float kFarthest = 1e9f;
@@ -61,6 +61,12 @@ struct Placement {
     Vec3 apply(Vec3 p) const { return (p - centre) * scale; }
 };
 
+/// Up to 16 blocks that lie together.
+struct BlockGroup {
+    size_t first, blocks;
+    Vec3 centre, half;  ///< of the box of their corners
+};
+
 /// Triangles, placed and ordered: large ones first, those that alpha masks cut holes into last, each kind in
 /// blocks of its own, compact in space. Last blocks are filled up with points, which nothing hits.
 struct TriangleBlocks {
@@ -68,6 +74,7 @@ struct TriangleBlocks {
     Placement placement;
     size_t triangles = 0, blocks = 0;
     size_t first_small = 0;              ///< block; those before hold large triangles
+    std::vector<BlockGroup> groups;      ///< of those from first_small on
     size_t first_masked = 0;             ///< block
     std::vector<TriangleSource> masked;  ///< what the lanes from first_masked on show
     LaneArray corner[3][3];              ///< [corner][x, y, z]
@@ -83,6 +90,7 @@ struct TriangleBlocks {
 
 private:
     void set_lane(size_t lane, const FlatTriangle& t);
+    void add_groups(size_t first, size_t last);
 };
 
 /// Points with normals, placed and ordered; lanes beyond the last are copies of it that are never asked.
@@ -95,6 +103,11 @@ struct PointPackets {
     /// Throws std::invalid_argument for points farther from the scene than 1e9 times its size.
     PointPackets(const Placement& placement, std::span<const Vec3> position, std::span<const Vec3> normal,
                  const Control& control);
+};
+
+/// Packets that are traced together.
+struct PacketRange {
+    size_t first, packets;
 };
 
 /// Boxes of the nodes of one level along an axis: where their points are across it, and where along it their
@@ -122,17 +135,18 @@ struct alignas(64) TurnedPacket {
     uint16_t free;  ///< lanes asked that nothing has blocked so far
 };
 
-/// One thread's view along one axis.
+/// One thread's view along one axis of so many packets at most.
 struct AxisState {
-    /// Per packet, lanes whose ray runs along the axis, and lanes asked; nullptr: by normals, all points.
+    /// Per packet of all, lanes whose ray runs along the axis, and lanes asked; nullptr: by normals, all
+    /// points.
     const uint16_t *up = nullptr, *asked = nullptr;
-    std::vector<uint16_t> free;  ///< the answer: lanes asked that nothing blocks, per packet
+    std::vector<uint16_t> free;  ///< the answer: lanes asked that nothing blocks, per packet of the range
     std::vector<TurnedPacket> packets;
     std::vector<uint32_t> lane;    ///< which lane of all points a packed lane holds
     std::vector<BoxLevel> levels;  ///< 0: packets; each next level has one node per 16
     AlignedCounts counts;
 
-    explicit AxisState(const PointPackets& points);
+    explicit AxisState(size_t most_packets);
 };
 
 }  // namespace viscache

@@ -1,5 +1,7 @@
 #include "viscache/vlf/aligned_kernels.h"
 
+#include <numeric>
+
 #include "viscache/math/x86_intrinsics.h"
 
 #define VISCACHE_LAMBDA __attribute__((always_inline))
@@ -40,6 +42,15 @@ inline Part select(uint32_t lanes, Part a, Part b) {
     for (size_t i = 0; i < kPartLanes; ++i) r[i] = lanes >> i & 1 ? a[i] : b[i];
     return r;
 }
+template <class T>
+inline void keep(T* to, const T* from, uint32_t lanes) {
+    for (uint32_t m = lanes; m; m &= m - 1) *to++ = from[__builtin_ctz(m)];
+}
+inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) {
+    uint32_t r = 0, n = 0;
+    for (uint32_t m = lanes; m; m &= m - 1) r |= (bits >> __builtin_ctz(m) & 1) << n++;
+    return r;
+}
 #include "aligned_kernels.inc"
 }  // namespace portable
 
@@ -73,6 +84,19 @@ inline Part select(uint32_t lanes, Part a, Part b) {
     const __m256i set = _mm256_and_si256(_mm256_set1_epi32(int(lanes)), bit);
     return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit)));
 }
+template <class T>
+inline void keep(T* to, const T* from, uint32_t lanes) {
+    for (size_t i = 0; i < kLanes; i += kPartLanes) {
+        const uint32_t m = lanes >> i & 0xff;
+        const uint64_t bytes = _pdep_u64(m, 0x0101010101010101u) * 0xff;  // of the lanes that stay
+        const __m128i order = _mm_cvtsi64_si128(int64_t(_pext_u64(0x0706050403020100u, bytes)));
+        const __m256i v = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                            _mm256_permutevar8x32_epi32(v, _mm256_cvtepu8_epi32(order)));
+        to += __builtin_popcount(m);
+    }
+}
+inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits, lanes); }
 #include "aligned_kernels.inc"
 }  // namespace avx2
 #pragma GCC pop_options
@@ -90,6 +114,11 @@ inline Part larger(Part a, Part b) { return _mm512_max_ps(a, b); }
 inline float smallest(Part a) { return _mm512_reduce_min_ps(a); }
 inline float largest(Part a) { return _mm512_reduce_max_ps(a); }
 inline Part select(uint32_t lanes, Part a, Part b) { return _mm512_mask_blend_ps(__mmask16(lanes), b, a); }
+template <class T>
+inline void keep(T* to, const T* from, uint32_t lanes) {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(__mmask16(lanes), _mm512_loadu_si512(from)));
+}
+inline uint32_t keep_bits(uint32_t bits, uint32_t lanes) { return _pext_u32(bits, lanes); }
 #include "aligned_kernels.inc"
 }  // namespace avx512
 #pragma GCC pop_options

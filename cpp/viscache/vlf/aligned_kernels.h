@@ -5,12 +5,12 @@
 
 namespace viscache {
 
-/// Traces the ray of every point along `axis` (its z) or against it, on the side of the point's normal;
-/// n·z = 0 counts as along; or as `state.up` and `state.asked` say. Sets `state.free`, adds to
-/// `state.counts`. `reach` is t_max in placed units, infinity for none. Ends early when cancelled; the caller
-/// checks.
-using TraceAxis = void (*)(const TriangleBlocks& triangles, const PointPackets& points, const Frame3& axis,
-                           float reach, AxisState& state, const Control& control);
+/// Traces the ray of every point of the packets in `range` along `axis` (its z) or against it, on the side of
+/// the point's normal; n·z = 0 counts as along; or as `state.up` and `state.asked` say. Sets `state.free`,
+/// adds to `state.counts`. `reach` is t_max in placed units, infinity for none. Ends early when cancelled;
+/// the caller checks.
+using TraceAxis = void (*)(const TriangleBlocks& triangles, const PointPackets& points, PacketRange range,
+                           const Frame3& axis, float reach, AxisState& state, const Control& control);
 
 TraceAxis trace_axis_kernel(Isa isa);
 

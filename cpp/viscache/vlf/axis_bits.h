@@ -10,20 +10,25 @@ namespace viscache {
 constexpr size_t kAxesPerWave = 1024;
 static_assert(kAxesPerWave % kWordBits == 0);
 
-/// Traces all axes, wave by wave: trace(axis, worker, lanes) puts the answers of one axis, 16 bits per
-/// packet. Then bit k of row `order[16·packet + lane]` is that of axis k.
+/// Traces all axes, wave by wave, and so many packets at a time: trace(axis, range, worker, lanes) puts the
+/// answers of one axis for a range of packets, 16 bits per packet. Then bit k of row
+/// `order[16·packet + lane]` is that of axis k.
 template <class Trace>
-void rows_by_axis(size_t axes, std::span<const uint32_t> order, std::span<Word> rows, int threads,
-                  Control& control, Trace trace) {
+void rows_by_axis(size_t axes, size_t packets_at_once, std::span<const uint32_t> order, std::span<Word> rows,
+                  int threads, Control& control, Trace trace) {
     const size_t packets = in_lanes(order.size()), row_words = words_for(axes);
+    const size_t ranges = (packets + packets_at_once - 1) / packets_at_once;
     std::vector<uint16_t> lanes(packets * std::min(axes, kAxesPerWave));
     for (size_t first = 0; first < axes; first += kAxesPerWave) {
         const size_t n = std::min(axes - first, kAxesPerWave), words = words_for(n);
-        parallel_for(n, threads, [&](size_t k, int worker) {
+        // All axes of a range before the next, so that its points stay in the caches
+        parallel_for(n * ranges, threads, [&](size_t i, int worker) {
             control.check();
-            trace(first + k, worker, &lanes[k * packets]);
+            const size_t k = i % n, from = i / n * packets_at_once;
+            const PacketRange range{from, std::min(packets - from, packets_at_once)};
+            trace(first + k, range, worker, &lanes[k * packets + from]);
             control.check();
-            ++control.done;
+            if (i / n + 1 == ranges) ++control.done;
         });
         constexpr size_t kPacketsPerChunk = 256;
         parallel_for((packets + kPacketsPerChunk - 1) / kPacketsPerChunk, threads, [&](size_t chunk, int) {

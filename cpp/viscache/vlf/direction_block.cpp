@@ -99,7 +99,7 @@ void DirectionBlock::trace_axis(const SharedAxis& axis, TraceAxis kernel, Worker
     AxisState& s = worker.state;
     const auto trace = [&](const uint16_t* up) {
         s.up = up, s.asked = worker.asked.data();
-        kernel(batch_.triangles(), points_, axis.frame, reach, s, control_);
+        kernel(batch_.triangles(), points_, {0, points_.packets}, axis.frame, reach, s, control_);
         control_.check();
     };
     uint16_t any = 0, both = 0;

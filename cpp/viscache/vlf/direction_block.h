@@ -29,7 +29,7 @@ private:
     struct Worker {
         AxisState state;
         std::vector<uint16_t> asked;
-        explicit Worker(const PointPackets& points) : state(points), asked(points.packets) {}
+        explicit Worker(const PointPackets& points) : state(points.packets), asked(points.packets) {}
     };
     template <class Work>
     void for_packets(Work work) const;
