@@ -164,7 +164,30 @@ def test_sweeps_run_from_end_to_end_of_the_papers_ranges() -> None:
     apartment = SETUPS["apartment"]
     _, shot = aqvc_sweeps.make_sweep(apartment, apartment.make(2000), True, False, (8, 8))
     assert isinstance(shot.integrator, vc.Whitted) and shot.size == (8, 8)
-    assert (shot.integrator.n_vpls, shot.integrator.n_environment) == (128, 16)
+    assert (shot.integrator.n_vpls, shot.integrator.n_environment) == (256, 32)
+
+
+def test_scenes_made_by_others_stand_in_their_own_light_or_under_a_sky(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VISCACHE_SCENES", str(tmp_path))
+    outcome = Outcome()
+    assert aqvc_sweeps.load_file("room", outcome) is None
+    light = '<emitter type="point"><point name="position" x="0" y="3" z="0"/></emitter>'
+    for name, inside in (("lit", light), ("dark", "")):
+        (tmp_path / name).mkdir()
+        text = f'<scene version="3.0.0"><shape type="cube"/>{inside}</scene>'
+        (tmp_path / name / "scene.xml").write_text(text)
+    lit = aqvc_sweeps.load_file("lit", outcome)
+    assert lit is not None and [light["kind"] for light in lit.lights] == ["point"]
+    assert aqvc_sweeps.load_file("dark", outcome) is None
+    assert [left["what"] for left in outcome.skipped] == ["room", "dark"]
+    (tmp_path / "hdr").mkdir()
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16 +X 32\n"
+    sky = tmp_path / "hdr" / "kloppenheim_05_1k.hdr"
+    sky.write_bytes(head + bytes([128] * 4) * 16 * 32)
+    dark = aqvc_sweeps.load_file("dark", outcome)
+    assert dark is not None and len(dark.lights) == 1
 
 
 def test_flicker_is_the_variance_over_frames_of_what_a_screen_shows() -> None:

@@ -15,16 +15,17 @@ from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, group_rows
 from viscache.figures.aqvc_setups import SETUPS, SIZE, Setup
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.integrators import Whitted
-from viscache.scene import load_scene
+from viscache.scene import Scene, load_scene
 
 #: C_E between the paper's ends; the paper's preset runs at the ends and one between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}
 SMOOTH = {False: (4.0, 8.0, 14.0, 24.0), True: (10.0, 20.0, 40.0, 64.0)}
 #: Anti-aliased frames of scenes with many lights have this share of them, per sample.
-ANTIALIASED_LIGHTS = 8
+ANTIALIASED_LIGHTS = 4
 #: Scenes made by others, from $VISCACHE_SCENES, and their C_E.
 FILES, FILES_C_E = ("living-room", "classroom", "sponza-dabrovic", "sanmiguel-part"), 10.0
 
@@ -96,7 +97,7 @@ def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[str, Sequen
 
 
 def make_sweep(
-    setup: Setup, scene: Any, antialiased: bool, quick: bool, size: tuple[int, int] | None
+    setup: Setup, scene: Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
 ) -> tuple[Sweep, Shot]:
     """What to fill, and what to render."""
     spp = 1 if not antialiased else 4 if quick else setup.antialiased
@@ -169,12 +170,11 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
     """Scenes made by others beside the stand-ins: no bands."""
     rows = []
     for name in FILES:
-        path = scene_file(name)
-        if path is None:
-            outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+        scene = load_file(name, outcome)
+        if scene is None:
             continue
         integrator = Whitted(n_vpls=256, n_environment=16, n_brdf=16, n_area=16)
-        shot = Shot(scene=load_scene(path), integrator=integrator, size=size)
+        shot = Shot(scene=scene, integrator=integrator, size=size)
         exact = shot.frame()
         for preset in ("default", "paper"):
             cache = SETUPS["courtyard"].cache(preset, FILES_C_E)
@@ -187,6 +187,22 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
                 *group_rows(label, trade),
             ]  # fmt: skip
     return rows
+
+
+def load_file(name: str, outcome: Outcome) -> Scene | None:
+    """A scene made by others, under a measured sky where it has no light that we model."""
+    path = scene_file(name)
+    if path is None:
+        outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
+        return None
+    scene = load_scene(path)
+    sky = path.parent.parent / SKIES["noon"]
+    if scene.lights:
+        return scene
+    if not sky.is_file():
+        outcome.skip(name, f"none of its lights is modelled, and {SKIES['noon']} is absent")
+        return None
+    return scene.with_environment(sky)
 
 
 def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
