@@ -77,7 +77,7 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("c_pg", &AqvcParameters::c_pg);
     c.def_readwrite("cosmin", &AqvcParameters::cosmin);
     named_field(c, "form", &AqvcParameters::form, std::array{"waves", "rows", "pairs"});
-    named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact"});
+    named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact", "shared"});
     c.def_readwrite("batch", &AqvcParameters::batch);
     c.def("validate", &AqvcParameters::validate);
     c.def(

@@ -4,6 +4,7 @@
 
 #include "frame_dict.h"
 #include "interrupt.h"
+#include "viscache/aqvc/quantized_cache.h"
 #include "viscache/render/bdpt.h"
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/ray_caster.h"
@@ -23,6 +24,21 @@ py::dict render(const Scene& scene, const RayCaster& caster, const Camera& camer
         },
         progress);
     return frame_dict(result);
+}
+
+/// Caches over one table of the frame.
+RoundOracles caches(const Scene& scene, const RayCaster& caster, const FrameSettings& frame,
+                    const AqvcParameters& parameters, FrameTable& table) {
+    return {.make =
+                [&, spp = frame.spp] {
+                    return std::make_unique<QuantizedCache>(caster, parameters, scene.center(),
+                                                            scene.radius(), scene.offset_extent(), spp,
+                                                            &table);
+                },
+            .begin_round = [&](size_t items) { table.begin_round(items); },
+            .end_item = [&](VisibilityOracle& oracle,
+                            size_t item) { table.keep(item, static_cast<QuantizedCache&>(oracle).writes()); },
+            .end_round = [&](Counters& counters) { table.end_round(counters); }};
 }
 
 }  // namespace
@@ -54,6 +70,17 @@ void bind_bdpt(py::module_& m) {
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("settings"), py::arg("frame"),
         py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
         py::arg("progress") = py::none());
+    m.def(
+        "render_bdpt_aqvc",
+        [](const Scene& scene, const RayCaster& caster, const Camera& camera, const BdptSettings& settings,
+           const FrameSettings& frame, const AqvcParameters& parameters, const py::object& progress) {
+            parameters.validate();
+            FrameTable table(parameters);
+            return render(scene, caster, camera, settings, frame,
+                          caches(scene, caster, frame, parameters, table), progress);
+        },
+        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("settings"), py::arg("frame"),
+        py::arg("parameters"), py::kw_only(), py::arg("progress") = py::none());
 }
 
 }  // namespace viscache::bindings

@@ -47,6 +47,10 @@ py::dict counters_of(const FrameResult& f) {
     d["clamped_low"] = c.clamped_low, d["clamped_high"] = c.clamped_high, d["clamped_nan"] = c.clamped_nan;
     d["boundary_queries"] = c.boundary_queries, d["cells"] = c.cells;
     d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
+    if (c.table_occupied) {
+        d["table_occupied"] = c.table_occupied, d["duplicates"] = c.duplicates;
+        d["occupancy"] = c.table_slots ? double(c.table_occupied) / double(c.table_slots) : 0.0;
+    }
     d["expected_false_hits"] = c.expected_false_hits, d["non_finite"] = c.non_finite, d["vpls"] = f.n_vpls;
     if (c.product_points) {
         d["product_points"] = c.product_points, d["product_dark"] = c.product_dark;

@@ -233,8 +233,8 @@ def _check_samples(s: Direct | Whitted) -> None:
 
 def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
     """The C++ struct of an integrator that shades eye points; `Bdpt` has its own."""
-    require(not isinstance(integrator, Bdpt), "integrator must shade eye points", integrator)
-    assert not isinstance(integrator, Bdpt)
+    if isinstance(integrator, Bdpt):
+        raise ValueError(f"integrator must shade eye points, got {integrator}")
     core = _core.IntegratorSettings()
     core.p_mode = _core.PMode[integrator.p_mode.upper()]
     core.cosmin = integrator.cosmin

@@ -113,6 +113,8 @@ def render(
     check_rays(rays)
     _check_use(use, visibility, integrator)
     _check_shared(integrator, rays, visibility)
+    if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
+        visibility = visibility.for_frame_table()
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
@@ -188,6 +190,8 @@ def _bidirectional(
     report: Callable[[int, int], None] | None,
 ) -> dict[str, typing.Any]:
     """A frame of `Bdpt`."""
+    if isinstance(visibility, Aqvc):
+        return _core.render_bdpt_aqvc(*parts, visibility.core(), progress=report)
     assert isinstance(visibility, Exact)  # _check_use allows no other
     order, coherent = visibility.core()
     return _core.render_bdpt_exact(*parts, order=order, coherent=coherent, progress=report)
@@ -262,8 +266,12 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
         require(getattr(integrator, "environment", "") != "shared",
                 'environment must not be "shared" with visibility maps', "shared")  # fmt: skip
     if isinstance(integrator, Bdpt):
-        require(isinstance(visibility, Exact), "visibility must be vc.Exact(...) with Bdpt",
+        require(isinstance(visibility, Exact | Aqvc),
+                "visibility must be vc.Exact(...) or vc.Aqvc(...) with Bdpt",
                 visibility)  # fmt: skip
+    elif isinstance(visibility, Aqvc):
+        require(visibility.storage != "shared", 'storage must be "table" or "exact" without Bdpt',
+                visibility.storage)  # fmt: skip
     if isinstance(integrator, Direct) and not both:
         product = integrator.environment == "product"
         require(not (product and isinstance(visibility, Aqvc)),

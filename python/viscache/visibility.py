@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from numbers import Real
 from typing import Any, Literal, TypeAlias
 
@@ -125,15 +125,18 @@ class Aqvc:
     digest_bits : int in [1, 31]
         Bits of the digest beside the visibility bit.
     table_bytes : int
-        Size of the table of one tile.
+        Size of the table: of one tile, 4 MiB; with `Bdpt` of the frame, 256 MiB.
     order : {"hm", "scanline", "random"}
         Processing order of `pairs` and rows: Halton–Morton (Sec. 4.3) or comparisons.
     c_pg : float
         C_PG: growth of the order's segments. 3.7.
     form : {"waves", "rows", "pairs"}
         How groups of shared lights run: level waves, rows in pixel order, one query at a time.
-    storage : {"table", "exact"}
-        The lossy table of Sec. 4.1, or a map of full keys.
+    storage : {"table", "exact", "shared"}
+        The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one, which
+        takes up what was traced between rounds of work: the same values for any number of threads.
+        "shared", with `Bdpt` alone: threads read and write it at once; which of a cluster's
+        segments is traced is chance.
     batch : int >= 0
         Eye points that are processed together; 0 = the form's own, 1 = one query at a time.
 
@@ -168,7 +171,7 @@ class Aqvc:
     order: Literal["hm", "scanline", "random"] | None = None
     c_pg: float | None = None
     form: Literal["waves", "rows", "pairs"] | None = None
-    storage: Literal["table", "exact"] | None = None
+    storage: Literal["table", "exact", "shared"] | None = None
     batch: int | None = None
 
     def __post_init__(self) -> None:
@@ -206,6 +209,15 @@ class Aqvc:
         core.c_e_group = [float(self.c_e_groups.get(g, 0.0)) for g in LIGHT_GROUPS]
         core.validate()
         return core
+
+    def for_frame_table(self) -> Aqvc:
+        """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB."""
+        return replace(
+            self,
+            res_rule=self.res_rule or "eq6",
+            refinement=self.refinement or "off",
+            table_bytes=256 << 20 if self.table_bytes is None else self.table_bytes,
+        )
 
     def resolved(self) -> dict[str, Any]:
         """Every parameter's value, the preset's filled in."""

@@ -3,8 +3,10 @@
 // No probing: a write replaces what was there. And a map of full keys that never forgets, for tests and
 // experiments.
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
@@ -26,14 +28,41 @@ inline uint64_t largest_prime(uint64_t n) {
 
 struct TableCounts {
     uint64_t writes = 0, evictions = 0;
+    uint64_t duplicates = 0;  ///< writes of a key that is there: rays traced twice
     double expected_false_hits = 0;
 };
 
-/// Lossy table. Word 0 = empty; digest 0 is stored as 1.
-class BitTable {
+namespace detail {
+template <class T>
+T load(const T& word) {
+    return word;
+}
+template <class T>
+T load(const std::atomic<T>& word) {
+    return word.load(std::memory_order_relaxed);
+}
+template <class T>
+void store(T& word, T value) {
+    word = value;
+}
+template <class T>
+void store(std::atomic<T>& word, T value) {
+    word.store(value, std::memory_order_relaxed);
+}
+inline void increment(uint64_t& count) { ++count; }
+inline void increment(std::atomic<uint64_t>& count) { count.fetch_add(1, std::memory_order_relaxed); }
+}  // namespace detail
+
+/// Lossy table. Word 0 = empty; digest 0 is stored as 1. Racing: many threads read and write it at once, by
+/// relaxed atomics; a reader sees an old word or a new one, never a mix.
+template <bool kRacing>
+class BasicBitTable {
+    template <class T>
+    using Cell = std::conditional_t<kRacing, std::atomic<T>, T>;
+
 public:
-    BitTable(uint64_t slots, int digest_bits, HashScheme scheme)
-        : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu)), 0),
+    BasicBitTable(uint64_t slots, int digest_bits, HashScheme scheme)
+        : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu))),
           scheme_(scheme),
           digest_bits_(digest_bits),
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
@@ -50,25 +79,27 @@ public:
     }
 
     std::optional<bool> get_hashed(KeyHash h) const {
-        const uint32_t word = words_[slot(h)];
+        const uint32_t word = detail::load(words_[slot(h)]);
         return word && word >> 1 == digest(h) ? std::optional(bool(word & 1)) : std::nullopt;
     }
     void put_hashed(KeyHash h, bool visible, TableCounts& counts) {
-        uint32_t& word = words_[slot(h)];
-        counts.expected_false_hits += double(occupied_) * false_rate_;
+        auto& word = words_[slot(h)];
+        const uint32_t before = detail::load(word), own = digest(h);
+        counts.expected_false_hits += double(occupied()) * false_rate_;
         counts.writes += 1;
-        if (!word)
-            ++occupied_;
-        else if (word >> 1 != digest(h))
-            ++counts.evictions;
-        word = digest(h) << 1 | uint32_t(visible);
+        if (!before)
+            detail::increment(occupied_);
+        else
+            ++(before >> 1 == own ? counts.duplicates : counts.evictions);
+        detail::store(word, own << 1 | uint32_t(visible));
     }
     void clear() {
-        if (occupied_) std::fill(words_.begin(), words_.end(), 0u);
-        occupied_ = 0;
+        if (occupied())
+            for (auto& word : words_) detail::store(word, 0u);
+        detail::store(occupied_, uint64_t{0});
     }
     uint64_t slots() const { return words_.size(); }
-    uint64_t occupied() const { return occupied_; }
+    uint64_t occupied() const { return detail::load(occupied_); }
 
 private:
     size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
@@ -78,13 +109,15 @@ private:
                                                              : h.digest >> (31 - digest_bits_);
         return all ? all : 1;
     }
-    std::vector<uint32_t> words_;
+    std::vector<Cell<uint32_t>> words_;
     HashScheme scheme_;
     int digest_bits_;
     double
         false_rate_;  ///< chance that a new key finds its digest in one occupied slot, per slot of the table
-    uint64_t occupied_ = 0;
+    Cell<uint64_t> occupied_{0};
 };
+using BitTable = BasicBitTable<false>;
+using RacingBitTable = BasicBitTable<true>;
 
 /// Exact map of full keys.
 class ExactTable {
@@ -98,11 +131,12 @@ public:
         return found == map_.end() ? std::nullopt : std::optional(found->second);
     }
     void put(const FullKey& key, bool visible, TableCounts& counts) {
-        map_[key] = visible;
+        counts.duplicates += !map_.insert_or_assign(key, visible).second;
         counts.writes += 1;
     }
     void clear() { map_.clear(); }
     uint64_t slots() const { return 0; }
+    uint64_t occupied() const { return map_.size(); }
 
 private:
     struct Hash {

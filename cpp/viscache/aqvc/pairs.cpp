@@ -1,34 +1,51 @@
 #include "viscache/aqvc/pairs.h"
 
+#include <stdexcept>
+
 namespace viscache {
 
-Pairs::Pairs(const AqvcParameters& p) {
-    if (p.storage == Storage::kExact)
-        exact_.emplace();
-    else
-        table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash);
+Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table) : frame_table_(frame_table) {
     pending_slots_.assign(1024, 0);
+    if (frame_table) return;
+    switch (p.storage) {
+        case Storage::kTable: table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash); break;
+        case Storage::kExact: exact_.emplace(); break;
+        case Storage::kShared:
+            throw std::invalid_argument(
+                "storage must be table or exact where tiles have their own, got shared");
+    }
 }
 
 void Pairs::begin_tile() {
     if (table_) table_->clear();
     if (exact_) exact_->clear();
     for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
-    slots_counted_ = false;
+    slots_counted_ = frame_table_ != nullptr;
 }
 
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
                 Counters& counters, ClampCounts& clamps) {
+    const auto run = [&](auto& table) { run_batches(table, c, queries, visible, counters, clamps); };
+    if (frame_table_)
+        frame_table_->ask(writes_, run);
+    else if (table_)
+        run(*table_);
+    else
+        run(*exact_);
+}
+
+template <class Table>
+void Pairs::run_batches(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                        std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
     for (size_t first = 0, last; first < queries.size(); first = last) {
         last = first + 1;
-        if (!c.run_of_eye.empty())
+        if (frame_table_)
+            last = queries.size();
+        else if (!c.run_of_eye.empty())
             while (last < queries.size() &&
                    c.run_of_eye[queries[last].eye] == c.run_of_eye[queries[first].eye])
                 ++last;
-        if (table_)
-            run_batch(*table_, c, queries, first, last, visible, counters, clamps);
-        else
-            run_batch(*exact_, c, queries, first, last, visible, counters, clamps);
+        run_batch(table, c, queries, first, last, visible, counters, clamps);
     }
 }
 
@@ -55,8 +72,7 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
     for (const auto& [query, ray] : dependants_)
         if (ray_visible_[ray]) set_bit(visible.data(), query);
     if (counts.writes && !slots_counted_) counters.table_slots += table.slots(), slots_counted_ = true;
-    counters.table_writes += counts.writes, counters.evictions += counts.evictions;
-    counters.expected_false_hits += counts.expected_false_hits;
+    counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
 }
 
 template <class Table>

@@ -9,6 +9,7 @@
 
 #include "viscache/aqvc/bit_table.h"
 #include "viscache/aqvc/columns.h"
+#include "viscache/aqvc/frame_table.h"
 #include "viscache/aqvc/refinement.h"
 #include "viscache/aqvc/tile_anchors.h"
 #include "viscache/visibility/ray_caster.h"
@@ -27,13 +28,16 @@ struct PairContext {
 
 class Pairs {
 public:
-    explicit Pairs(const AqvcParameters& p);
+    /// With a table of the frame: its own is not made, and every call of `run` is an item of a round.
+    explicit Pairs(const AqvcParameters& p, FrameTable* frame_table = nullptr);
     /// `run` ends with `Cancelled` soon after `control` says so.
     void watch(const Control& control) { control_ = &control; }
     void begin_tile();
     /// Answers queries (bit i of `visible` for queries[i], zeroed on entry) and counts rays per group.
     void run(const PairContext& context, std::span<const ShadowQuery> queries, std::span<Word> visible,
              Counters& counters, ClampCounts& clamps);
+    /// What waits to be written into the frame's table.
+    std::vector<TableWrite>& writes() { return writes_; }
 
 private:
     /// A ray of the batch: for the first query with its key, or for a query that bypasses the cache.
@@ -52,6 +56,9 @@ private:
     };
 
     template <class Table>
+    void run_batches(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                     std::span<Word> visible, Counters& counters, ClampCounts& clamps);
+    template <class Table>
     void run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
                    size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     template <class Table>
@@ -67,8 +74,10 @@ private:
     uint32_t pending_with(const FullKey& key);
 
     const Control* control_ = nullptr;
-    std::optional<BitTable> table_;  ///< one of the two
+    std::optional<BitTable> table_;  ///< one of the two, unless the frame has one
     std::optional<ExactTable> exact_;
+    FrameTable* frame_table_;
+    std::vector<TableWrite> writes_;
     std::array<EyeCells, kLightGroups> eye_cells_;
     CellLevels paired_cells_;  ///< Eq. 6: cells of one query
     CellLevels* cells_ = nullptr;

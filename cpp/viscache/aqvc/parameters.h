@@ -21,7 +21,9 @@ enum class LevelRule { kFinest, kLog2 };
 enum class HashScheme { kScheme2, kScheme1, kScheme1Mixed };
 enum class PixelOrder { kHaltonMorton, kScanline, kRandom };
 enum class Form { kWaves, kRows, kPairs };  ///< how groups of shared lights are processed
-enum class Storage { kTable, kExact };  ///< of `pairs`: the lossy table of Sec. 4.1, or a map of full keys
+/// Of `pairs`: the lossy table of Sec. 4.1, a map of full keys, or (one table for a frame alone) the lossy
+/// table that threads race for.
+enum class Storage { kTable, kExact, kShared };
 
 struct AqvcParameters {
     double c_e = 12;                               ///< a cluster spans about C_E × C_E eye samples

@@ -25,13 +25,14 @@ void add_clamps(const ClampCounts& clamps, Counters& counters) {
 }  // namespace
 
 QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
-                               float scene_radius, float offset_extent, int spp)
+                               float scene_radius, float offset_extent, int spp, FrameTable* frame_table)
     : caster_(caster),
       parameters_(checked(parameters)),
       grid_(parameters_, scene_center, checked_radius(scene_radius)),
       extent_(offset_extent),
+      shares_(frame_table != nullptr),
       tracer_(caster, offset_extent),
-      pairs_(parameters_) {
+      pairs_(parameters_, frame_table) {
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
 
@@ -60,6 +61,7 @@ void QuantizedCache::make_order(const EyeBlock& eyes) {
 }
 
 PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
+    if (shares_) return {};
     make_order(eyes);
     return {order_.eye, run_end_};
 }
@@ -157,7 +159,7 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
 
 void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                                std::span<Word> visible, Counters& counters) {
-    make_order(eyes);
+    if (!shares_) make_order(eyes);
     ClampCounts clamps;
     const PairContext context{tile_, parameters_, levels_, run_of_eye_, caster_, extent_};
     pairs_.run(context, queries, visible, counters, clamps);

@@ -25,9 +25,10 @@ namespace viscache {
 class QuantizedCache final : public VisibilityOracle {
 public:
     /// The scene's bounding sphere gives c and B_R; `offset_extent` is the scene's, `spp` the samples per
-    /// pixel.
+    /// pixel. With a table of the frame, which must outlive the cache, `pairs` uses that one: it outlives
+    /// tiles, and any order of queries is fine.
     QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
-                   float scene_radius, float offset_extent, int spp);
+                   float scene_radius, float offset_extent, int spp, FrameTable* frame_table = nullptr);
 
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
@@ -37,6 +38,8 @@ public:
                Counters& counters) override;
     PairOrder pair_order(const EyeBlock& eyes) override;
 
+    /// What waits to be written into the frame's table.
+    std::vector<TableWrite>& writes() { return pairs_.writes(); }
     const std::vector<double>& levels(int group) const { return levels_[size_t(group)]; }
 
 private:
@@ -57,6 +60,7 @@ private:
     AqvcParameters parameters_;
     CellGrid grid_;
     float extent_;
+    bool shares_;  ///< the frame's table
     std::array<std::vector<double>, kLightGroups> levels_;
     TileAnchors tile_;
     OrderMaker order_maker_;

@@ -10,10 +10,9 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileEdge = 16;             // pixels; a work item is one sample of each
-constexpr size_t kFirstRound = 4;         // items of the first round; a few more in every round after it,
-constexpr size_t kItemsPerRound = 64;     // up to this number
-constexpr size_t kQueriesPerCall = 8192;  // asked of the oracle at once
+constexpr int kTileEdge = 16;          // pixels; a work item is one sample of each
+constexpr size_t kFirstRound = 4;      // items of the first round; a few more in every round after it,
+constexpr size_t kItemsPerRound = 64;  // up to this number
 
 /// What one work item adds to the frame.
 struct ItemResult {
@@ -50,23 +49,15 @@ public:
             connector.join(eye_paths_, light_paths_, p,
                            uint32_t(places[p].second) * uint32_t(width) + places[p].first);
         clock.lap(out.stages.contributions);
-        ask(out);
+        answer_.assign(words_for(connections_.queries.size()), 0);
+        oracle_->begin_tile(connections_.eyes);
+        oracle_->pairs(connections_.eyes, connections_.queries, answer_, out.counters);
         clock.lap(out.stages.visibility);
         add(out);
         clock.lap(out.stages.shading);
     }
 
 private:
-    void ask(ItemResult& out) {
-        const std::span<const ShadowQuery> queries(connections_.queries);
-        answer_.assign(words_for(queries.size()), 0);
-        oracle_->begin_tile(connections_.eyes);
-        for (size_t first = 0; first < queries.size(); first += kQueriesPerCall) {
-            const size_t n = std::min(kQueriesPerCall, queries.size() - first);
-            oracle_->pairs(connections_.eyes, queries.subspan(first, n),
-                           std::span(answer_).subspan(first / kWordBits, words_for(n)), out.counters);
-        }
-    }
     void add(ItemResult& out) {
         for_each_bit(answer_, [&](size_t i) {
             const Rgb value = connections_.contribution[i];

@@ -48,6 +48,8 @@ struct Counters {
         0;               ///< queries whose cell disagrees with a neighbour at the last level looked at
     uint64_t cells = 0;  ///< eye cells made
     uint64_t table_writes = 0, table_slots = 0;  ///< hash form: occupancy = 1 − exp(−writes/slots) expected
+    uint64_t table_occupied = 0;  ///< slots in use at the end; of a table that all of the frame shares
+    uint64_t duplicates = 0;      ///< rays for a cluster that another thread or item traced as well
     double expected_false_hits = 0;
     // Product sampling of the environment
     uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
@@ -71,6 +73,10 @@ struct Counters {
         return n;
     }
     GroupCounters& group(int i) { return groups[size_t(i)]; }
+    /// Counts of writes to a table.
+    void add_writes(uint64_t writes, uint64_t evicted, uint64_t twice, double false_hits) {
+        table_writes += writes, evictions += evicted, duplicates += twice, expected_false_hits += false_hits;
+    }
     void merge(const Counters& b);
 };
 
@@ -89,6 +95,7 @@ inline void Counters::merge(const Counters& b) {
     clamped_low += b.clamped_low, clamped_high += b.clamped_high, clamped_nan += b.clamped_nan;
     boundary_queries += b.boundary_queries, cells += b.cells;
     table_writes += b.table_writes, table_slots += b.table_slots;
+    table_occupied += b.table_occupied, duplicates += b.duplicates;
     expected_false_hits += b.expected_false_hits, non_finite += b.non_finite;
     product_points += b.product_points, product_dark += b.product_dark;
     product_guided += b.product_guided, product_unserved += b.product_unserved;

@@ -2,8 +2,8 @@
 // The seam for "does X see Y?". An oracle may answer without a ray.
 //
 // One oracle object serves one worker thread and one tile at a time: begin_tile, then any number of
-// block and pairs calls about that tile's eye points. What an oracle remembers never outlives the tile,
-// so that answers do not depend on threads.
+// block and pairs calls about that tile's eye points. What an oracle remembers does not outlive the tile,
+// so that answers do not depend on threads; a table that a frame's oracles share takes care of that itself.
 #include <array>
 #include <cstdint>
 #include <span>

@@ -1,0 +1,89 @@
+#pragma once
+// One table for all threads and all of a frame (AQVC Sec. 4.1), for bidirectional path tracing.
+//
+// Batched: during a round the table is only read; what was traced is kept item by item and written between
+// rounds, in the order of the items. Values do not depend on threads; items of one round may trace the same
+// cluster (`Counters::duplicates`). Racing: all threads read and write at any time, by relaxed atomics; which
+// segment answers a cluster is chance.
+#include <optional>
+#include <vector>
+
+#include "viscache/aqvc/bit_table.h"
+#include "viscache/visibility/counters.h"
+
+namespace viscache {
+
+struct TableWrite {
+    FullKey key;
+    bool visible;
+};
+
+/// What one item of a round sees of a table: it reads, its writes wait.
+template <class Table>
+class DeferredTable {
+public:
+    DeferredTable(const Table& table, std::vector<TableWrite>& writes) : table_(table), writes_(writes) {}
+    KeyHead head(const std::array<int32_t, 8>& slots) const { return table_.head(slots); }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const { return table_.get(head, far); }
+    void put(const FullKey& key, bool visible, TableCounts&) { writes_.push_back({key, visible}); }
+    uint64_t slots() const { return table_.slots(); }
+
+private:
+    const Table& table_;
+    std::vector<TableWrite>& writes_;
+};
+
+/// [AQVC Sec. 4.2] The table that all threads of bidirectional path tracing share; its keys are those of
+/// Eq. 6, without refinement.
+// Differs: the paper's threads race, which is Storage::kShared here.
+class FrameTable {
+public:
+    explicit FrameTable(const AqvcParameters& p) {
+        const uint64_t slots = largest_prime(p.table_bytes / 4);
+        switch (p.storage) {
+            case Storage::kTable: table_.emplace(slots, p.digest_bits, p.hash); break;
+            case Storage::kExact: exact_.emplace(); break;
+            case Storage::kShared: racing_.emplace(slots, p.digest_bits, p.hash); break;
+        }
+    }
+    void begin_round(size_t items) { waiting_.resize(std::max(items, waiting_.size())); }
+    /// What an item wrote; of different items from any threads.
+    void keep(size_t item, std::vector<TableWrite>& writes) { waiting_[item].swap(writes), writes.clear(); }
+    /// Writes what waits, in order; to be called by one thread alone.
+    void end_round(Counters& counters) {
+        TableCounts counts;
+        for (auto& writes : waiting_) {
+            for (const TableWrite& w : writes)
+                table_ ? table_->put(w.key, w.visible, counts) : exact_->put(w.key, w.visible, counts);
+            writes.clear();
+        }
+        counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
+        counters.table_slots = visit([](const auto& t) { return t.slots(); });
+        counters.table_occupied = visit([](const auto& t) { return t.occupied(); });
+    }
+
+    /// Calls `use` with the table, as one item whose writes go to `writes` sees it.
+    template <class Use>
+    void ask(std::vector<TableWrite>& writes, Use use) {
+        if (racing_) return use(*racing_);
+        if (exact_) {
+            DeferredTable view(*exact_, writes);
+            return use(view);
+        }
+        DeferredTable view(*table_, writes);
+        use(view);
+    }
+
+private:
+    template <class Use>
+    uint64_t visit(Use use) const {
+        return racing_ ? use(*racing_) : exact_ ? use(*exact_) : use(*table_);
+    }
+
+    std::optional<BitTable> table_;  ///< one of the three
+    std::optional<ExactTable> exact_;
+    std::optional<RacingBitTable> racing_;
+    std::vector<std::vector<TableWrite>> waiting_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,116 @@
+// Bidirectional path tracing on several threads over one table: batched it does not depend on them, racing it
+// is free of data races.
+#include <cstring>
+#include <thread>
+
+#include "check.h"
+#include "viscache/aqvc/quantized_cache.h"
+#include "viscache/render/bdpt.h"
+#include "viscache/visibility/bsp_caster.h"
+
+namespace viscache::test {
+namespace {
+
+void add_quad(SceneDescription& d, Vec3 corner, Vec3 a, Vec3 b, int material, Rgb emission = {}) {
+    Mesh mesh;
+    mesh.vertices = {corner, corner + a, corner + a + b, corner + b};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.material = material, mesh.emission = emission;
+    d.meshes.push_back(std::move(mesh));
+}
+
+/// Floor, wall, a board of glass, a lamp, a point light and a sky.
+std::shared_ptr<const Scene> scene() {
+    SceneDescription d;
+    d.materials.push_back({.base_color = {0.6f, 0.5f, 0.4f}});
+    d.materials.push_back({.kind = MaterialKind::kDielectric});
+    add_quad(d, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0}, 0);
+    add_quad(d, {-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0);
+    add_quad(d, {-1, 0.3f, 0}, {1, 0, 0.2f}, {0, 1, 0}, 1);
+    add_quad(d, {-0.5f, 2, -0.5f}, {1, 0, 0}, {0, 0, 1}, 0, {5, 5, 5});
+    d.point_lights.push_back({{1.5f, 1, 1}, {2, 2, 2}});
+    d.environment = Environment{.scale = {0.1f, 0.2f, 0.3f}};
+    return Scene::freeze(std::move(d));
+}
+
+struct Setup {
+    std::shared_ptr<const Scene> world = scene();
+    Control control;
+    BspCaster caster{world, {}, 1, control};
+    Camera camera = look_at({0, 1, 4}, {0, 0.7f, 0}, {0, 1, 0}, 0.9f);
+
+    FrameResult render(int threads, const AqvcParameters& p, FrameTable& table) {
+        const RoundOracles oracles{
+            .make =
+                [&] {
+                    return std::make_unique<QuantizedCache>(caster, p, world->center(), world->radius(),
+                                                            world->offset_extent(), 1, &table);
+                },
+            .begin_round = [&](size_t items) { table.begin_round(items); },
+            .end_item = [&](VisibilityOracle& o,
+                            size_t item) { table.keep(item, static_cast<QuantizedCache&>(o).writes()); },
+            .end_round = [&](Counters& counters) { table.end_round(counters); }};
+        const FrameSettings frame{.width = 40, .height = 30, .spp = 2, .threads = threads};
+        const BdptSettings settings{.max_depth = 4, .camera_connections = CameraConnections::kKeyed};
+        return render_bdpt(*world, caster, camera, settings, frame, oracles, control);
+    }
+};
+
+AqvcParameters parameters(Storage storage) {
+    AqvcParameters p;
+    p.storage = storage, p.res_rule = ResolutionRule::kEq6, p.refinement = Refinement::kOff;
+    p.table_bytes = 1 << 14;
+    return p;
+}
+
+void threads_do_not_matter() {
+    Setup setup;
+    for (const Storage storage : {Storage::kTable, Storage::kExact}) {
+        const AqvcParameters p = parameters(storage);
+        FrameTable one(p), four(p);
+        const FrameResult a = setup.render(1, p, one), b = setup.render(4, p, four);
+        check(std::memcmp(a.color.data(), b.color.data(), a.color.size() * sizeof(Rgb)) == 0, "same pixels");
+        check_equal(a.counters.rays(), b.counters.rays(), "rays");
+        check_equal(a.counters.duplicates, b.counters.duplicates, "rays traced twice");
+        check(a.counters.rays() < a.counters.queries(), "the cache answers");
+    }
+}
+
+void races_are_counted() {
+    Setup setup;
+    const AqvcParameters p = parameters(Storage::kShared);
+    FrameTable table(p);
+    const Counters c = setup.render(4, p, table).counters;
+    check(c.rays() < c.queries(), "the cache answers");
+    check_equal(c.table_writes + c.bypassed, c.rays(), "every ray is written or passed by");
+    check_equal(c.table_slots, largest_prime(p.table_bytes / 4), "slots");
+}
+
+/// Every word that a thread reads is one that some thread wrote for that slot.
+void racing_words_are_never_mixed() {
+    RacingBitTable table(64, 31, HashScheme::kScheme2);
+    const auto work = [&](uint32_t who) {
+        TableCounts counts;
+        for (uint32_t i = 0; i < 20000; ++i) {
+            const uint32_t n = (i * 7 + who * 13) % 512;
+            // The bit belongs to the digest: a mixed word would show
+            const KeyHash h{n, n * 2654435761u >> 1 | 1};
+            const auto found = table.get_hashed(h);
+            if (found) check_equal(*found, bool(n & 1), "value of a word");
+            table.put_hashed(h, n & 1, counts);
+        }
+    };
+    std::vector<std::thread> threads;
+    for (uint32_t who = 0; who < 4; ++who) threads.emplace_back(work, who);
+    for (std::thread& t : threads) t.join();
+    check(table.occupied() >= 64 && table.occupied() <= 64 * 4, "slots in use, up to races");
+}
+
+const Suite suite{
+    {"bdpt: threads do not matter to a table written between rounds", threads_do_not_matter},
+    {"bdpt: racing threads count every ray", races_are_counted},
+    {"bdpt: racing words are never mixed", racing_words_are_never_mixed},
+};
+
+}  // namespace
+}  // namespace viscache::test
