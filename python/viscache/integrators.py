@@ -193,15 +193,16 @@ class Bdpt:
     ----------
     max_depth : int in [1, 64]
         Edges of a path as Mitsuba counts them: 1 = emission seen directly, 2 = direct light.
-    camera_connections : {"bypass", "keyed", "off"}
-        Connections of light paths with the camera: a shadow ray each, past any cache; through the
-        cache, keyed by the camera as a point; or none, which leaves caustics to chance.
+    camera_connections : {"keyed", "bypass", "off"}
+        Connections of light paths with the camera: through the cache, if there is one, keyed by
+        the camera as a point; a shadow ray each, past any cache; or none, which leaves caustics to
+        chance.
     cosmin : float in (0, 1]
         Floor of the cosine in the cache's densities.
     """
 
     max_depth: int = 8
-    camera_connections: Literal["bypass", "keyed", "off"] = "bypass"
+    camera_connections: Literal["keyed", "bypass", "off"] = "keyed"
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:

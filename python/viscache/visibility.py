@@ -97,7 +97,7 @@ class Aqvc:
     c_z : float in [0.01, 1024]
         C_Z: cells are this much thinner along the normal. 4; the paper: 8.
     c_r : float in [1.001, 16]
-        C_R: ratio of the ladder of resolutions (Eq. 8). 1.2.
+        C_R: ratio of the ladder of resolutions (Eq. 8). 1.2; with `Bdpt` 2.
     normal_mode : {"round", "floor"}
         Normals to the nearest bin, or down (the paper).
     grid_offset : bool
@@ -107,13 +107,13 @@ class Aqvc:
     tangent_neighbours : bool
         Neighbour cells follow the tangent plane instead of keeping v_z.
     res_rule : {"eq7", "eq6"}
-        Cells of surface–surface connections.
+        Cells of surface–surface connections: Eq. 7; with `Bdpt` Eq. 6.
     env_rule : {"derived", "printed"}
         Eq. 9 with 4π on the right side, or as printed.
     vpl_key : {"point", "surface"}
         One column per VPL, or VPLs quantised as surface points.
     refinement : {"auto", "on", "off"}
-        Alg. 2. Auto: for point, directional and VPL groups unless C_E² <= spp.
+        Alg. 2. Auto: for point, directional and VPL groups unless C_E² <= spp; off with `Bdpt`.
     level_rule : {"finest", "log2"}
         Levels C_E, C_E/level_step … down to c_finest, or max(1, ceil(log2 C_E)) of them.
     level_step, c_finest : float
@@ -211,9 +211,13 @@ class Aqvc:
         return core
 
     def for_frame_table(self) -> Aqvc:
-        """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB."""
+        """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
+
+        In the default preset also C_R = 2 (docs/deviations.md, A35).
+        """
         return replace(
             self,
+            c_r=2.0 if self.c_r is None and self.preset == "default" else self.c_r,
             res_rule=self.res_rule or "eq6",
             refinement=self.refinement or "off",
             table_bytes=256 << 20 if self.table_bytes is None else self.table_bytes,

@@ -12,7 +12,7 @@ enum class CameraConnections {
 
 struct BdptSettings {
     int max_depth = 8;  ///< edges of a path, 1 = emission seen directly
-    CameraConnections camera_connections = CameraConnections::kBypass;
+    CameraConnections camera_connections = CameraConnections::kKeyed;
     float cosmin = 0.05f;  ///< cosθ is clamped to this in the cache's densities
 };
 

@@ -131,7 +131,7 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
 }
 
 /// The last light vertex with the camera (t = 1), on whatever pixel it falls.
-// Differs: the paper does not speak of them. Past the cache, or keyed with the camera as a point.
+// Differs: the paper does not speak of them. Keyed with the camera as a point, or past the cache.
 void Connector::to_camera(const Emission& start, Vertices light) {
     const PathVertex& y = light.back();
     const FilmCamera& film = c_.film;
