@@ -63,6 +63,29 @@ py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, con
     return rows;
 }
 
+using NumberArray = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;  // of meshes, triangles
+
+/// Whether alpha masks leave point (u, v) of each triangle solid.
+py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const NumberArray& triangles,
+                        const FloatArray& uv) {
+    const py::ssize_t n = meshes.size();
+    if (triangles.size() != n || uv.ndim() != 2 || uv.shape(0) != n || uv.shape(1) != 2)
+        throw py::value_error("meshes and triangles must be (N,) and uv (N, 2), got " + shape_text(meshes) +
+                              ", " + shape_text(triangles) + " and " + shape_text(uv));
+    py::array_t<bool> out{n};
+    const auto has = [](int64_t i, size_t count) { return i >= 0 && uint64_t(i) < count; };
+    for (py::ssize_t i = 0; i < n; ++i) {
+        const int64_t mesh = meshes.data()[i], triangle = triangles.data()[i];
+        if (!has(mesh, scene.meshes().size()) ||
+            !has(triangle, scene.meshes()[size_t(mesh)].triangles.size()))
+            throw py::value_error("the scene has no triangle " + std::to_string(triangle) + " of mesh " +
+                                  std::to_string(mesh) + ", row " + std::to_string(i));
+        const float *p = uv.data() + 2 * i;
+        out.mutable_data()[i] = scene.solid_at(uint32_t(mesh), uint32_t(triangle), p[0], p[1]);
+    }
+    return out;
+}
+
 }  // namespace
 
 void bind_triangles(py::module_& m) {
@@ -74,6 +97,9 @@ void bind_triangles(py::module_& m) {
     v.def("flat_triangles", &flat_dict, py::arg("scene"),
           "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "
           "degenerate ones, left out.");
+    v.def("solid_at", &solid, py::arg("scene"), py::arg("meshes"), py::arg("triangles"), py::arg("uv"),
+          "(N,) bool: do alpha masks leave points of triangles solid, at barycentrics (u, v) of their second "
+          "and third corners?");
     v.def("triangle_hits", &triangle_hits, py::arg("kernel"), py::arg("a"), py::arg("b"), py::arg("c"),
           py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
           "Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.");

@@ -6,6 +6,7 @@ that says which answers rounding may turn.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -98,10 +99,19 @@ def decided(edge: Array, det: Array, t: Array, up: bool, reach: Any) -> Array:
     return hit
 
 
-def excused(triangles: Array, o: Array, d: Array, tolerance: float, t_max: float = np.inf) -> bool:
+def excused(
+    triangles: Array,
+    o: Array,
+    d: Array,
+    tolerance: float,
+    t_max: float = np.inf,
+    masks: Callable[[Array, Array], Array] | None = None,
+) -> bool:
     """May rounding turn the answer of this ray?
 
-    In double: no triangle blocks it by more than `tolerance`, and one would if larger by it.
+    In double: no triangle blocks it by more than `tolerance`, and one would if larger by it. What
+    `masks(numbers, (u, v))` does not call solid is no triangle there; what it calls so at some
+    barycentrics within rounding, and not at others, may be one.
     """
     n = d.astype(float) / np.linalg.norm(d.astype(float))
     u = np.cross(n, [1.0, 0, 0] if abs(n[0]) < 0.5 else [0, 1.0, 0])
@@ -116,10 +126,27 @@ def excused(triangles: Array, o: Array, d: Array, tolerance: float, t_max: float
     inside = (edge * sign[:, None] / np.maximum(length, 1e-300)).min(1)
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = t / det
+        uv = edge[:, 1:] / det[:, None]
     # Seen so flatly that its depth hangs on the last digits
     thin = np.abs(det) < tolerance * length.max(1)
     surely = ~thin & (inside > tolerance) & (depth > tolerance) & (depth < t_max - tolerance)
     near_z = (z.max(1) > -tolerance) & (z.min(1) < t_max + tolerance)
     maybe = thin | ((depth > -tolerance) & (depth < t_max + tolerance))
     close = (inside > -tolerance) | (thin & (np.hypot(x, y).min(1) < length.max(1) + tolerance))
-    return bool(not surely.any() and (close & maybe & near_z).any())
+    if masks is None:
+        return bool(not surely.any() and (close & maybe & near_z).any())
+    some = np.flatnonzero(close & maybe & near_z)
+    always, ever = mask_at(masks, some, uv[some], tolerance / length[some].min(1))
+    return bool(not (surely[some] & always).any() and ever.any())
+
+
+def mask_at(
+    masks: Callable[[Array, Array], Array], numbers: Array, uv: Array, radius: Array
+) -> tuple[Array, Array]:
+    """Are triangles solid all around (u, v), and anywhere there? Within `radius`, at 25 places."""
+    steps = np.linspace(-1, 1, 5)
+    offsets = np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
+    around = np.clip(np.nan_to_num(uv), -2, 2)[:, None] + offsets * np.maximum(radius, 1e-6)[:, None, None]
+    solid = masks(np.repeat(numbers, len(offsets)), around.reshape(-1, 2))
+    solid = solid.reshape(len(numbers), len(offsets))
+    return solid.all(1), solid.any(1)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from reference.vlf_aligned import corners, excused, origins
+from reference.vlf_aligned import excused, origins
 from viscache import _core
 
 Array = npt.NDArray[Any]
@@ -52,12 +52,21 @@ def surface(scene: vc.Scene, n: int, seed: int = 0) -> tuple[Array, Array]:
 def unexcused(scene: vc.Scene, points: Array, normals: Array, frames: Array, a: Array, b: Array,
               t_max: float = np.inf) -> tuple[int, int]:  # fmt: skip
     """Rays answered differently, and those of them that rounding does not explain."""
-    triangles, o = corners(scene), origins(scene, points, normals)
-    size = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0))) / 2
     differing = np.argwhere(a != b)
+    if not len(differing):
+        return 0, 0
+    flat = _core.visibility.flat_triangles(scene._core)
+    triangles, o = flat["corners"], origins(scene, points, normals)
+    size = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0))) / 2
+
+    def masks(numbers: Array, uv: Array) -> Array:
+        return _core.visibility.solid_at(
+            scene._core, flat["mesh"][numbers], flat["triangle"][numbers], uv.astype(np.float32)
+        )
+
     bad = 0
     for i, k in differing:
         w = frames[k, 2]
         side = 1 if w[0] * normals[i, 0] + w[1] * normals[i, 1] + w[2] * normals[i, 2] >= 0 else -1
-        bad += not excused(triangles, o[i], side * w, 1e-6 * size, t_max)
+        bad += not excused(triangles, o[i], side * w, 1e-6 * size, t_max, masks)
     return len(differing), bad
