@@ -146,7 +146,10 @@ def mask_at(
     """Are triangles solid all around (u, v), and anywhere there? Within `radius`, at 25 places."""
     steps = np.linspace(-1, 1, 5)
     offsets = np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
-    around = np.clip(np.nan_to_num(uv), -2, 2)[:, None] + offsets * np.maximum(radius, 1e-6)[:, None, None]
+    around = (
+        np.clip(np.nan_to_num(uv), -2, 2)[:, None]
+        + offsets * np.maximum(radius, 1e-6)[:, None, None]
+    )
     solid = masks(np.repeat(numbers, len(offsets)), around.reshape(-1, 2))
     solid = solid.reshape(len(numbers), len(offsets))
     return solid.all(1), solid.any(1)
