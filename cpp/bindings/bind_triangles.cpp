@@ -80,7 +80,7 @@ py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const Num
             !has(triangle, scene.meshes()[size_t(mesh)].triangles.size()))
             throw py::value_error("the scene has no triangle " + std::to_string(triangle) + " of mesh " +
                                   std::to_string(mesh) + ", row " + std::to_string(i));
-        const float *p = uv.data() + 2 * i;
+        const float* p = uv.data() + 2 * i;
         out.mutable_data()[i] = scene.solid_at(uint32_t(mesh), uint32_t(triangle), p[0], p[1]);
     }
     return out;

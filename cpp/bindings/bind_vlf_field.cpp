@@ -101,6 +101,10 @@ void bind_vlf_field(py::module_& m) {
         .value("LINEAR", LeafWalk::kLinear)
         .value("STACK", LeafWalk::kStack)
         .finalize();
+    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "What the tiles of a direction cover.")
+        .value("SPHERE", FieldFit::kSphere)
+        .value("PSF_BOX", FieldFit::kBox)
+        .finalize();
     py::class_<FieldSettings>(v, "FieldSettings")
         .def(py::init<>())
         .def_readwrite("n_directions", &FieldSettings::n_directions)
@@ -110,6 +114,7 @@ void bind_vlf_field(py::module_& m) {
         .def_readwrite("split", &FieldSettings::split)
         .def_readwrite("walk", &FieldSettings::walk)
         .def_readwrite("tile_ranges", &FieldSettings::tile_ranges)
+        .def_readwrite("fit", &FieldSettings::fit)
         .def_readwrite("kernel", &FieldSettings::kernel)
         .def_readwrite("head_room", &FieldSettings::head_room)
         .def_readwrite("lazy", &FieldSettings::lazy)

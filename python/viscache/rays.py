@@ -44,6 +44,9 @@ class Bsp:
         5 + log2 of the number of triangles by default.
     leaf_size : int in [1, 1024]
         Cells of as many triangles or fewer are not halved.
+    fit : {"sphere", "psf_box"}
+        What a direction's tiles cover: the square around the scene's bounding sphere, or the box of
+        the triangles seen along it: finer tiles where a scene is flat. Never changes an answer.
     kernel : {"watertight", "wald"}
         "wald" is the paper's: fewer operations, but a ray may slip through an edge.
     max_bytes : int >= 1
@@ -132,6 +135,7 @@ class Vlf:
     split: Literal["uniform", "object"] = "uniform"
     walk: Literal["linear", "stack"] = "linear"
     tile_ranges: bool = True
+    fit: Literal["sphere", "psf_box"] = "sphere"
     kernel: Literal["watertight", "wald"] = "watertight"
     head_room: float = 1.0
     lazy: bool = False
@@ -168,6 +172,7 @@ class Vlf:
         )  # fmt: skip
         core.split = _core.vlf.DepthSplit[self.split.upper()]
         core.walk = _core.vlf.LeafWalk[self.walk.upper()]
+        core.fit = _core.vlf.FieldFit[self.fit.upper()]
         core.kernel = _core.visibility.TriangleKernel[self.kernel.upper()]
         core.lazy, core.snap, core.max_bytes = self.lazy, self.snap, self.max_bytes
         core.max_build_s = self.max_build_s

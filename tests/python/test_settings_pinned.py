@@ -130,13 +130,13 @@ def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None
     assert (open_["n_directions"], open_["n_tiles"], open_["bsp_depth"]) == (0, 0, -1)
     changed = {
         "n_directions": 33, "n_tiles": 7, "bsp_depth": 2, "leaf_target": 9, "split": "object",
-        "walk": "stack", "tile_ranges": False, "kernel": "wald", "head_room": 1.5, "lazy": True,
-        "snap": True, "max_bytes": 10**6, "max_build_s": 2.5,
+        "walk": "stack", "tile_ranges": False, "fit": "psf_box", "kernel": "wald", "head_room": 1.5,
+        "lazy": True, "snap": True, "max_bytes": 10**6, "max_build_s": 2.5,
     }  # fmt: skip
     for name, value in changed.items():
         made = values(vc.Vlf(**{name: value}).core())
         enums = {"split": _core.vlf.DepthSplit, "walk": _core.vlf.LeafWalk,
-                 "kernel": _core.visibility.TriangleKernel}  # fmt: skip
+                 "fit": _core.vlf.FieldFit, "kernel": _core.visibility.TriangleKernel}  # fmt: skip
         expected = enums[name][value.upper()] if name in enums else value
         assert {n: v for n, v in made.items() if v != struct[n]} == {name: expected}
 

@@ -175,6 +175,11 @@ def test_objects_stay_in_the_ball(mode: str) -> None:
     np.testing.assert_array_equal(f._core.listed(3), listed)
 
 
+def test_tiles_do_not_follow_objects() -> None:
+    with pytest.raises(ValueError, match='fit must be "sphere" where objects move'):
+        field("overlay", fit="psf_box")
+
+
 def test_objects_that_are_not_there_are_refused() -> None:
     f = field("overlay")
     number = f.insert([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])

@@ -29,7 +29,11 @@ VARIANTS = {
     "three directions": {"n_directions": 3, "n_tiles": 100},
     "lazy": {"lazy": True},
     "room": {"head_room": 1.7},
-}
+    "boxes": {"fit": "psf_box"},
+    "boxes, one direction, medians": {
+        "fit": "psf_box", "n_directions": 1, "bsp_depth": 4, "split": "object", "leaf_target": 1,
+    },
+}  # fmt: skip
 
 
 def field(scene: vc.Scene, settings: vc.Vlf = SMALL, **changed: Any) -> vc.VisibilityField:
@@ -108,6 +112,29 @@ def test_answers_do_not_depend_on_how_the_lists_are_kept(scene: vc.Scene, varian
     for ours, theirs in zip(found, base, strict=True):
         np.testing.assert_array_equal(ours, theirs)
     np.testing.assert_array_equal(f.occluded(rays[:, 0], rays[:, 1]), base.triangle >= 0)
+
+
+def terrain(n: int = 40, height: float = 1e-3) -> vc.Scene:
+    """A nearly flat square of 2·n² triangles, long in x."""
+    x, y = np.meshgrid(np.linspace(0, 8, n + 1), np.linspace(0, 1, n + 1))
+    z = height * np.random.default_rng(2).random(x.shape)
+    vertices = np.stack([x, y, z], -1).reshape(-1, 3).astype(np.float32)
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).reshape(-1)
+    quads = np.stack([a, a + 1, a + n + 2, a, a + n + 2, a + n + 1], 1)
+    return vc.Scene.from_arrays(vertices, quads.reshape(-1, 3).astype(np.uint32))
+
+
+def test_boxes_of_a_flat_scene_leave_fewer_triangles_to_test() -> None:
+    scene = terrain()
+    tests = {}
+    for fit in ("sphere", "psf_box"):
+        f = field(scene, fit=fit, bsp_depth=0)
+        for kind, rays in rays_of_every_kind(flat(scene), 2000, 33).items():
+            compare(scene, f, rays, 1e-2 if kind == "grazing" else 1e-4)
+        rays = rays_of_every_kind(flat(scene), 2000, 33)["chords"]
+        axes = np.argmax(np.abs(unit(rays[:, 1].astype(float)) @ vc.vlf.directions(33).T), axis=1)
+        tests[fit] = f._core.trace_by(rays[:, 0], rays[:, 1], axes)[3]["tests"]
+    assert tests["psf_box"] < 0.5 * tests["sphere"]
 
 
 def test_a_ray_finds_the_same_hit_through_any_subfield(scene: vc.Scene) -> None:

@@ -16,6 +16,8 @@ DynamicField::DynamicField(std::shared_ptr<const Scene> scene, const FieldSettin
       directions_(directions_of(settings_.n_directions)),
       shape_(settings_.shape()),
       scene_triangles_(triangles_.size()) {
+    if (settings_.fit == FieldFit::kBox)
+        throw std::invalid_argument("fit must be \"sphere\" where objects move, got \"psf_box\"");
     check_budget(triangles_, settings_, threads, control);
     SubfieldStore store(directions_, shape_);
     store.build_all(triangles_.in_ball(), threads, control);
@@ -145,9 +147,10 @@ DynamicHit DynamicField::nearest(const Ray& ray) const {
     NearestHit best{ray.t_max};
     if (mode_ == UpdateMode::kInPlace) {
         const EditableSubfield* const layers[] = {&editable_[direction]};
-        best = nearest_hit<EditableSubfield>(triangles_, layers, frame, settings_, ray, nullptr);
+        best = nearest_hit<EditableSubfield>(triangles_, layers, frame, TileFit{}, settings_, ray, nullptr);
     } else {
-        best = nearest_hit<Subfield>(triangles_, layers_[direction], frame, settings_, ray, nullptr);
+        best =
+            nearest_hit<Subfield>(triangles_, layers_[direction], frame, TileFit{}, settings_, ray, nullptr);
     }
     if (best.id == kNoHit) return {};
     if (best.id >= scene_triangles_) {
@@ -164,9 +167,9 @@ bool DynamicField::any(const Ray& ray) const {
     const Frame3& frame = directions_.frames()[direction];
     if (mode_ == UpdateMode::kInPlace) {
         const EditableSubfield* const layers[] = {&editable_[direction]};
-        return any_hit<EditableSubfield>(triangles_, layers, frame, settings_, ray, nullptr);
+        return any_hit<EditableSubfield>(triangles_, layers, frame, TileFit{}, settings_, ray, nullptr);
     }
-    return any_hit<Subfield>(triangles_, layers_[direction], frame, settings_, ray, nullptr);
+    return any_hit<Subfield>(triangles_, layers_[direction], frame, TileFit{}, settings_, ray, nullptr);
 }
 
 uint64_t DynamicField::bytes() const {

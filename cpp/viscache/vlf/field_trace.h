@@ -9,11 +9,11 @@ namespace viscache {
 /// The nearest hit; its t is the caller's.
 template <class Layer>
 NearestHit nearest_hit(const FieldTriangles& triangles, std::span<const Layer* const> layers,
-                       const Frame3& frame, const FieldSettings& settings, const Ray& ray,
+                       const Frame3& frame, const TileFit& fit, const FieldSettings& settings, const Ray& ray,
                        FieldSteps* steps) {
     const FieldRay in_ball(ray, triangles.space());
     const LocalRay local = triangles.to_local(ray, in_ball);
-    const CanonicalRay canonical(in_ball, frame, ray.t_min, ray.t_max);
+    const CanonicalRay canonical(in_ball, frame, ray.t_min, ray.t_max, fit);
     NearestHit best = triangles.with_kernel(local.ray, [&](const auto& kernel) {
         NearestHit nearest{local.ray.t_max};
         walk_field(layers, canonical, settings.n_tiles, settings.walk, ray.t_max, steps,
@@ -29,10 +29,10 @@ NearestHit nearest_hit(const FieldTriangles& triangles, std::span<const Layer* c
 
 template <class Layer>
 bool any_hit(const FieldTriangles& triangles, std::span<const Layer* const> layers, const Frame3& frame,
-             const FieldSettings& settings, const Ray& ray, FieldSteps* steps) {
+             const TileFit& fit, const FieldSettings& settings, const Ray& ray, FieldSteps* steps) {
     const FieldRay in_ball(ray, triangles.space());
     const LocalRay local = triangles.to_local(ray, in_ball);
-    const CanonicalRay canonical(in_ball, frame, ray.t_min, ray.t_max);
+    const CanonicalRay canonical(in_ball, frame, ray.t_min, ray.t_max, fit);
     return triangles.with_kernel(local.ray, [&](const auto& kernel) {
         bool found = false;
         walk_field(layers, canonical, settings.n_tiles, settings.walk, ray.t_max, steps,

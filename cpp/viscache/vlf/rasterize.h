@@ -26,14 +26,24 @@ struct TileGrid {
     float border(int i) const { return 2 * float(i) / float(n) - 1; }
 };
 
+/// The rectangle across a subfield's beams that its tiles cover: centre, and how much it is blown up to fill
+/// [−1, 1]². By default the square around the unit ball.
+struct TileFit {
+    float x = 0, y = 0;
+    float scale_x = 1, scale_y = 1;
+    float largest_scale() const { return std::max({1.f, scale_x, scale_y}); }
+};
+
 /// Corners in a subfield's canonical space: the tiles lie in x and y, beams run along z.
 struct ProjectedTriangle {
     std::array<float, 3> x, y, z;
 };
 
-inline ProjectedTriangle projected(const FlatTriangle& t, const Frame3& frame) {
+inline ProjectedTriangle projected(const FlatTriangle& t, const Frame3& frame, const TileFit& fit = {}) {
     const Vec3 a = frame.to_local(t.a), b = frame.to_local(t.b), c = frame.to_local(t.c);
-    return {{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}};
+    const auto x = [&](Vec3 p) { return (p.x - fit.x) * fit.scale_x; };
+    const auto y = [&](Vec3 p) { return (p.y - fit.y) * fit.scale_y; };
+    return {{x(a), x(b), x(c)}, {y(a), y(b), y(c)}, {a.z, b.z, c.z}};
 }
 
 /// A convex polygon cut out of a triangle.

@@ -1,16 +1,48 @@
 #include "viscache/vlf/subfield.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
 namespace viscache {
 
+namespace {
+
+/// Boxes are blown up no more than so: what coverage is grown by is blown up with them.
+constexpr float kMostScale = 64;
+
+/// Centre and scale that make [low, high], grown by `margin`, fill [−1, 1].
+void fit_side(float low, float high, float margin, float& centre, float& scale) {
+    centre = 0.5f * (low + high);
+    scale = std::min(kMostScale, 1 / std::max(0.5f * (high - low) + margin, 1e-6f));
+}
+
+TileFit box_of(std::span<const FlatTriangle> triangles, const Frame3& frame, float slack) {
+    TileFit fit;
+    if (triangles.empty()) return fit;
+    float low[2] = {kInfinity, kInfinity}, high[2] = {-kInfinity, -kInfinity};
+    for (const FlatTriangle& t : triangles) {
+        const ProjectedTriangle p = projected(t, frame);
+        const auto [x0, x1] = std::minmax_element(p.x.begin(), p.x.end());
+        const auto [y0, y1] = std::minmax_element(p.y.begin(), p.y.end());
+        low[0] = std::min(low[0], *x0), high[0] = std::max(high[0], *x1);
+        low[1] = std::min(low[1], *y0), high[1] = std::max(high[1], *y1);
+    }
+    fit_side(low[0], high[0], 2 * slack, fit.x, fit.scale_x);
+    fit_side(low[1], high[1], 2 * slack, fit.y, fit.scale_y);
+    return fit;
+}
+
+}  // namespace
+
 void SubfieldBuilder::rasterize(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
-                                const Frame3& frame) {
+                                const Frame3& frame, const TileFit& fit) {
     touches_.clear();
+    TileGrid grid = shape_.grid;
+    grid.slack *= fit.largest_scale();
     for (uint32_t i = 0; i < triangles.size(); ++i) {
         const uint32_t id = ids.empty() ? i : ids[i];
-        cover_tiles(projected(triangles[i], frame), shape_.grid, [&](int x, int y, float low, float high) {
+        cover_tiles(projected(triangles[i], frame, fit), grid, [&](int x, int y, float low, float high) {
             touches_.push_back({uint32_t(x), uint32_t(y), {id, low, high}});
         });
     }
@@ -84,8 +116,9 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
 
 Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
                                 const Frame3& frame, bool tight) {
-    rasterize(triangles, ids, frame);
     Subfield made;
+    if (shape_.fit_box) made.fit = box_of(triangles, frame, shape_.grid.slack);
+    rasterize(triangles, ids, frame, made.fit);
     made.rect = tight ? touched_rect() : TileRect{0, 0, shape_.grid.n, shape_.grid.n};
     sort_by_tile(made.rect);
     pool_.clear(), borders_.clear();

@@ -17,6 +17,7 @@ struct SubfieldShape {
     int leaf_target = 4;  ///< see tile_depth
     DepthSplit split = DepthSplit::kUniform;
     bool tile_ranges = true;  ///< depth range per tile, else [−1, 1] for all
+    bool fit_box = false;     ///< the tiles cover the triangles' box across the beams, else the ball's square
 };
 
 /// Tiles [x, x + width) × [y, y + height) of the grid.
@@ -38,6 +39,7 @@ public:
         float z0, z1;
     };
     TileRect rect;
+    TileFit fit;
 
     size_t tiles() const { return rect.size(); }
     /// Its leaves are 0 where there is nothing.
@@ -90,7 +92,7 @@ private:
         TileEntry entry;
     };
     void rasterize(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
-                   const Frame3& frame);
+                   const Frame3& frame, const TileFit& fit);
     TileRect touched_rect() const;
     void sort_by_tile(const TileRect& rect);
     Subfield::Tile add_tile(std::span<const TileEntry> entries);

@@ -5,6 +5,7 @@
 
 #include "viscache/math/frame.h"
 #include "viscache/visibility/query.h"
+#include "viscache/vlf/rasterize.h"
 
 namespace viscache {
 
@@ -30,9 +31,10 @@ struct FieldRay {
 struct CanonicalRay {
     double q[3], g[3];  ///< origin and direction
     double t0, t1;      ///< the part inside; empty when t0 > t1
-    double length;      ///< of g
+    double length;      ///< of g in the unit ball
 
-    CanonicalRay(const FieldRay& ray, const Frame3& frame, double t_min, double t_max)
+    CanonicalRay(const FieldRay& ray, const Frame3& frame, double t_min, double t_max,
+                 const TileFit& fit = {})
         : t0(t_min), t1(t_max) {
         const Vec3* rows[3] = {&frame.x, &frame.y, &frame.z};
         for (int i = 0; i < 3; ++i) {
@@ -40,6 +42,8 @@ struct CanonicalRay {
             g[i] = ray.d[0] * rows[i]->x + ray.d[1] * rows[i]->y + ray.d[2] * rows[i]->z;
         }
         length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        q[0] = (q[0] - fit.x) * fit.scale_x, g[0] *= fit.scale_x;
+        q[1] = (q[1] - fit.y) * fit.scale_y, g[1] *= fit.scale_y;
         for (int i = 0; i < 3; ++i) {
             if (g[i] == 0) {
                 if (std::fabs(q[i]) > 1) t1 = -kInfinity;

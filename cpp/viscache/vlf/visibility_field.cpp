@@ -36,7 +36,7 @@ void FieldSettings::validate() const {
 }
 
 SubfieldShape FieldSettings::shape() const {
-    return {{.n = n_tiles}, bsp_depth, leaf_target, split, tile_ranges};
+    return {{.n = n_tiles}, bsp_depth, leaf_target, split, tile_ranges, fit == FieldFit::kBox};
 }
 
 VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const FieldSettings& settings,
@@ -75,12 +75,13 @@ FieldStats VisibilityField::stats() const {
 
 Hit VisibilityField::nearest_in(const View& view, const Ray& ray, FieldSteps* steps) const {
     const Subfield* const layers[] = {&view.field};
-    return triangles_.hit(nearest_hit<Subfield>(triangles_, layers, view.frame, settings_, ray, steps));
+    return triangles_.hit(
+        nearest_hit<Subfield>(triangles_, layers, view.frame, view.field.fit, settings_, ray, steps));
 }
 
 bool VisibilityField::any_in(const View& view, const Ray& ray, FieldSteps* steps) const {
     const Subfield* const layers[] = {&view.field};
-    return any_hit<Subfield>(triangles_, layers, view.frame, settings_, ray, steps);
+    return any_hit<Subfield>(triangles_, layers, view.frame, view.field.fit, settings_, ray, steps);
 }
 
 Hit VisibilityField::nearest(const Ray& ray, uint32_t direction, FieldSteps* steps) const {

@@ -14,6 +14,9 @@
 
 namespace viscache {
 
+/// What the tiles of a direction cover: the square around the scene's ball, or the scene's own box there.
+enum class FieldFit { kSphere, kBox };
+
 struct FieldSettings {
     uint32_t n_directions = 513;  ///< l: 1 or 2·4^k + 1; 0 = chosen to fit the budget
     int n_tiles = 128;            ///< n; in [1, 4096]; 0 = chosen
@@ -22,6 +25,7 @@ struct FieldSettings {
     DepthSplit split = DepthSplit::kUniform;
     LeafWalk walk = LeafWalk::kLinear;
     bool tile_ranges = true;  ///< depth range per tile; else [−1, 1] for all
+    FieldFit fit = FieldFit::kSphere;
     TriangleKernel kernel = TriangleKernel::kWatertight;
     double head_room = 1;                    ///< the field's ball over the scene's sphere; in [1, 1000]
     bool lazy = false;                       ///< subfields are built by the first ray of their direction

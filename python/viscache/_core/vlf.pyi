@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'shared_axes', 'tile_depth', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'shared_axes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
@@ -46,7 +46,17 @@ class LeafWalk(enum.Enum):
     @classmethod
     def __new__(cls, value):
         ...
+class FieldFit(enum.Enum):
+    """
+    What the tiles of a direction cover.
+    """
+    PSF_BOX: typing.ClassVar[FieldFit]
+    SPHERE: typing.ClassVar[FieldFit]
+    @classmethod
+    def __new__(cls, value):
+        ...
 class FieldSettings:
+    fit: FieldFit
     kernel: viscache._core.visibility.TriangleKernel
     lazy: bool
     snap: bool
