@@ -12,6 +12,7 @@ import pytest
 import viscache as vc
 from viscache import _core, bench, cli
 from viscache.bench import common, peers, ray_sets
+from viscache.bench.vlf_ao import living_room
 from viscache.settings import NotThereYetError
 
 SMALL = (
@@ -222,3 +223,15 @@ def test_every_bench_runs_quickly_and_finds_right_answers(name):
         assert row["value"] > 0 and row["low"] <= row["ratio"] <= row["high"]
         assert row["goal"] is None or row["holds"] == (row["ratio"] >= row["goal"])
         assert " vs " in row["name"] or name == "memory"
+
+
+@pytest.mark.slow
+def test_the_living_rooms_frame_is_measured_and_embrees():
+    outcome = common.Outcome()
+    living_room(outcome, side=32, repeats=1)
+    if outcome.skipped:
+        pytest.skip(outcome.skipped[0]["reason"])
+    (figure,) = outcome.figures
+    assert figure["name"] == "AO living-room 32x32 frame vs embree"
+    assert figure["engine"]["name"] in ("batch", "embree")
+    assert all(a["holds"] for a in outcome.answers)

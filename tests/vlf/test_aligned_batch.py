@@ -283,6 +283,7 @@ SCENES = {
     "triangles": lambda: vc.scenes.random_triangles(triangles=10_000),
     "room": lambda: vc.scenes.room(triangles=20_000),
     "courtyard": lambda: vc.scenes.courtyard(triangles=20_000),
+    "church": vc.scenes.church,
     "masks": lambda: masked(0.37),
 }
 
@@ -308,7 +309,7 @@ def test_robust_embree_agrees_but_for_rounding(name: str, t_max: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["spheres", "triangles", "room"])
+@pytest.mark.parametrize("name", ["spheres", "triangles", "room", "church"])
 def test_robust_embree_agrees_on_five_million_rays(name: str) -> None:
     scene = build(name)
     points, normals = surface(scene, 10_000, seed=5)

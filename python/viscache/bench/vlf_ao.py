@@ -80,7 +80,7 @@ def vlf_ao(quick: bool = False) -> Outcome:
     for case in QUICK_ROWS if quick else ROWS:
         _compare_rows(outcome, case, scenes.setdefault(case.spec, build_scene(case.spec)))
     if not quick:
-        _living_room(outcome)
+        living_room(outcome)
     outcome.notes.append(
         "embree: loops over rtcOccluded8/16 with either traversal flag, axis by axis over packets"
         " of neighbouring points or point by point over packets of axes, whichever is fastest;"
@@ -166,9 +166,9 @@ def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
     outcome.check(f"{label}: nothing traced", float(n_rays == 0), 0)
 
 
-def _living_room(outcome: Outcome) -> None:
+def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
     """A whole frame of a closed room: camera rays, shadow rays, sums."""
-    label = "AO living-room 1024x1024 frame"
+    label = f"AO living-room {side}x{side} frame"
     folder = os.environ.get("VISCACHE_SCENES")
     path = Path(folder) / "living-room" / "scene.xml" if folder else None
     if path is None or not path.is_file():
@@ -178,11 +178,11 @@ def _living_room(outcome: Outcome) -> None:
 
     def run(engine: Literal["auto", "embree"]) -> Sample:
         settings = AmbientOcclusion(n_samples=513, directions="shared", engine=engine)
-        frames[engine] = render(scene, settings, size=(1024, 1024), threads=THREADS)
+        frames[engine] = render(scene, settings, size=(side, side), threads=THREADS)
         times = frames[engine].timings
         return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])
 
-    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, 3)
+    samples = interleave({"ours": lambda: run("auto"), "embree": lambda: run("embree")}, repeats)
     outcome.figures.append(
         ratio_figure(
             f"{label} vs embree",
