@@ -47,6 +47,22 @@ def test_two_edges_are_direct_light_of_every_kind(camera: str) -> None:
         assert not compare(images(dark, bdpt, 64, 6), direct).same, light
 
 
+@pytest.mark.stat
+def test_a_lamp_that_shines_from_both_sides_is_direct_light() -> None:
+    """Light paths leave either side; connections meet the side that faces them."""
+    d = vc.SceneDescription()
+    floor, lid = scenes.FLOOR, quad((-2, 2.2, -2), (4, 0, 0), (0, 0, 4))
+    for part in (floor, lid, scenes.BLOCK):
+        material = d.add_material(base_color=part.look.base_color)
+        d.add_mesh(part.vertices, part.triangles, material=material)
+    lamp = quad((-0.5, 1.4, 0.2), (1, 0, 0), (0, 0.1, 1))
+    d.add_mesh(lamp.vertices, lamp.triangles, emission=(4, 3, 2), emits_two_sided=True)
+    d.add_camera((0.3, 1.2, 3.5), (0, 1, 0), fov_deg=60)
+    scene = vc.Scene.from_description(d)
+    direct = images(scene, vc.Direct(n_area=32), 16, 6, first=100)
+    assert_same(images(scene, vc.Bdpt(max_depth=2), 128, 6), direct)
+
+
 def test_one_edge_is_emission_seen_directly() -> None:
     """The same eye paths as all integrators: the same light, without a query."""
     scene = scenes.LIGHTS.to_viscache()
