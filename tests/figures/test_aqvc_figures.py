@@ -214,16 +214,15 @@ def test_a_picture_is_exact_above_the_diagonal_and_cached_below() -> None:
     assert line[39, 0] and line[0, 59] and line[20, 29] and 30 < line.sum() < 120
 
 
-def test_a_panel_that_cannot_be_made_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: Any, **__: Any) -> Any:
-        raise ValueError("visibility must be vc.Exact(...), got Aqvc(...)")
-
-    monkeypatch.setattr(Shot, "frame", refuse)
-    outcome = Outcome()
-    assert list(aqvc_pictures.bidirectional(outcome, True, None)) == []
-    assert outcome.skipped == [
-        {"what": "bidirectional path tracing", "reason": "visibility must be vc.Exact(...)"}
-    ]
+def test_bidirectional_paths_go_through_both_presets_without_refinement() -> None:
+    trades = aqvc_pictures.bidirectional(True, (12, 10))
+    assert list(trades) == ["default", "paper"]
+    for preset, trade in trades.items():
+        settings = trade.frame.parameters["visibility"]
+        assert (settings["preset"], settings["c_e"]) == (preset, 12.0)
+        assert (settings["refinement"], settings["res_rule"]) == ("off", "eq6")
+        assert trade.exact.counters["rays"] == trade.exact.counters["queries"]
+        assert trade.ray_reduction > 1 and trade.rel_l1 > 0
 
 
 #: Rows with a band, and files beside table and record, of a quick run.
@@ -255,8 +254,6 @@ def test_a_quick_run_measures_every_row_and_draws(
     got: dict[str, Any] = json.loads(capsys.readouterr().out)
     assert status == 0 and got["holds"]
     n_banded, files = QUICK[name]
-    if any(left["what"] == "bidirectional path tracing" for left in got["skipped"]):
-        files = [file for file in files if "bidirectional" not in file]
     assert sum(row["band"] is not None for row in got["rows"]) == n_banded
     assert all(row["measured"] is not None for row in got["rows"])
     written = {Path(file).name for file in got["files"]}
