@@ -6,6 +6,8 @@ namespace viscache::bindings {
 
 namespace {
 
+constexpr size_t kStepChunk = 1024;  // rays between looks at Ctrl-C
+
 py::dict stats_dict(const BspStats& s) {
     py::dict d;
     d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["nodes"] = s.nodes;
@@ -28,7 +30,15 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     std::vector<Ray> rays(size_t(o.shape(0)));
     for (size_t i = 0; i < rays.size(); ++i) rays[i] = endless(origins[i], directions[i]);
-    const BspSteps s = caster.count_steps(rays);
+    BspSteps s;
+    run_interruptible([&](Control& control) {
+        for (size_t first = 0; first < rays.size(); first += kStepChunk) {
+            control.check();
+            const size_t n = std::min(kStepChunk, rays.size() - first);
+            const BspSteps some = caster.count_steps(std::span(rays).subspan(first, n));
+            s.nodes += some.nodes, s.leaves += some.leaves, s.tests += some.tests;
+        }
+    });
     return py::dict(py::arg("nodes") = s.nodes, py::arg("leaves") = s.leaves, py::arg("tests") = s.tests);
 }
 

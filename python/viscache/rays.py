@@ -50,7 +50,8 @@ class Bsp:
     kernel : {"watertight", "wald"}
         "wald" is the paper's: fewer operations, but a ray may slip through an edge.
     max_bytes : int >= 1
-        A tree that needs more raises MemoryError.
+        A tree that needs more raises MemoryError; so does one that cuts triangles into countless
+        pieces (deep trees over many triangles side by side), after some seconds instead of hours.
 
     Examples
     --------

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from render.test_interrupt import LIMIT, quickest_stop
 from viscache.bench.ray_sets import SETS, make_ray_set
 from visibility.moeller_trumbore import cross_all
 
@@ -228,6 +229,27 @@ def test_a_tree_above_its_budget_is_refused_with_what_to_change() -> None:
     scene = vc.scenes.random_triangles(triangles=5000)
     with pytest.raises(MemoryError, match=r"max_bytes must hold the tree, got 10000 .* lower"):
         scene.caster(vc.Bsp(max_bytes=10_000))
+
+
+@pytest.mark.extreme
+def test_a_tree_that_would_take_hours_is_refused_in_seconds() -> None:
+    """Many triangles side by side are in every cell of their slab; these double and double."""
+    corners = np.random.default_rng(0).normal(size=(100, 3, 3)) * [0.3, 0.3, 0.01]
+    corners += np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
+    scene = vc.Scene.from_arrays(corners.reshape(-1, 3), np.arange(300).reshape(-1, 3))
+    message = r"at max_depth 40 and leaf_size 8 .* lower max_depth"
+    for threads in (1, 3):
+        with pytest.raises(MemoryError, match=message):
+            scene.caster(vc.Bsp(max_depth=40), threads=threads)
+    assert scene.caster(vc.Bsp()).stats["max_depth"] == 12
+
+
+def test_ctrl_c_ends_the_counting_of_steps_soon() -> None:
+    call = (
+        "(lambda o: scene.caster(vc.Bsp()).count_steps(o, o + np.float32(0.1)))"
+        "(np.random.default_rng(0).uniform(-2, 2, (1_500_000, 3)).astype(np.float32))"
+    )
+    assert quickest_stop(f"import numpy as np; {call}", 1.2) < LIMIT
 
 
 def test_rays_that_no_caster_could_trace_are_refused() -> None:

@@ -40,6 +40,7 @@ public:
 private:
     std::vector<uint32_t> inside(std::span<const uint32_t> ids, const Bounds& cell) const;
     void spend(uint64_t bytes);
+    void work(uint64_t tests) const;
 
     std::span<const FlatTriangle> triangles_;
     const BspSettings& settings_;
@@ -47,6 +48,7 @@ private:
     float pad_;
     const Control& control_;
     std::atomic<uint64_t> bytes_{0};
+    mutable std::atomic<uint64_t> tests_{0};
 };
 
 int longest_axis(Vec3 size) {
@@ -73,6 +75,7 @@ std::optional<Halves> Builder::halve(const Task& task) const {
     const int axis = longest_axis(task.cell.hi - task.cell.lo);
     const float lo = task.cell.lo[axis], hi = task.cell.hi[axis], plane = lo * 0.5f + hi * 0.5f;
     if (!(plane > lo && plane < hi)) return std::nullopt;
+    work(2 * task.ids.size());
     Halves halves{axis, plane, {{}, task.cell, task.depth + 1, 0}, {{}, task.cell, task.depth + 1, 0}};
     set(halves.low.cell.hi, axis, plane), set(halves.high.cell.lo, axis, plane);
     for (Task* half : {&halves.low, &halves.high}) half->ids = inside(task.ids, half->cell);
@@ -80,6 +83,19 @@ std::optional<Halves> Builder::halve(const Task& task) const {
     if (halves.low.ids.size() == all && halves.high.ids.size() == all)
         halves.low.barren = halves.high.barren = task.barren + 1;
     return halves;
+}
+
+/// Many triangles that lie closely side by side are listed in all cells of their common surface, and these
+/// double with each halving but every third: a deep limit would take hours, long before it takes much memory.
+void Builder::work(uint64_t tests) const {
+    const uint64_t most = kMostTests + kMostTestsPerTriangle * triangles_.size();
+    if (tests_.fetch_add(tests, std::memory_order_relaxed) + tests > most)
+        throw OverBudget("max_depth must not cut triangles into countless pieces: at max_depth " +
+                         std::to_string(max_depth_) + " and leaf_size " +
+                         std::to_string(settings_.leaf_size) + " the tree over " +
+                         std::to_string(triangles_.size()) + " triangles takes more than " +
+                         std::to_string(most) + " tests of a triangle and a cell: lower max_depth or raise " +
+                         "leaf_size");
 }
 
 void Builder::spend(uint64_t bytes) {

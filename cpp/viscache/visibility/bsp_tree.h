@@ -69,7 +69,12 @@ struct BspTree {
 /// rounding cannot put a hit into a cell that does not list its triangle.
 constexpr float kCellUlps = 16;
 
-/// Builds the tree; the same for any number of threads. Throws OverBudget.
+/// A tree may take so many tests of a triangle and a cell, a hundred times what scenes take at the default
+/// depth: some seconds.
+constexpr uint64_t kMostTests = uint64_t{1} << 23, kMostTestsPerTriangle = 1 << 12;
+
+/// Builds the tree; the same for any number of threads. Throws OverBudget for one that takes more than
+/// `settings.max_bytes` or more than `kMostTests` and `kMostTestsPerTriangle` allow.
 BspTree build_bsp(std::span<const FlatTriangle> triangles, const BspSettings& settings, int threads,
                   const Control& control);
 
