@@ -113,6 +113,7 @@ void bind_render(py::module_& m) {
         .value("AUTO", AmbientEngine::kAuto)
         .value("BATCH", AmbientEngine::kBatch)
         .value("EMBREE", AmbientEngine::kEmbree)
+        .value("FIELD", AmbientEngine::kField)
         .finalize();
     py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
         .value("INDEPENDENT", PointSet::kIndependent)

@@ -13,16 +13,29 @@ namespace viscache::bindings {
 
 namespace {
 
+const char* name_of(AlignedEngine engine) {
+    switch (engine) {
+        case AlignedEngine::kBatch: return "batch";
+        case AlignedEngine::kEmbree: return "embree";
+        case AlignedEngine::kField: return "field";
+    }
+    return "";
+}
+
 py::dict render_aligned(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
                         const IntegratorSettings& integrator, const FrameSettings& frame,
-                        const std::vector<const AlignedBatch*>& batch, const py::object& progress) {
+                        const std::vector<const AlignedBatch*>& batch, const std::vector<const VisibilityField*>& field,
+                        const py::object& progress) {
     if (!integrator.ambient || !integrator.ambient_aligned)
         throw py::value_error("the integrator must ask for shared directions");
     if (integrator.n_ambient < 0 || !is_direction_count(uint64_t(integrator.n_ambient)))
         throw py::value_error("n_ambient must be a number of directions, got " +
                               std::to_string(integrator.n_ambient));
+    if ((integrator.ambient_engine == AmbientEngine::kField) != (field.size() == 1))
+        throw py::value_error("a field must be given if and only if the integrator asks for it");
     FrameResult result;
-    const AlignedEngines engines{batch.empty() ? nullptr : batch.front(), caster};
+    const AlignedEngines engines{batch.empty() ? nullptr : batch.front(), caster,
+                                 field.empty() ? nullptr : field.front()};
     run_interruptible(
         [&](Control& control) {
             result = render_frame(
@@ -34,7 +47,7 @@ py::dict render_aligned(const Scene& scene, const EmbreeCaster& caster, const Ca
     py::dict d = frame_dict(result), timings = d["timings"], engine;
     timings["aligned_s"] = result.aligned_s;
     const EngineChoice choice = result.aligned.value_or(EngineChoice{});
-    engine["name"] = choice.engine == AlignedEngine::kBatch ? "batch" : "embree";
+    engine["name"] = name_of(choice.engine);
     engine["batch_ns"] = choice.batch_ns, engine["embree_ns"] = choice.embree_ns;
     d["engine"] = engine;
     return d;
@@ -74,8 +87,8 @@ py::dict render_shared(const Scene& scene, const RayCaster& caster, const Camera
 void bind_render_aligned(py::module_& m) {
     m.def("render_aligned", &render_aligned, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("integrator"), py::arg("frame"), py::arg("batch"), py::kw_only(),
-          py::arg("progress") = py::none(),
-          "Ambient occlusion along shared directions; `batch` is one or none: by Embree.");
+          py::arg("field") = py::tuple(), py::arg("progress") = py::none(),
+          "Ambient occlusion along shared directions; `batch` and `field` are one or none.");
     m.def("render_shared", &render_shared, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("integrator"), py::arg("frame"), py::arg("batch"), py::kw_only(), py::arg("choose"),
           py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),

@@ -5,6 +5,7 @@
 #include "interrupt.h"
 #include "isa_argument.h"
 #include "viscache/vlf/engine_choice.h"
+#include "viscache/vlf/field_rows.h"
 
 namespace viscache::bindings {
 
@@ -98,6 +99,27 @@ py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& 
     return call.bits;
 }
 
+py::array_t<uint64_t> field_rows(const VisibilityField& field, const FloatArray& positions,
+                                 const FloatArray& normals, const FloatArray& frames, float t_max,
+                                 int threads, const py::object& progress) {
+    Call call(field.scene(), positions, normals, frames, t_max);
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            viscache::field_rows(field, call.input, rows, threads, control);
+        },
+        progress);
+    return call.bits;
+}
+
+py::dict predict_field_rows(const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
+    FieldPrediction p;
+    run_interruptible([&](Control&) {
+        p = viscache::predict_field_rows({scene, settings.kernel, settings.head_room}, settings);
+    });
+    return py::dict(py::arg("tests") = p.tests, py::arg("ray_ns") = p.ray_ns, py::arg("build_s") = p.build_s,
+                    py::arg("bytes") = p.bytes);
+}
+
 }  // namespace
 
 void bind_vlf_aligned(py::module_& m) {
@@ -119,6 +141,12 @@ void bind_vlf_aligned(py::module_& m) {
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = py::none(),
           py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("threads") = 0,
           py::arg("progress") = py::none(), "The same bits by Embree.");
+    v.def("field_rows", &field_rows, py::arg("field"), py::arg("points"), py::arg("normals"),
+          py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
+          py::arg("progress") = py::none(), "The same by look-up in a field of these directions.");
+    v.def("predict_field_rows", &predict_field_rows, py::arg("scene"), py::arg("settings"),
+          "What they take in a field to be built: tests per ray, ray_ns, build_s, bytes (at least).");
+    v.attr("FIELD_RAY_NS") = kFieldRayNs;
 }
 
 }  // namespace viscache::bindings

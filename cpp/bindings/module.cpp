@@ -63,10 +63,10 @@ PYBIND11_MODULE(_core, m) {
     bind_warp(m);
     bind_vismap_render(m);
     bind_vlf_directions(m);
+    bind_vlf_field(m);
     bind_vlf_aligned(m);
     bind_correlation_rows(m);
     bind_render_aligned(m);
-    bind_vlf_field(m);
     bind_vlf_dynamic(m);
     bind_vlf_parts(m);
 }

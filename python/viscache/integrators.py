@@ -151,8 +151,9 @@ class AmbientOcclusion:
         costs several times less; no noise, but what n_samples directions miss, all pixels miss.
         `n_samples` must be one of vlf.DIRECTION_COUNTS, e.g. 513; `distribution` and the frame's
         seed have no part in the directions.
-    engine : {"auto", "batch", "embree"}
-        Who traces shared directions, as in `vlf.trace_aligned`.
+    engine : {"auto", "batch", "embree", "field"}
+        Who traces shared directions, as in `vlf.trace_aligned`. "auto" leaves the field out: one
+        frame does not repay building it.
     p_mode, cosmin
         As in `Direct`.
     """
@@ -161,7 +162,7 @@ class AmbientOcclusion:
     distribution: Literal["cosine", "uniform"] = "cosine"
     max_distance: float = 0.0
     directions: Literal["own", "shared"] = "own"
-    engine: Literal["auto", "batch", "embree"] = "auto"
+    engine: Literal["auto", "batch", "embree", "field"] = "auto"
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 

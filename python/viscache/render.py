@@ -16,7 +16,7 @@ from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
-from viscache.rays import Embree, Rays, check_rays
+from viscache.rays import Embree, Rays, Vlf, check_rays
 from viscache.scene import Env, Scene
 from viscache.visibility import Aqvc, Exact, ShadowMap, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
@@ -140,7 +140,7 @@ def render(
                 embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
                 result = _core.render_aligned(
                     scene._core, embree, view, core, frame, _batch_for(scene, integrator, frame),
-                    progress=report,
+                    field=_fields_for(scene, integrator, frame), progress=report,
                 )  # fmt: skip
             elif isinstance(visibility, VisMaps):
                 result = render_with_maps(
@@ -204,7 +204,17 @@ def _batch_for(
     engine = integrator.engine if isinstance(integrator, AmbientOcclusion) else "embree"
     n_points = frame.width * frame.height * frame.spp
     hopeless = engine == "auto" and _core.vlf.is_hopeless(scene.triangles, n_points)
-    return [] if engine == "embree" or hopeless else [scene.aligned_batch()]
+    none = engine in ("embree", "field") or hopeless
+    return [] if none else [scene.aligned_batch()]
+
+
+def _fields_for(
+    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
+) -> list[_core.vlf.VisibilityField]:
+    """The field that a frame of shared directions asks for."""
+    if not isinstance(integrator, AmbientOcclusion) or integrator.engine != "field":
+        return []
+    return [scene.caster(Vlf(n_directions=integrator.n_samples), threads=frame.threads)]
 
 
 def _exact(

@@ -15,7 +15,7 @@ from viscache import _core
 from viscache._core import SceneDescription, SceneError
 from viscache.checks import checked_points, checked_threads
 from viscache.environments import apply_environment, decode_images
-from viscache.rays import Bsp, Caster, Embree, Rays, check_rays
+from viscache.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.scenes.coplanar import coplanar_share
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
@@ -241,6 +241,8 @@ class Scene:
     ) -> _core.EmbreeCaster: ...
     @overload
     def caster(self, rays: Bsp, *, threads: int | None = None) -> _core.visibility.BspCaster: ...
+    @overload
+    def caster(self, rays: Vlf, *, threads: int | None = None) -> _core.vlf.VisibilityField: ...
     @overload
     def caster(self, rays: Rays | None, *, threads: int | None = None) -> Caster: ...
     def caster(self, rays: Rays | None = None, *, threads: int | None = None) -> Caster:

@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "viscache/math/isa.h"
+#include "viscache/vlf/field_rows.h"
+
 namespace viscache {
 
 namespace {
@@ -36,6 +38,11 @@ void append(std::vector<Vec3>& to, const std::vector<Vec3>& from) {
 EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const AlignedInput& input,
                    std::span<Word> rows, int threads, Control& control) {
     EngineChoice choice;
+    if (wish == AmbientEngine::kField) {
+        field_rows(*engines.field, input, rows, threads, control);
+        choice.engine = AlignedEngine::kField;
+        return choice;
+    }
     if (wish == AmbientEngine::kEmbree || !engines.batch)
         choice.engine = AlignedEngine::kEmbree;
     else if (wish == AmbientEngine::kAuto)

@@ -3,6 +3,7 @@
 #include "viscache/render/eye_paths.h"
 #include "viscache/vlf/directions.h"
 #include "viscache/vlf/engine_choice.h"
+#include "viscache/vlf/visibility_field.h"
 
 namespace viscache {
 
@@ -10,6 +11,7 @@ namespace viscache {
 struct AlignedEngines {
     const AlignedBatch* batch = nullptr;  ///< nullptr: too few points for the scene's triangles
     const EmbreeCaster& embree;
+    const VisibilityField* field = nullptr;  ///< must be there if it is asked for
 };
 
 /// What the eye points of a frame see of their hemispheres.

@@ -25,6 +25,7 @@ enum class AmbientEngine {
     kAuto,  ///< by predicted cost
     kBatch,
     kEmbree,
+    kField,
 };
 
 struct IntegratorSettings {

@@ -5,7 +5,7 @@
 
 namespace viscache {
 
-enum class AlignedEngine { kBatch, kEmbree };
+enum class AlignedEngine { kBatch, kEmbree, kField };
 
 struct EngineChoice {
     AlignedEngine engine = AlignedEngine::kBatch;

@@ -222,6 +222,7 @@ class AmbientEngine(enum.Enum):
     AUTO: typing.ClassVar[AmbientEngine]
     BATCH: typing.ClassVar[AmbientEngine]
     EMBREE: typing.ClassVar[AmbientEngine]
+    FIELD: typing.ClassVar[AmbientEngine]
     @classmethod
     def __new__(cls, value):
         ...
@@ -512,9 +513,9 @@ def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
     """
-def render_aligned(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: collections.abc.Sequence[vlf.AlignedBatch], *, progress: typing.Any = None) -> dict:
+def render_aligned(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: collections.abc.Sequence[vlf.AlignedBatch], *, field: collections.abc.Sequence[vlf.VisibilityField] = (), progress: typing.Any = None) -> dict:
     """
-    Ambient occlusion along shared directions; `batch` is one or none: by Embree.
+    Ambient occlusion along shared directions; `batch` and `field` are one or none.
     """
 def render_aqvc(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...

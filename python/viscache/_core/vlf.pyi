@@ -10,24 +10,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predicted_bytes', 'shared_axes', 'tile_depth', 'walk_leaves', 'walk_tiles']
-class AlignedBatch:
-    def __init__(self, scene: viscache._core.Scene) -> None:
-        ...
-    def choose(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[bool, float, float]:
-        """
-        True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.
-        """
-    def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
-        """
-        Rows of bits (N, words), 1 = free, and how much work it was.
-        """
-    @property
-    def bytes(self) -> int:
-        ...
-    @property
-    def triangles(self) -> int:
-        ...
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FIELD_RAY_NS', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'shared_axes', 'tile_depth', 'walk_leaves', 'walk_tiles']
 class DepthSplit(enum.Enum):
     """
     Where a tile is cut along its depth.
@@ -135,6 +118,23 @@ class VisibilityField(viscache._core.RayCaster):
     @property
     def stats(self) -> dict:
         ...
+class AlignedBatch:
+    def __init__(self, scene: viscache._core.Scene) -> None:
+        ...
+    def choose(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[bool, float, float]:
+        """
+        True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.
+        """
+    def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
+        """
+        Rows of bits (N, words), 1 = free, and how much work it was.
+        """
+    @property
+    def bytes(self) -> int:
+        ...
+    @property
+    def triangles(self) -> int:
+        ...
 class UpdateMode(enum.Enum):
     """
     How a field takes objects in.
@@ -207,6 +207,10 @@ def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt
     """
     Entries of one direction's lists by formula, without depth.
     """
+def field_rows(field: VisibilityField, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
+    """
+    The same by look-up in a field of these directions.
+    """
 def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
 def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
@@ -216,6 +220,10 @@ def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: ty
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
     Index of the axis nearest to each row.
+    """
+def predict_field_rows(scene: viscache._core.Scene, settings: FieldSettings) -> dict:
+    """
+    What they take in a field to be built: tests per ray, ray_ns, build_s, bytes (at least).
     """
 def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
     """
@@ -233,3 +241,4 @@ def walk_tiles(origin: typing.Annotated[collections.abc.Sequence[typing.Supports
     """
     Tiles (K, 2) and t (K, 2) of a ray in canonical space.
     """
+FIELD_RAY_NS: float = 160.0

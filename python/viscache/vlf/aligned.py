@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +13,22 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.checks import checked_points, checked_threads, require
 from viscache.progress import progress_bar
+from viscache.rays import Vlf
 from viscache.scene import Scene
 from viscache.vlf.directions import checked_directions
 
+if TYPE_CHECKING:
+    from viscache.vlf.field import VisibilityField
+
 __all__ = ["AlignedRows", "Engine", "aligned_occlusion", "trace_aligned"]
 
-Engine: TypeAlias = Literal["auto", "batch", "embree"]
+Engine: TypeAlias = Literal["auto", "batch", "embree", "field"]
+#: Seconds that a reference takes to build; a triangle has one per direction at least.
+BUILD_REFERENCE_S = 75e-9
+#: The field must be cheaper by this much: its prediction is good to a factor of 1.6.
+FIELD_MARGIN = 0.6
+#: No ray of Embree took longer, point by point, in the scenes measured, however few the points.
+MOST_EMBREE_NS = 600.0
 Progress: TypeAlias = bool | Callable[[int, int], None]
 
 
@@ -30,7 +40,7 @@ class AlignedRows:
     """(N, ⌈l/64⌉): bit k % 64 of word k // 64 is 1 if nothing blocks the point's ray along axis k,
     on the side of its normal; padding bits are 0."""
     n_directions: int
-    engine: Literal["batch", "embree"]
+    engine: Literal["batch", "embree", "field"]
     """What traced the rays."""
     reason: str
     """Why it was chosen."""
@@ -79,6 +89,7 @@ def trace_aligned(
     *,
     t_max: float = np.inf,
     engine: Engine = "auto",
+    field: VisibilityField | None = None,
     threads: int | None = None,
     progress: Progress = False,
 ) -> AlignedRows:
@@ -96,12 +107,16 @@ def trace_aligned(
         l of `vlf.directions`: 1, 3, 9, 33, 129, 513, 2049 or 8193.
     t_max : float > 0
         How far the points look, in scene units.
-    engine : {"auto", "batch", "embree"}
+    engine : {"auto", "batch", "embree", "field"}
         "batch": per axis, all triangles stream past all points. "embree": packets of 16 rays.
-        "auto": the one of less predicted cost, which depends on scene, points and the
-        instruction set, not on time; `AlignedRows.reason` says why. Both are watertight; they may
-        differ for rays within rounding of an edge, and along triangles seen exactly edge-on,
-        which the batch never hits.
+        "field": by look-up in a visibility field, one tile a ray, axis by axis. "auto": the one of
+        less predicted cost, which depends on scene, points, the field given and the instruction
+        set, not on time; `AlignedRows.reason` says why. All are watertight; they may differ for
+        rays within rounding of an edge, and along triangles seen exactly edge-on, which the batch
+        never hits.
+    field : VisibilityField, optional
+        Of the same scene and directions, not snapped. Without one, "field" builds that of
+        `Vlf(n_directions=n_directions)`, and "auto" counts its building.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
@@ -110,21 +125,32 @@ def trace_aligned(
     Raises
     ------
     ValueError
-        An argument out of range; for the batch also points 1e9 times the scene's size away.
+        An argument out of range; for batch and field also points 1e9 times the scene's size away.
+    MemoryError
+        A field that does not fit its budget.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
     """
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
-    known = engine in ("auto", "batch", "embree")
-    require(known, 'engine must be "auto", "batch" or "embree"', engine)
+    known = engine in get_args(Engine)
+    require(known, 'engine must be "auto", "batch", "embree" or "field"', engine)
     frames = _core.vlf.direction_frames(checked_directions(n_directions))
     points, normals = checked_points(points, "points"), checked_points(normals, "normals")
     start, n_threads = time.perf_counter(), checked_threads(threads)
-    chosen, reason = _choose(scene, engine, points, normals, frames, t_max, n_threads)
+    _check_field(field, scene, n_directions)
+    asked = _Asked(scene, points, normals, frames, t_max, n_threads)
+    chosen, reason = (engine, "asked for") if engine != "auto" else _choose(asked, field)
     with progress_bar(progress, unit="direction") as report:
         if chosen == "batch":
             bits, _ = scene.aligned_batch().rows(
                 scene._core, points, normals, frames,
+                t_max=t_max, threads=n_threads, progress=report,
+            )  # fmt: skip
+        elif chosen == "field":
+            settings = Vlf(n_directions=n_directions)
+            core = field._core if field else scene.caster(settings, threads=threads)
+            bits = _core.vlf.field_rows(
+                core, points, normals, frames,
                 t_max=t_max, threads=n_threads, progress=report,
             )  # fmt: skip
         else:
@@ -141,22 +167,63 @@ def trace_aligned(
     )
 
 
+class _Asked(NamedTuple):
+    scene: Scene
+    points: npt.NDArray[np.float32]
+    normals: npt.NDArray[np.float32]
+    frames: npt.NDArray[np.float32]
+    t_max: float
+    threads: int
+
+
+def _check_field(field: VisibilityField | None, scene: Scene, n_directions: int) -> None:
+    if field is None:
+        return
+    from viscache.vlf.field import VisibilityField
+
+    require(isinstance(field, VisibilityField), "field must be a VisibilityField", field)
+    same = field.scene is scene and field.n_directions == n_directions
+    require(same and not field.settings.snap,
+            f"field must be of the scene, of {n_directions} directions and not snapped",
+            field)  # fmt: skip
+
+
 def _choose(
-    scene: Scene,
-    engine: Engine,
-    points: npt.NDArray[np.float32],
-    normals: npt.NDArray[np.float32],
-    frames: npt.NDArray[np.float32],
-    t_max: float,
-    threads: int,
-) -> tuple[Literal["batch", "embree"], str]:
-    if engine != "auto":
-        return engine, "asked for"
-    size = f"{scene.triangles} triangles, {len(points)} points"
-    if _core.vlf.is_hopeless(scene.triangles, len(points)):
+    asked: _Asked, field: VisibilityField | None
+) -> tuple[Literal["batch", "embree", "field"], str]:
+    scene, n_points = asked.scene, len(asked.points)
+    size = f"{scene.triangles} triangles, {n_points} points"
+    if _core.vlf.is_hopeless(scene.triangles, n_points):
         return "embree", f"too few points for so many triangles: {size}"
     is_batch, batch_ns, embree_ns = scene.aligned_batch().choose(
-        scene._core, points, normals, frames, t_max=t_max, threads=threads
-    )
-    reason = f"predicted ns per ray: batch {batch_ns:.0f}, Embree {embree_ns:.0f} ({size})"
+        scene._core, asked.points, asked.normals, asked.frames,
+        t_max=asked.t_max, threads=asked.threads,
+    )  # fmt: skip
+    best = FIELD_MARGIN * min(batch_ns if is_batch else embree_ns, MOST_EMBREE_NS)
+    field_ns, why = _predict_field(asked, field, best)
+    costs = f"batch {batch_ns:.0f}, Embree {embree_ns:.0f}, field {why}"
+    reason = f"predicted ns per ray: {costs} ({size})"
+    if field_ns < best:
+        return "field", reason
     return "batch" if is_batch else "embree", reason
+
+
+def _predict_field(asked: _Asked, field: VisibilityField | None, best: float) -> tuple[float, str]:
+    """Nanoseconds per ray, its building shared out, and how they come about; inf: never."""
+    scene, n_rays = asked.scene, len(asked.points) * len(asked.frames)
+    if field is not None:
+        cost = _core.vlf.predict_field_rows(scene._core, field._core.settings)
+        return cost["ray_ns"], f"{cost['ray_ns']:.0f} ({cost['tests']:.1f} tests, built already)"
+    # What no field can do without: one tile a ray, and each triangle in a list of each direction
+    share = 1e9 / max(n_rays, 1)
+    least_s = BUILD_REFERENCE_S * scene.triangles * len(asked.frames)
+    least = _core.vlf.FIELD_RAY_NS + least_s * share
+    if least >= best:
+        return np.inf, f"over {least:.0f}"
+    settings = Vlf(n_directions=len(asked.frames))
+    cost = _core.vlf.predict_field_rows(scene._core, settings.core())
+    total = cost["ray_ns"] + cost["build_s"] * share
+    parts = f"{total:.0f} ({cost['tests']:.1f} tests, {cost['build_s']:.1f} s to build"
+    if cost["bytes"] > settings.max_bytes:
+        return np.inf, f"{parts}, but over {cost['bytes'] / 1e6:.0f} MB)"
+    return total, f"{parts})"
