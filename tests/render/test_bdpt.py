@@ -77,16 +77,20 @@ def test_one_edge_is_emission_seen_directly() -> None:
 @pytest.mark.stat
 @pytest.mark.parametrize("camera", ["bypass", "off"])
 def test_a_furnace_shines_by_the_geometric_series(camera: str) -> None:
-    """A closed box of albedo 1/2 that emits 1: Σ 2^−k over max_depth bounces, everywhere."""
-    half = Look(base_color=(0.5, 0.5, 0.5))
-    walls = box((-1, -1, -1), (1, 1, 1), look=half, emission=(1, 1, 1)).reversed()
+    """A closed box of albedo 0.9 that emits 1: Σ 0.9^k over max_depth bounces, everywhere.
+
+    With many bounces small errors of the weights add up: reverse densities that forget to turn the
+    direction round make 1.3 % here.
+    """
+    look = Look(base_color=(0.9, 0.9, 0.9))
+    walls = box((-1, -1, -1), (1, 1, 1), look=look, emission=(1, 1, 1)).reversed()
     scene = Model((walls,), origin=(0.2, 0.1, 0.3), target=(0, 0, -1)).to_viscache()
-    for depth in (1, 2, 5):
-        made = images(scene, vc.Bdpt(max_depth=depth, camera_connections=camera), 32, 8)
-        means = made.mean(axis=(1, 2, 3))
+    for depth in (1, 2, 8):
+        made = images(scene, vc.Bdpt(max_depth=depth, camera_connections=camera), 16, 8)
+        means = made.mean(axis=(1, 2, 3)) / sum(0.9**k for k in range(depth))
         error = means.std(ddof=1) / np.sqrt(len(means))
-        assert abs(means.mean() - (2 - 2.0 ** (1 - depth))) < 4 * error + 1e-6
-        assert error < 0.003
+        assert abs(means.mean() - 1) < 4 * error + 1e-6
+        assert error < 0.0025
 
 
 @pytest.mark.stat
