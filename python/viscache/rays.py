@@ -105,7 +105,8 @@ class Vlf:
     walk : {"linear", "stack"}
         The paper's two ways through a tile's leaves. Never changes an answer.
     tile_ranges : bool
-        Depths are parted over each tile's own range, or over the scene's.
+        Depths are parted over each tile's own range, or over the scene's, which saves no memory:
+        a tile keeps its range in either case, so that rays beside it can pass.
     kernel : {"watertight", "wald"}
         "wald" is the paper's: fewer operations, but a ray may slip through an edge.
     head_room : float in [1, 1000]
@@ -116,7 +117,8 @@ class Vlf:
     snap : bool
         Approximate: every ray runs along its nearest axis, up to 5° off at l = 513.
     max_bytes : int >= 1
-        A field that needs more raises MemoryError before it is built.
+        A field that needs more, what one thread needs to build it included, raises MemoryError
+        before it is built; no more threads build at a time than fit beside it.
     max_build_s : float >= 0
         CPU seconds that "auto" parameters may take to build, by rule of thumb; 0: any.
 

@@ -125,8 +125,15 @@ def test_parameters_that_are_given_stay(given: dict[str, int]) -> None:
 def test_the_default_depth_is_one_that_fits() -> None:
     scene = soup_scene()
     assert vc.VisibilityField(scene, 33, 32).bsp_depth == 5
-    least = vc.VisibilityField(scene, 33, 32, 0).stats["bytes"]
-    assert vc.VisibilityField(scene, 33, 32, max_bytes=int(least * 1.03)).bsp_depth < 5
+    tight = int(vc.VisibilityField(scene, 33, 32, 0).stats["bytes"] * 1.03)
+    # What one thread needs to build counts, and no more
+    with pytest.raises(MemoryError, match=r"\(\d+ only while it is built\)") as refused:
+        vc.VisibilityField(scene, 33, 32, 0, max_bytes=tight)
+    room = re.search(r"\((\d+) only", str(refused.value))
+    assert room is not None and 0.05 * tight < int(room[1]) < tight
+    for threads in (1, 4):
+        made = vc.VisibilityField(scene, 33, 32, max_bytes=tight + int(room[1]), threads=threads)
+        assert made.bsp_depth < 5
 
 
 def test_a_time_budget_chooses_a_field_that_is_built_sooner() -> None:

@@ -77,7 +77,7 @@ FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettin
     if (!open) return given;
     // Of a lazy field as much is there as fits
     for (const Candidate& c : candidates(triangles, given))
-        if (given.lazy || predicted_bytes(triangles, c.settings, threads, control) <= given.max_bytes)
+        if (given.lazy || predicted_peak(triangles, c.settings, threads, control).peak() <= given.max_bytes)
             return c.settings;
     FieldSettings least = given;
     if (given.n_directions == 0) least.n_directions = kCounts[0];

@@ -18,9 +18,9 @@ DynamicField::DynamicField(std::shared_ptr<const Scene> scene, const FieldSettin
       scene_triangles_(triangles_.size()) {
     if (settings_.fit == FieldFit::kBox)
         throw std::invalid_argument("fit must be \"sphere\" where objects move, got \"psf_box\"");
-    check_budget(triangles_, settings_, threads, control);
+    const int builders = check_budget(triangles_, settings_, threads, control);
     SubfieldStore store(directions_, shape_);
-    store.build_all(triangles_.in_ball(), threads, control);
+    store.build_all(triangles_.in_ball(), builders, control);
     for (uint32_t i = 0; i < directions_.size(); ++i) {
         Subfield built = store.take(i);
         if (mode_ == UpdateMode::kInPlace)

@@ -19,7 +19,7 @@ double least_bytes(const FieldTriangles& triangles, const FieldSettings& s) {
 /// Whether a field is predicted to fit. What is far too large is not tried.
 bool fits(const FieldTriangles& triangles, const FieldSettings& s, int threads, const Control& control) {
     if (least_bytes(triangles, s) > 2.0 * double(s.max_bytes)) return false;
-    return predicted_bytes(triangles, s, threads, control) <= s.max_bytes;
+    return predicted_peak(triangles, s, threads, control).peak() <= s.max_bytes;
 }
 
 /// The first of several settings that fits.
@@ -66,32 +66,43 @@ double expected_references(std::span<const FlatTriangle> triangles, int n_tiles)
     return sum;
 }
 
-uint64_t predicted_bytes(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
-                         const Control& control) {
+PredictedBytes predicted_peak(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                              const Control& control) {
     const Directions& directions = directions_of(settings.n_directions);
     const uint32_t samples = std::min(kSamples, directions.size());
-    std::vector<uint64_t> bytes(samples);
+    std::vector<PredictedBytes> bytes(samples);
     parallel_for(samples, threads, [&](size_t i, int) {
         control.check();
         const size_t direction = (2 * i + 1) * directions.size() / (2 * samples);
         SubfieldBuilder builder(settings.shape());
-        bytes[i] = builder.build(triangles.in_ball(), {}, directions.frames()[direction]).bytes();
+        bytes[i].field = builder.build(triangles.in_ball(), {}, directions.frames()[direction]).bytes();
+        bytes[i].builder = builder.bytes();
     });
-    uint64_t sum = 0;
-    for (const uint64_t b : bytes) sum += b;
-    return triangles.bytes() + uint64_t(double(sum) / samples * directions.size());
+    uint64_t sum = 0, builder = 0;
+    for (const PredictedBytes& b : bytes) sum += b.field, builder = std::max(builder, b.builder);
+    return {triangles.bytes() + uint64_t(double(sum) / samples * directions.size()), builder};
 }
 
-void check_budget(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
-                  const Control& control) {
+uint64_t predicted_bytes(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                         const Control& control) {
+    return predicted_peak(triangles, settings, threads, control).field;
+}
+
+int check_budget(const FieldTriangles& triangles, const FieldSettings& settings, int threads,
+                 const Control& control) {
     const double least = least_bytes(triangles, settings);
     const bool hopeless = least > 2.0 * double(settings.max_bytes);
-    const double bytes = hopeless ? least : double(predicted_bytes(triangles, settings, threads, control));
-    if (bytes <= double(settings.max_bytes)) return;
+    const PredictedBytes bytes =
+        hopeless ? PredictedBytes{uint64_t(least), 0} : predicted_peak(triangles, settings, threads, control);
+    if (bytes.peak() <= settings.max_bytes) {
+        const uint64_t builders = (settings.max_bytes - bytes.field) / std::max<uint64_t>(1, bytes.builder);
+        return int(std::min<uint64_t>(uint64_t(resolve_threads(threads)), builders));
+    }
     throw OverBudget("the visibility field is predicted to take " + std::string(hopeless ? "at least " : "") +
-                     std::to_string(uint64_t(bytes)) + " bytes, max_bytes is " +
-                     std::to_string(settings.max_bytes) + "; " +
-                     suggestions(triangles, settings, threads, control));
+                     std::to_string(bytes.peak()) + " bytes, max_bytes is " +
+                     std::to_string(settings.max_bytes) +
+                     (hopeless ? "" : " (" + std::to_string(bytes.builder) + " only while it is built)") +
+                     "; " + suggestions(triangles, settings, threads, control));
 }
 
 }  // namespace viscache

@@ -85,6 +85,12 @@ public:
     /// entries or more.
     Subfield build(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
                    const Frame3& frame, bool tight = false);
+    /// Of its buffers, which it keeps while it builds.
+    uint64_t bytes() const {
+        return sizeof(Touch) * touches_.capacity() + sizeof(size_t) * first_.capacity() +
+               sizeof(TileEntry) * sorted_.capacity() + sizeof(uint32_t) * pool_.capacity() +
+               sizeof(float) * (borders_.capacity() + middles_.capacity());
+    }
 
 private:
     struct Touch {

@@ -52,8 +52,8 @@ VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const Field
                              " bytes, max_bytes is " + std::to_string(settings_.max_bytes));
         store_.be_lazy(triangles_.in_ball(), settings_.max_bytes - fixed);
     } else {
-        check_budget(triangles_, settings_, threads, control);
-        store_.build_all(triangles_.in_ball(), threads, control);
+        const int builders = check_budget(triangles_, settings_, threads, control);
+        store_.build_all(triangles_.in_ball(), builders, control);
     }
 }
 
