@@ -24,8 +24,8 @@ const char* name_of(AlignedEngine engine) {
 
 py::dict render_aligned(const Scene& scene, const EmbreeCaster& caster, const Camera& camera,
                         const IntegratorSettings& integrator, const FrameSettings& frame,
-                        const std::vector<const AlignedBatch*>& batch, const std::vector<const VisibilityField*>& field,
-                        const py::object& progress) {
+                        const std::vector<const AlignedBatch*>& batch,
+                        const std::vector<const VisibilityField*>& field, const py::object& progress) {
     if (!integrator.ambient || !integrator.ambient_aligned)
         throw py::value_error("the integrator must ask for shared directions");
     if (integrator.n_ambient < 0 || !is_direction_count(uint64_t(integrator.n_ambient)))

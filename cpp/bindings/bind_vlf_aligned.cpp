@@ -103,11 +103,9 @@ py::array_t<uint64_t> field_rows(const VisibilityField& field, const FloatArray&
                                  const FloatArray& normals, const FloatArray& frames, float t_max,
                                  int threads, const py::object& progress) {
     Call call(field.scene(), positions, normals, frames, t_max);
-    call.run(
-        [&](std::span<Word> rows, Control& control) {
-            viscache::field_rows(field, call.input, rows, threads, control);
-        },
-        progress);
+    call.run([&](std::span<Word> rows,
+                 Control& control) { viscache::field_rows(field, call.input, rows, threads, control); },
+             progress);
     return call.bits;
 }
 

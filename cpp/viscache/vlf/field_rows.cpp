@@ -25,8 +25,8 @@ void check_axes(const VisibilityField& field, const AlignedInput& input) {
 }
 
 /// Any hits of a packet's points along an axis, on the side of their normals.
-uint16_t free_of(const VisibilityField& field, const PointPackets& points, const AlignedInput& input, size_t p,
-                 size_t axis) {
+uint16_t free_of(const VisibilityField& field, const PointPackets& points, const AlignedInput& input,
+                 size_t p, size_t axis) {
     const Vec3 w = input.axes[axis].z;
     uint32_t free = 0;
     for (uint32_t left = points.asked[p]; left; left &= left - 1) {

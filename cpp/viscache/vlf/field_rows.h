@@ -24,8 +24,9 @@ struct FieldPrediction {
 /// scenes with 64² and 128² tiles (a shared Zen 4), within a factor of 1.6.
 constexpr double kFieldRayNs = 160, kFieldTestNs = 36;
 
-/// From the settings, which must leave at most the depth to choose, and the triangles' size: a ray meets one tile, that
-/// lists R/(0.785 n²) of the R references of a direction, parted along its depth, and crosses half of it.
+/// From the settings, which must leave at most the depth to choose, and the triangles' size: a ray meets one
+/// tile, that lists R/(0.785 n²) of the R references of a direction, parted along its depth, and crosses half
+/// of it.
 FieldPrediction predict_field_rows(const FieldTriangles& triangles, const FieldSettings& settings);
 
 }  // namespace viscache
