@@ -17,6 +17,7 @@ from viscache.bench.common import (
     timed,
 )
 from viscache.bench.ray_sets import RaySet, make_ray_set
+from viscache.bench.vlf_update import compare_updates
 from viscache.rays import Bsp, Embree, Vlf
 from viscache.scene import Scene
 
@@ -49,6 +50,7 @@ def vlf_build(quick: bool = False) -> Outcome:
         for name in ("camera", "hemi"):
             rays = make_ray_set(scene, name, QUICK_RAYS if quick else RAYS)
             _compare_rays(outcome, scene, rays, field, quick)
+    compare_updates(outcome, quick)
     outcome.notes.append(
         "Embree ray by ray: rtcIntersect1 and rtcOccluded1, robust; Bsp: the fastest of a grid, "
         "Wald's triangle test as in the paper. A ray of the BSP "

@@ -104,8 +104,8 @@ def _move(
         times.append(cpu_seconds(partial(field.transform, number, matrix), 1))
     beams = chords(scene, QUICK_CHORDS if quick else CHORDS)
     found = field.intersect(beams.origins, beams.directions).t
-    with_object = _with_object(scene, vertices + np.array(STOPS[-1]), triangles)
-    fresh = Vlf(n_directions=33, n_tiles=64, bsp_depth=3).build(with_object._core)
+    moved = with_object(scene, vertices + np.array(STOPS[-1]), triangles)
+    fresh = Vlf(n_directions=33, n_tiles=64, bsp_depth=3).build(moved._core)
     expected = fresh.intersect(beams.origins, beams.directions)[0]
     nbytes = field.stats["bytes"]
     field.delete(number)
@@ -116,7 +116,7 @@ def _move(
     }  # fmt: skip
 
 
-def _with_object(
+def with_object(
     scene: Scene, vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int64]
 ) -> Scene:
     """The scene's triangles and the object's as one mesh."""
