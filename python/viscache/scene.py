@@ -47,6 +47,10 @@ class Intersection(NamedTuple):
     instance: npt.NDArray[np.int64]
 
 
+#: Sizes from the origin from which on a scene is warned of.
+FAR_AWAY = 1e4
+
+
 class Scene:
     """An immutable scene.
 
@@ -156,14 +160,32 @@ class Scene:
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What the file asked for that is not modelled, with its place; a scene without light."""
+        """What the file asked for that is not modelled, with its place; what to know of a scene.
+
+        That it has no light, or lies so far from the origin that single precision has lost much of
+        its shape.
+        """
         texts = [
             f"{where}: {text}" if where else text
             for where, text in _core.scene_warnings(self._core)
         ]
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
-        return texts
+        return texts + self._far_away()
+
+    def _far_away(self) -> list[str]:
+        low, high = self.bounds.astype(float)
+        size = float(np.max(high - low))
+        if not (np.isfinite(size) and size > 0):
+            return []
+        away = float(np.max(np.abs(low + high))) / 2 / size
+        if away <= FAR_AWAY:
+            return []
+        steps = size / np.spacing(np.float32(away * size))
+        return [
+            f"the scene lies {away:.3g} times its size from the origin, where single precision "
+            f"leaves it {steps:.3g} steps across"
+        ]
 
     @cached_property
     def content_hash(self) -> str:

@@ -410,3 +410,14 @@ def test_a_scene_too_small_or_too_large_for_single_precision_says_so(
     assert warned or unlike < 1e-3, f"{unlike:.2%} of the rays answered differently, no warning"
     # Sizes that people use are not warned of
     assert not (warned and -16 <= exponent <= 24)
+
+
+def test_scenes_far_from_the_origin_are_warned_of() -> None:
+    vertices = np.array(CARD[0], np.float32)
+    for offset, warned in ((9_000, False), (20_000, True), (1e6, True)):
+        scene = vc.Scene.from_arrays(vertices + np.float32(offset), CARD[1])
+        assert any("times its size from the origin" in w for w in scene.warnings) == warned
+    assert "leaves it 16 steps across" in scene.warnings[-1]
+    assert not any(
+        "origin" in w for w in vc.Scene.from_arrays([[1e6] * 3] * 3, [[0, 1, 2]]).warnings
+    )
