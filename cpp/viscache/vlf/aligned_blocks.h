@@ -119,12 +119,13 @@ struct BoxLevel {
 
 /// How much work an axis was.
 struct AlignedCounts {
-    uint64_t nodes = 0;  ///< tests of 16 boxes
-    uint64_t pairs = 0;  ///< packets that met a block
-    uint64_t tests = 0;  ///< tests of one triangle against 16 points or of one point against 16 triangles
-    uint64_t exact = 0;  ///< pairs of triangle and point decided in double
+    uint64_t blocks = 0;  ///< blocks of triangles turned to the axis
+    uint64_t nodes = 0;   ///< tests of 16 boxes
+    uint64_t pairs = 0;   ///< packets that met a block
+    uint64_t tests = 0;   ///< tests of one triangle against 16 points or of one point against 16 triangles
+    uint64_t exact = 0;   ///< pairs of triangle and point decided in double
     void merge(const AlignedCounts& c) {
-        nodes += c.nodes, pairs += c.pairs, tests += c.tests, exact += c.exact;
+        blocks += c.blocks, nodes += c.nodes, pairs += c.pairs, tests += c.tests, exact += c.exact;
     }
 };
 

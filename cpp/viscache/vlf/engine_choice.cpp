@@ -9,19 +9,23 @@ constexpr size_t kProbedAxes = 4;
 constexpr size_t kAxesPerProbe = 32;
 /// The batch must be cheaper by this much: below, predictions are not good enough to tell.
 constexpr double kMargin = 0.9;
+/// And by this much where points lie apart: packets of them are wide and meet more triangles than their rays,
+/// from which Embree's cost is predicted too high.
+constexpr double kSparseMargin = 0.72;
 constexpr uint64_t kHopelessTrianglesPerPoint = 40, kSparseTrianglesPerPoint = 8;
 
-/// What a ray, a test of 16 boxes and a test of 16 pairs cost the batch, in nanoseconds. Fitted to 18
-/// measurements of 8 scenes with 128² to 1024² points (AVX-512, a shared Zen 4; within 30 % of each). The
-/// other instruction sets were measured beside it on the same machine: AVX2 takes 1.11 to 1.19 times as long,
-/// portable code 2.4 to 3.9 times (four scenes, 513 directions).
+/// What a ray, a block turned, a test of 16 boxes and a test of 16 pairs cost the batch, in nanoseconds.
+/// Fitted to 18 measurements of 8 scenes with 128² to 1024² points (AVX-512, a shared Zen 4; within 30 % of
+/// each), that of blocks to 8 with few points. The other instruction sets were measured beside it on the same
+/// machine: AVX2 takes 1.11 to 1.19 times as long, portable code 2.4 to 3.9 times (four scenes, 513
+/// directions).
 struct BatchCosts {
-    double ray, node, test;
+    double ray, block, node, test;
 };
 BatchCosts batch_costs(Isa isa) {
-    constexpr BatchCosts avx512{2.2, 24.6, 32.7};
+    constexpr BatchCosts avx512{2.2, 20, 24.6, 32.7};
     const double slower = isa == Isa::kAvx512 ? 1 : isa == Isa::kAvx2 ? 1.15 : 3.1;
-    return {slower * avx512.ray, slower * avx512.node, slower * avx512.test};
+    return {slower * avx512.ray, slower * avx512.block, slower * avx512.node, slower * avx512.test};
 }
 
 /// Nanoseconds of a ray by Embree from the batch's tests per ray, which tell how crowded its way is; the same
@@ -49,13 +53,14 @@ EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa) {
     EngineChoice choice;
     if (rays == 0) return choice;
     const BatchCosts cost = batch_costs(isa);
-    choice.batch_ns = cost.ray + (cost.node * double(work.nodes) + cost.test * double(work.tests)) / rays;
+    const double shared = cost.block * double(work.blocks) + cost.node * double(work.nodes);
+    choice.batch_ns = cost.ray + (shared + cost.test * double(work.tests)) / rays;
     choice.embree_ns = embree_cost(double(work.tests) / rays);
     return choice;
 }
 
-EngineChoice decided(EngineChoice costs) {
-    const bool dear = costs.batch_ns > kMargin * costs.embree_ns;
+EngineChoice decided(EngineChoice costs, bool sparse) {
+    const bool dear = costs.batch_ns > (sparse ? kSparseMargin : kMargin) * costs.embree_ns;
     costs.engine = dear ? AlignedEngine::kEmbree : AlignedEngine::kBatch;
     return costs;
 }
@@ -69,7 +74,9 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
     probe.axes = some;
     std::vector<Word> rows(input.origin.size() * words_for(some.size()));
     const AlignedCounts work = batch.rows(probe, rows, threads, control, isa);
-    return decided(predicted_costs(work, double(input.origin.size()) * double(some.size()), isa));
+    const EngineChoice costs = predicted_costs(work, double(input.origin.size()) * double(some.size()), isa);
+    const uint64_t triangles = batch.triangles().triangles;
+    return decided(costs, embree_order(triangles, input.origin.size()) == AlignedOrder::kByPoint);
 }
 
 }  // namespace viscache

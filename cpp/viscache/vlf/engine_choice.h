@@ -27,7 +27,7 @@ std::vector<size_t> probed_axes(size_t axes);
 EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa);
 
 /// Decides: Embree where the batch is not clearly cheaper.
-EngineChoice decided(EngineChoice costs);
+EngineChoice decided(EngineChoice costs, bool sparse = false);
 
 /// Predicts the batch's cost from its work along a few of the axes, and Embree's from the same work: how many
 /// tests a ray needs tells how crowded its way is.
