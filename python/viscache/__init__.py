@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import correlation, metrics, plots, report, scenes, vlf
+from viscache import correlation, designs, metrics, plots, report, scenes, vlf
 from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
@@ -47,6 +47,7 @@ __all__ = [
     "aligned_occlusion",
     "cached_ambient_occlusion",
     "correlation",
+    "designs",
     "load_scene",
     "look_at",
     "metrics",

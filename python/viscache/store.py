@@ -1,16 +1,19 @@
 """The store of a sweep: SQLite beside the pictures, safe for several processes.
 
-A directory holds `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`
-and, once written, `report.html`. A frame's key is the content hash of everything that decides its
-pixels, so an interrupted sweep repeats nothing, and a changed one repeats only what changed.
+A directory holds `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`,
+`table.parquet` where pyarrow is installed and, once written, `report.html`. A frame's key is the
+content hash of everything that decides its pixels, so an interrupted sweep repeats nothing, and a
+changed one repeats only what changed.
 """
 
 from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import json
 import os
+import shutil
 import socket
 import sqlite3
 import threading
@@ -162,13 +165,52 @@ class Store:
             self._memory[key] = frame
         else:
             frame.save(self.directory / file)
-        records = (spec, frame.counters, frame.timings, frame.parameters, frame.provenance)
-        row = (key, *(json.dumps(r) for r in records), frame.sha256, file, time.time())
+        self._put_row(key, spec, frame, file)
+
+    def _put_row(
+        self, key: str, spec: Mapping[str, Any], of: Frame | Record, file: str | None = None
+    ) -> None:
+        records = (spec, of.counters, of.timings, of.parameters, of.provenance)
+        name = file or getattr(of, "file", "")
+        row = (key, *(json.dumps(r) for r in records), of.sha256, name, time.time())
         with self._lock, self._db:
             self._db.execute("BEGIN IMMEDIATE")
             self._db.execute(f"INSERT OR REPLACE INTO frames VALUES ({','.join('?' * 9)})", row)
             self._db.execute("DELETE FROM comparisons WHERE key = ? OR reference = ?", (key, key))
             self._db.execute("DELETE FROM claims WHERE key = ?", (key,))
+
+    def finished(self) -> set[str]:
+        """The keys of all frames whose pictures are there."""
+        with self._lock:
+            rows = self._db.execute("SELECT key, file FROM frames").fetchall()
+        if self.directory is None:
+            return {key for key, _ in rows}
+        there = {f"frames/{entry.name}" for entry in os.scandir(self.directory / "frames")}
+        return {key for key, file in rows if file in there}
+
+    def adopt(self, key: str, other: Store) -> bool:
+        """Take over a finished frame of another store; False where neither has it.
+
+        The picture is linked, or copied where the two lie on different disks.
+        """
+        if self.get(key) is not None:
+            return True
+        record = other.get(key)
+        if record is None:
+            return False
+        if self.directory is None or other.directory is None:
+            self.put(key, record.spec, other.frame(key))
+            return True
+        target = self.directory / record.file
+        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+        partial.unlink(missing_ok=True)
+        try:
+            os.link(other.directory / record.file, partial)
+        except OSError:
+            shutil.copyfile(other.directory / record.file, partial)
+        partial.replace(target)
+        self._put_row(key, record.spec, record)
+        return True
 
     def forget_pixels(self, key: str) -> None:
         """Let go of a picture that only memory holds; its record stays."""
@@ -218,6 +260,15 @@ class Store:
             writer.writeheader()
             writer.writerows(rows)
         partial.replace(target)
+
+    def append_csv(self, row: Mapping[str, Any], columns: Sequence[str]) -> None:
+        """Add a row to `table.csv` in one write."""
+        if self.directory is None:
+            return
+        text = io.StringIO(newline="")
+        csv.DictWriter(text, list(columns), restval="", extrasaction="ignore").writerow(row)
+        with (self.directory / "table.csv").open("a", newline="", encoding="utf-8") as file:
+            file.write(text.getvalue())
 
 
 def _alive(owner: str, at: float) -> bool:

@@ -7,21 +7,23 @@ the total error. Both are rendered once and kept in the store by content hash.
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache import designs, settings, sources
 from viscache import metrics as _metrics
-from viscache import settings, sources
 from viscache.checks import require
 from viscache.store import Store
 from viscache.sweep_plan import Over, checked_size, definition_of, make_plan, positive
 from viscache.sweep_run import Progress, Run
-from viscache.sweep_table import to_dataset, write_netcdf
+from viscache.sweep_table import to_dataset, write_netcdf, write_parquet
 
 if TYPE_CHECKING:
     import xarray
@@ -43,6 +45,8 @@ def sweep(
     metrics: Iterable[str] = DEFAULT_METRICS,
     directory: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
+    apart: bool | None = None,
+    references: str | os.PathLike[str] | None = None,
     progress: Progress = False,
     threads: int | None = None,
     rays: Any = None,
@@ -63,7 +67,9 @@ def sweep(
     over : mapping of name to values, or a list of points
         A grid `{"c_e": [4, 8], "integrator.n_vpls": [256, 1024]}`, or points
         `[{"c_e": 4, "c_n": 8}, ...]` that all have the same names. A bare name is the visibility's
-        parameter (`visibility.c_e` is the same); `integrator.` and `rays.` reach the others.
+        parameter (`visibility.c_e` is the same); `integrator.` and `rays.` reach the others. In a
+        grid, `{"log": [2, 32], "n": 9}` or `{"linear": [4, 32], "n": 8, "whole": True}` stands for
+        a list; `viscache.designs` draws random points and Latin hypercubes.
     repeats, seed : int
         Repeat i uses seed + i. 1 <= repeats.
     size : (width, height)
@@ -78,8 +84,16 @@ def sweep(
         Where the store lies; an interrupted sweep resumes there and repeats nothing. Without it
         nothing is kept but the table.
     executor : concurrent.futures.Executor, optional
-        Renders frames; this process measures and stores them. Frames that share a machine disturb
-        each other's timings. Give `scene` as a string, so that workers load it themselves.
+        Any one: of threads, of processes, of dask. Renders frames; this process measures and
+        stores them. Give `scene` as a string, so that every worker loads it itself, once.
+    apart : bool, optional
+        Never render two frames side by side on this machine, whatever the executor and however
+        many processes work at the directory: frames that share a machine disturb each other's
+        timings. True by default without an executor, False with one. The table's `alone` says for
+        each point how its frames were rendered.
+    references : path, optional
+        A directory that many sweeps share: finished references are taken from it and left in it,
+        by content hash.
     progress : bool or callable
         A bar with the time left on standard error, or a function of (done, total).
     threads : int, optional
@@ -95,7 +109,9 @@ def sweep(
         converged one, rays, queries, ray_reduction, total_s (without building the ray caster, which
         only the first frame pays), visibility_s, cpu_s, exact_total_s, speedup (of total_s against
         the paired exact frame), cpu_speedup (the same of cpu_s, which other load on the machine
-        disturbs less), and `*_by_group` on `group`.
+        disturbs less), alone (1: no frame of the sweep ran beside it), and `*_by_group` on
+        `group`. Where they went, the attribute `seconds` says: wall seconds of frames, metrics,
+        the store, and in total.
 
     Raises
     ------
@@ -123,11 +139,15 @@ def sweep(
     )  # fmt: skip
     with Store(directory) as store:
         store.define(definition_of(plan, opened, scene, resolved, common, converged))
-        run = Run(plan, store, opened, progress)
-        run.go(executor)
+        with nullcontext() if references is None else Store(references) as shared:
+            one_by_one = executor is None if apart is None else bool(apart)
+            run = Run(plan, store, opened, progress, apart=one_by_one, references=shared)
+            run.go(executor)
         dataset = to_dataset(plan.names, store)
         if store.directory is not None:
             write_netcdf(dataset, store.directory / "table.nc")
+            write_parquet(store)
+    dataset.attrs["seconds"] = json.dumps({k: round(v, 3) for k, v in run.seconds.items()})
     return dataset
 
 
@@ -144,7 +164,11 @@ class SweepFile:
     scene : str
         A built-in name, or a path relative to the file.
     over : grid or list of points
-        `[over]`, or `points = [{c_e = 4, c_n = 8}, ...]`; exactly one of the two.
+        `[over]`, or `points = [{c_e = 4, c_n = 8}, ...]`; exactly one of the two. In `[over]`,
+        `c_e = {log = [2, 32], n = 9}` or `{linear = [4, 32], n = 8, whole = true}` are ranges.
+    design : table, optional
+        `{kind = "latin_hypercube", n = 50, seed = 0}` or `kind = "random"`: that many points drawn
+        from the lists and ranges (without n) of `[over]`, instead of its grid.
     integrator, visibility, rays : str or table
         A name, or a table with fixed parameters: `{name = "whitted", n_vpls = 1024}`; a `preset` in
         a table is applied first.
@@ -158,6 +182,7 @@ class SweepFile:
 
     scene: str
     over: Over
+    design: Mapping[str, Any] | None = None
     integrator: str | Mapping[str, Any] = "whitted"
     visibility: str | Mapping[str, Any] = "aqvc"
     rays: str | Mapping[str, Any] = "embree"
@@ -212,6 +237,8 @@ class SweepFile:
         _check_types(rest)
         if isinstance(rest["over"], Mapping):
             rest["over"] = _flat(rest["over"])
+        if "design" in rest:
+            rest["over"] = designs.draw(rest["design"], rest["over"])
         return cls(**rest, folder=folder)
 
     def run(
@@ -219,6 +246,8 @@ class SweepFile:
         directory: str | os.PathLike[str] | None,
         *,
         executor: Executor | None = None,
+        apart: bool | None = None,
+        references: str | os.PathLike[str] | None = None,
         progress: Progress = False,
     ) -> xarray.Dataset:
         """Run or resume the sweep in a directory; see `sweep`."""
@@ -231,8 +260,9 @@ class SweepFile:
             sources.absolute(self.scene, self.folder), self.integrator, visibility=visibility,
             rays=self.rays, use=self.use, over=self.over, repeats=self.repeats, seed=self.seed,
             size=checked_size(self.size), spp=self.spp, converged=self.converged,
-            metrics=self.metrics, directory=directory, executor=executor, progress=progress,
-            threads=self.threads, camera=self.camera, env=env,
+            metrics=self.metrics, directory=directory, executor=executor, apart=apart,
+            references=references, progress=progress, threads=self.threads, camera=self.camera,
+            env=env,
         )  # fmt: skip
 
 
@@ -241,6 +271,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "rays": (str, Mapping), "preset": (str,), "title": (str,), "use": (str,), "camera": (str,),
     "env": (str,), "size": (list,), "spp": (int,), "repeats": (int,), "seed": (int,),
     "converged": (Mapping,), "metrics": (list,), "threads": (int,), "over": (Mapping, list),
+    "design": (Mapping,),
 }  # fmt: skip
 
 
@@ -259,7 +290,7 @@ def _flat(over: Mapping[str, Any]) -> dict[str, Any]:
     """TOML reads the bare key `integrator.n_vpls` as a table in a table; both are meant."""
     flat: dict[str, Any] = {}
     for name, value in over.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and name in settings.ROLES:
             flat |= {f"{name}.{inner}": values for inner, values in value.items()}
         else:
             flat[name] = value

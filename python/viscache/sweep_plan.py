@@ -11,11 +11,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscache import settings
+from viscache import designs, settings
 from viscache.provenance import cpu_model, provenance, version
 from viscache.store import content_key
 
-Over: TypeAlias = "Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]"
+Over: TypeAlias = "Mapping[str, Any] | Sequence[Mapping[str, Any]]"
 RESERVED = ("repeat", "seed", "group", "point", "reference")
 
 
@@ -31,6 +31,7 @@ class Task:
     use: str | None
     camera: str | None
     env: Any
+    env_hash: str | None
     size: tuple[int, int]
     spp: int
     seed: int
@@ -88,6 +89,7 @@ def make_plan(
         seed=seed,
     )  # fmt: skip
     second = _converged(converged)
+    common = {**common, "env_hash": _env_hash(common["env"])}
     exact = settings.make("visibility", "exact")
     for index, values in combinations:
         changed: dict[str, Any] = dict(resolved)
@@ -116,7 +118,9 @@ def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
     if not over:
         raise ValueError("over must name at least one parameter, got nothing")
     if isinstance(over, Mapping):
-        columns = {name: _values(name, values) for name, values in over.items()}
+        columns = {
+            name: _values(name, designs.values_of(name, values)) for name, values in over.items()
+        }
     else:
         names = list(over[0])
         for number, point in enumerate(over):
@@ -173,7 +177,7 @@ def _add(
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
-        "env": _env_hash(task.env),
+        "env": task.env_hash,
     }  # fmt: skip
     for role in settings.ROLES:
         spec[role] = settings.described(role, chosen[role])

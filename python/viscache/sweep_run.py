@@ -2,92 +2,79 @@
 
 from __future__ import annotations
 
-import importlib
-import pickle
-import threading
+import socket
 import time
-from collections import deque
-from collections.abc import Callable
+from collections import Counter, OrderedDict, defaultdict, deque
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from viscache import executors
 from viscache import metrics as _metrics
-from viscache import sources
 from viscache.store import Store
-from viscache.sweep_plan import Plan, Task
-from viscache.sweep_table import columns_of, table_rows
+from viscache.sweep_plan import Plan, Point
+from viscache.sweep_table import TableFile
+from viscache.sweep_work import check_travels, render_task
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
 Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
-#: Tests put a stand-in here; None is `viscache.render`.
-render_function: Callable[..., Frame] | None = None
-
-
-def render_task(task: Task, scene: Any = None) -> Frame:
-    """Render one frame; runs in this process or in a worker."""
-    render = render_function or importlib.import_module("viscache").render
-    opened = scene if scene is not None else _opened(task)
-    cpu = time.process_time()
-    frame: Frame = render(
-        opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
-        size=task.size, spp=task.spp, seed=task.seed, threads=task.threads, camera=task.camera,
-        env=task.env,
-    )  # fmt: skip
-    # A thread of a pool shares the process's clock with its neighbours: no CPU time then.
-    if threading.current_thread() is threading.main_thread():
-        frame.timings.setdefault("cpu_s", time.process_time() - cpu)
-    return frame
-
-
-_LAST: list[tuple[Any, Any]] = []  # the worker's newest scene
-
-
-def _opened(task: Task) -> Any:
-    """The scene of a task, in a worker: the newest one is kept."""
-    scene = task.scene
-    if not isinstance(scene, str):
-        return scene
-    if not _LAST or _LAST[0][0] != scene:
-        _LAST[:] = [(scene, sources.open_scene(scene))]
-    opened = _LAST[0][1]
-    if str(opened.content_hash) != task.scene_hash:
-        raise ValueError(f"scene {scene} is not the one the sweep began with (its content differs)")
-    return opened
-
-
-def _check_travels(scene: Any) -> None:
-    """ValueError where a scene cannot be sent to the workers of an executor."""
-    try:
-        pickle.dumps(scene)
-    except (TypeError, AttributeError, pickle.PicklingError) as error:
-        raise ValueError(
-            "scene must be a file or a built-in name when an executor's workers render it,"
-            f" got {scene!r}"
-        ) from error
+#: Pictures kept in memory besides those in the store: a few references serve many points.
+RECENT = 6
+#: Seconds between looks at what other processes do.
+POLL_S = 0.05
 
 
 class Run:
-    """Works through a plan: render what is missing, compare what is complete."""
+    """Works through a plan.
 
-    def __init__(self, plan: Plan, store: Store, scene: Any, progress: Progress) -> None:
+    Parameters
+    ----------
+    apart : bool
+        Render one frame at a time on this machine, whatever the executor and however many
+        processes work at the store, so that timings are undisturbed.
+    references : Store, optional
+        Where finished references are taken from and left for other sweeps.
+    """
+
+    def __init__(
+        self, plan: Plan, store: Store, scene: Any, progress: Progress, *, apart: bool,
+        references: Store | None = None,
+    ) -> None:  # fmt: skip
         self.plan, self.store, self.scene = plan, store, scene
+        self.progress, self.apart, self.references = progress, apart, references
         self.order = plan.order()
-        self.todo = deque(k for k in self.order if store.get(k) is None)
-        self.open = list(plan.points)
-        self.progress = progress
+        self.total = len(self.order)
+        self.is_reference = {k for p in plan.points for k in (p.paired, p.converged) if k}
+        self._adopt()
+        self.done = store.finished() & set(self.order)
+        self.todo = deque(k for k in self.order if k not in self.done)
+        self.lacks = [sum(k not in self.done for k in _keys(p)) for p in plan.points]
+        self.waiting: dict[str, list[int]] = defaultdict(list)
+        for number, point in enumerate(plan.points):
+            for key in _keys(point):
+                self.waiting[key].append(number)
+        self.uses = Counter(k for p in plan.points for k in _keys(p))
+        self.recent: OrderedDict[str, Frame] = OrderedDict()
+        self.table = TableFile(store, plan.names, plan.metrics)
         self.bar: Any = None
+        #: Wall seconds of this process, and those of frames, wherever they were rendered.
+        self.seconds = {"frames": 0.0, "metrics": 0.0, "store": 0.0, "total": 0.0}
 
     def go(self, executor: Executor | None) -> None:
         if self.progress is True:
             from tqdm import tqdm
 
-            done = len(self.order) - len(self.todo)
-            self.bar = tqdm(total=len(self.order), initial=done, unit="frame", desc="sweep")
+            self.bar = tqdm(total=self.total, initial=len(self.done), unit="frame", desc="sweep")
+        began = time.perf_counter()
         try:
-            self.compare()
+            for number, lacks in enumerate(self.lacks):
+                if lacks == 0:
+                    self._complete(number)
+            self.table.rewrite()
             if executor is None:
                 self.serial()
             else:
@@ -95,18 +82,23 @@ class Run:
         finally:
             if self.bar is not None:
                 self.bar.close()
-            self.table()
+            self.table.rewrite()
+            self.seconds["total"] = time.perf_counter() - began
 
     def serial(self) -> None:
         foreign = 0
         while self.todo:
             key = self.todo.popleft()
             if self.store.get(key) is not None:
-                self.finished()
+                self.finished(key)
                 foreign = 0
             elif self.store.claim(key):
                 try:
-                    self.keep(key, render_task(self.plan.tasks[key], self.scene))
+                    with self._alone():
+                        began = time.perf_counter()
+                        frame = render_task(self.plan.tasks[key], self.scene)
+                        self.seconds["frames"] += time.perf_counter() - began
+                    self.keep(key, frame, alone=self.apart)
                 finally:
                     self.store.release(key)
                 foreign = 0
@@ -114,88 +106,135 @@ class Run:
                 self.todo.append(key)
                 foreign += 1
                 if foreign >= len(self.todo):
-                    time.sleep(0.2)
+                    time.sleep(4 * POLL_S)
 
     def parallel(self, executor: Executor) -> None:
         scene = self.scene if isinstance(executor, ThreadPoolExecutor) else None
         if scene is None:
-            _check_travels(next(iter(self.plan.tasks.values())).scene)
-        window = 2 * int(getattr(executor, "_max_workers", 0) or 16)
+            check_travels(next(iter(self.plan.tasks.values())).scene)
         flying: dict[Future[Frame], str] = {}
         try:
             while self.todo or flying:
+                limit = 1 if self.apart else executors.window(executor)
                 for _ in range(len(self.todo)):
-                    if len(flying) >= window:
+                    if len(flying) >= limit:
                         break
                     key = self.todo.popleft()
                     if self.store.get(key) is not None:
-                        self.finished()
+                        self.finished(key)
                     elif self.store.claim(key):
                         flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
                     else:
                         self.todo.append(key)
-                ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
-                failures = []
-                for future in ready:  # what is finished is kept before an error is raised
-                    key, failure = flying.pop(future), future.exception()
-                    if failure is not None:
-                        self.store.release(key)
-                        failures.append(failure)
-                    else:
-                        self.keep(key, future.result())
-                if failures:
-                    raise failures[0]
+                self._gather(flying)
                 if not flying and self.todo:
-                    time.sleep(0.2)
+                    time.sleep(4 * POLL_S)
         finally:
             for future, key in flying.items():
                 future.cancel()
                 self.store.release(key)
 
-    def keep(self, key: str, frame: Frame) -> None:
-        self.store.put(key, self.plan.specs[key], frame)
-        self.finished()
+    def _gather(self, flying: dict[Future[Frame], str]) -> None:
+        """Keep what is finished, then raise what failed."""
+        ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
+        failures = []
+        for future in ready:
+            key, failure = flying.pop(future), future.exception()
+            if failure is not None:
+                self.store.release(key)
+                failures.append(failure)
+            else:
+                frame = future.result()
+                self.seconds["frames"] += frame.timings.get("total_s", 0.0)
+                self.keep(key, frame, alone=self.apart)
+        if failures:
+            raise failures[0]
 
-    def finished(self) -> None:
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """While no other process at this store renders on this machine, where that is wanted."""
+        if not self.apart or self.store.directory is None:
+            yield
+            return
+        turn = f"turn of {socket.gethostname()}"
+        while not self.store.claim(turn):
+            time.sleep(POLL_S)
+        try:
+            yield
+        finally:
+            self.store.release(turn)
+
+    def keep(self, key: str, frame: Frame, *, alone: bool) -> None:
+        frame.provenance["alone"] = alone
+        began = time.perf_counter()
+        self.store.put(key, self.plan.specs[key], frame)
+        if self.references is not None and key in self.is_reference:
+            self.references.adopt(key, self.store)
+        self.seconds["store"] += time.perf_counter() - began
+        self._remember(key, frame)
+        self.finished(key)
+
+    def finished(self, key: str) -> None:
+        """Measure the points that wait for this frame alone."""
+        self.done.add(key)
         if self.bar is not None:
             self.bar.update()
         elif callable(self.progress):
-            self.progress(len(self.order) - len(self.todo), len(self.order))
-        self.compare()
+            self.progress(len(self.done), self.total)
+        for number in self.waiting[key]:
+            self.lacks[number] -= 1
+            if self.lacks[number] == 0:
+                self._complete(number)
+                self.table.append(self.plan.points[number])
 
-    def compare(self) -> None:
-        """Measure every point whose frames are all there, then rewrite the table."""
-        complete = []
-        for point in self.open:
-            keys = [k for k in (point.key, point.paired, point.converged) if k is not None]
-            if all(self.store.get(k) is not None for k in keys):
-                self.measure(point.key, point.paired)
-                if point.converged is not None:
-                    self.measure(point.key, point.converged)
-                    self.measure(point.paired, point.converged)
-                complete.append(point)
-        if complete:
-            self.open = [p for p in self.open if p not in complete]
-            if self.store.directory is None:
-                needed = {k for p in self.open for k in (p.key, p.paired, p.converged)}
-                for key in self.order:
-                    if key not in needed:
-                        self.store.forget_pixels(key)
-            self.table()
+    def _complete(self, number: int) -> None:
+        point = self.plan.points[number]
+        self.measure(point.key, point.paired)
+        if point.converged is not None:
+            self.measure(point.key, point.converged)
+            self.measure(point.paired, point.converged)
+        for key in _keys(point):
+            self.uses[key] -= 1
+            if self.uses[key] == 0:
+                self.recent.pop(key, None)
+                if self.store.directory is None:
+                    self.store.forget_pixels(key)
 
     def measure(self, key: str, reference: str) -> None:
         known = self.store.compared(key, reference)
         missing = [m for m in self.plan.metrics if m not in known]
         if not missing:
             return
-        a, b = self.store.frame(key), self.store.frame(reference)
+        began = time.perf_counter()
+        a, b = self._frame(key), self._frame(reference)
+        read = time.perf_counter()
         values = dict(_metrics.compare(a, b, metrics=missing))
         groups = [g for g in a.counters.get("groups", {}) if g in a.layers and g in b.layers]
         for group in groups:
             pair = (a.layers[group], b.layers[group])
             values[f"rel_l1/{group}"] = _metrics.compare(*pair, metrics=["rel_l1"])["rel_l1"]
+        measured = time.perf_counter()
         self.store.put_comparison(key, reference, values)
+        self.seconds["metrics"] += measured - read
+        self.seconds["store"] += time.perf_counter() - measured + read - began
 
-    def table(self) -> None:
-        rows = table_rows(self.store)
-        self.store.write_csv(rows, columns_of(rows, self.plan.names, self.plan.metrics))
+    def _frame(self, key: str) -> Frame:
+        if key not in self.recent:
+            self._remember(key, self.store.frame(key))
+        self.recent.move_to_end(key)
+        return self.recent[key]
+
+    def _remember(self, key: str, frame: Frame) -> None:
+        self.recent[key] = frame
+        while len(self.recent) > RECENT:
+            self.recent.popitem(last=False)
+
+    def _adopt(self) -> None:
+        if self.references is not None:
+            for key in self.is_reference:
+                self.store.adopt(key, self.references)
+
+
+def _keys(point: Point) -> list[str]:
+    """The frames a point needs."""
+    return [k for k in dict.fromkeys((point.key, point.paired, point.converged)) if k is not None]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache.store import Record, Store
+from viscache.sweep_plan import Point
 
 if TYPE_CHECKING:
     import xarray
@@ -22,26 +25,61 @@ UNITS = {
 
 def table_rows(store: Store) -> list[dict[str, Any]]:
     """One row per finished point and repeat: setting, seed, metrics, counts, times."""
-    rows = []
     definition = store.definition()
-    for point in definition["points"]:
-        record, paired = store.get(point["key"]), store.get(point["paired"])
-        if record is None or paired is None:
-            continue
-        known = store.compared(point["key"], point["paired"])
-        if not all(m in known for m in definition["metrics"]):
-            continue
-        row = {**point["values"], "repeat": point["repeat"], "seed": point["seed"]}
-        row |= {m: known[m] for m in definition["metrics"]}
-        if point["converged"] is not None:
-            total = store.compared(point["key"], point["converged"])
-            exact = store.compared(point["paired"], point["converged"])
-            row |= {f"converged_{m}": total.get(m) for m in definition["metrics"]}
-            row |= {f"exact_converged_{m}": exact.get(m) for m in definition["metrics"]}
-        row |= _measured(record, paired)
-        row |= {name: v for name, v in known.items() if "/" in name}
-        rows.append({**row, "frame": record.file, "key": record.key})
-    return rows
+    rows = (row_of(store, point, definition["metrics"]) for point in definition["points"])
+    return [row for row in rows if row is not None]
+
+
+def row_of(store: Store, point: Mapping[str, Any], metrics: Sequence[str]) -> dict[str, Any] | None:
+    """The row of a point as the definition has it; None where it is not finished."""
+    record, paired = store.get(point["key"]), store.get(point["paired"])
+    if record is None or paired is None:
+        return None
+    known = store.compared(point["key"], point["paired"])
+    if not all(m in known for m in metrics):
+        return None
+    row = {**point["values"], "repeat": point["repeat"], "seed": point["seed"]}
+    row |= {m: known[m] for m in metrics}
+    if point["converged"] is not None:
+        total = store.compared(point["key"], point["converged"])
+        exact = store.compared(point["paired"], point["converged"])
+        row |= {f"converged_{m}": total.get(m) for m in metrics}
+        row |= {f"exact_converged_{m}": exact.get(m) for m in metrics}
+    row |= _measured(record, paired)
+    row |= {name: v for name, v in known.items() if "/" in name}
+    return {**row, "frame": record.file, "key": record.key}
+
+
+class TableFile:
+    """`table.csv` of a running sweep: rewritten when it opens and ends, longer by a row between.
+
+    Rows that are added stand in the order in which they were finished; the rewritten file has them
+    in the order of the plan.
+    """
+
+    def __init__(self, store: Store, names: Sequence[str], metrics: Sequence[str]) -> None:
+        self._store, self._names, self._metrics = store, names, metrics
+        self._columns: list[str] = []
+
+    def rewrite(self) -> None:
+        """Write all rows anew, whole or not at all."""
+        if self._store.directory is None:
+            return
+        rows = table_rows(self._store)
+        self._columns = columns_of(rows, self._names, self._metrics)
+        if not rows:
+            self._columns = []
+        self._store.write_csv(rows, columns_of(rows, self._names, self._metrics))
+
+    def append(self, point: Point) -> None:
+        """Add the row of a finished point; one with a new column rewrites the file."""
+        if self._store.directory is None:
+            return
+        row = row_of(self._store, asdict(point), self._metrics)
+        if row is None or not set(row) <= set(self._columns):
+            self.rewrite()
+        else:
+            self._store.append_csv(row, self._columns)
 
 
 def _measured(record: Record, paired: Record) -> dict[str, Any]:
@@ -61,6 +99,7 @@ def _measured(record: Record, paired: Record) -> dict[str, Any]:
         "exact_rays": paired.counters.get("rays"),
         "speedup": _ratio(exact, total),
         "cpu_speedup": _ratio(paired.timings.get("cpu_s"), timings.get("cpu_s")),
+        "alone": int(all(r.provenance.get("alone", False) for r in (record, paired))),
     }
     for group, counts in counters.get("groups", {}).items():
         row |= {f"{name}/{group}": counts.get(name) for name in ("rays", "queries")}
@@ -86,6 +125,7 @@ def columns_of(
     fixed = [
         *first, "rays", "queries", "ray_reduction", "total_s", "visibility_s", "cpu_s",
         "exact_total_s", "exact_cpu_s", "exact_rays", "speedup", "cpu_speedup",
+        "alone",
     ]  # fmt: skip
     late = [c for c in seen if c not in fixed and c not in ("frame", "key")]
     return [*fixed, *late, "frame", "key"]
@@ -167,3 +207,31 @@ def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
         raise ValueError(f"{directory} holds no sweep: it has no sweep.sqlite")
     with Store(directory) as store:
         return to_dataset(store.definition()["names"], store)
+
+
+def write_parquet(store: Store) -> Path | None:
+    """Write `table.parquet`, the rows of `table.csv`; None without pyarrow or a directory."""
+    if store.directory is None or importlib.util.find_spec("pyarrow") is None:
+        return None
+    import pyarrow
+    from pyarrow import parquet
+
+    definition = store.definition()
+    rows = table_rows(store)
+    columns = columns_of(rows, definition["names"], definition["metrics"])
+    table = {name: _column([row.get(name) for row in rows]) for name in columns}
+    target = store.directory / "table.parquet"
+    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+    parquet.write_table(pyarrow.table(table), partial)
+    partial.replace(target)
+    return target
+
+
+def _column(values: list[Any]) -> list[Any]:
+    """Values of one type: whole numbers beside fractions as fractions, other mixtures as text."""
+    kinds = {type(v) for v in values if v is not None}
+    if len(kinds) < 2:
+        return [list(v) if isinstance(v, tuple) else v for v in values]
+    if kinds == {int, float}:
+        return [None if v is None else float(v) for v in values]
+    return [None if v is None else str(v) for v in values]

@@ -42,13 +42,13 @@ def chromium(profile: Path, page: Path, fragment: str, *options: str) -> str:
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report of 3 × 2 settings, moved away from its directory."""
     import viscache
-    from viscache import report, sources, sweep_run
+    from viscache import report, sources, sweep_work
     from viscache.sweep import sweep
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("Whitted", "Embree", "Exact", "Aqvc"):
             patch.setattr(viscache, name, getattr(fake, name), raising=False)
-        patch.setattr(sweep_run, "render_function", fake.fake_render)
+        patch.setattr(sweep_work, "render_function", fake.fake_render)
         patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
         directory = tmp_path_factory.mktemp("sweep")
         over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}

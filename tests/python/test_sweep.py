@@ -131,14 +131,14 @@ def test_an_executor_gives_the_same_table_as_none(fake_vc: Any, tmp_path: Path) 
 def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(
     fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from viscache import sweep_run
+    from viscache import sweep_work
 
     def breaks(scene: Any, integrator: Any, **options: Any) -> Frame:
         if getattr(options["visibility"], "c_e", 0) == 16:
             raise RuntimeError("a bad ray")
         return fake_vc.fake_render(scene, integrator, **options)
 
-    monkeypatch.setattr(sweep_run, "render_function", breaks)
+    monkeypatch.setattr(sweep_work, "render_function", breaks)
     with ThreadPoolExecutor(1) as pool, pytest.raises(RuntimeError, match="a bad ray"):
         sweep("room", "whitted", over={"c_e": [4, 16]}, directory=tmp_path, executor=pool, **SMALL)
     assert [r["c_e"] for r in rows_of(tmp_path)] == ["4"]

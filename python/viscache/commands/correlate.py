@@ -8,9 +8,15 @@ import sys
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from viscache.commands.shared import at_least_one, print_json, print_table, worker_pool
+from viscache.commands.shared import (
+    add_workers,
+    at_least_one,
+    chosen_executor,
+    print_json,
+    print_table,
+    threads_of_a_worker,
+)
 from viscache.correlation.rows import RowEngine
-from viscache.provenance import thread_count
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", metavar="NAME", help="name or index")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
-    parser.add_argument("--workers", type=at_least_one, default=1, metavar="N", help="processes")
+    add_workers(parser)
     parser.add_argument("--store", metavar="DIR", help="keeps finished blocks; resumes there")
     parser.add_argument("--plot", metavar="DIR", help="pictures of the result")
     parser.add_argument("--json", action="store_true", help="one JSON object")
@@ -59,10 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
     wish: str | None = arguments.camera
     known = [camera.name for camera in scene.cameras]
     index = wish is not None and wish not in known and wish.isdecimal()
-    with worker_pool(arguments.workers) as executor:
-        threads = arguments.threads
-        if executor is not None and threads is None:
-            threads = max(1, thread_count() // arguments.workers)
+    with chosen_executor(arguments) as executor:
+        threads = arguments.threads or threads_of_a_worker(arguments)
         dataset = measure(
             scene, n_points=arguments.points, map_size=arguments.map_size,
             pairs=arguments.pairs, points=arguments.on,

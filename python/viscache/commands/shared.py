@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import multiprocessing
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from typing import Any
 
-from viscache import settings
+from viscache import executors, settings
 from viscache.json_values import finite
+from viscache.provenance import thread_count
 
 
 def print_json(value: Any) -> None:
@@ -62,10 +62,23 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[settings.Role, Any]:
     return settings.assign(chosen, arguments.set)
 
 
-def worker_pool(workers: int) -> AbstractContextManager[Executor | None]:
-    """A pool of processes; None for one worker, this process itself."""
-    if workers == 1:
-        return nullcontext()
-    # spawn: a forked child would inherit Embree's and our threads in an unknown state
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context)
+def add_workers(parser: argparse.ArgumentParser) -> None:
+    """`--workers N` and `--dask ADDRESS`."""
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--workers", type=at_least_one, default=1, metavar="N",
+                       help="processes; they disturb each other's timings")  # fmt: skip
+    which.add_argument("--dask", metavar="ADDRESS", help="the workers of a dask scheduler")
+
+
+def chosen_executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor | None]:
+    """What `add_workers` asked for; None is this process."""
+    if arguments.dask is not None:
+        return executors.dask_executor(arguments.dask)
+    return executors.process_pool(arguments.workers)
+
+
+def threads_of_a_worker(arguments: argparse.Namespace) -> int | None:
+    """What each of several processes gets of this machine; None for all of it, or another's."""
+    if arguments.workers == 1:
+        return None
+    return max(1, thread_count() // int(arguments.workers))

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.pairs import TILE, choose_tiles, tile_list
+from viscache.executors import window
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -97,11 +98,10 @@ def work_through(
             keep(task, work(task))
         return
     waiting = iter(tasks)
-    window = 2 * int(getattr(executor, "_max_workers", 0) or 16)
     flying: dict[Future[Result], Task] = {}
     try:
         while True:
-            for task in itertools.islice(waiting, window - len(flying)):
+            for task in itertools.islice(waiting, max(0, window(executor) - len(flying))):
                 flying[executor.submit(work, task)] = task
             if not flying:
                 return

@@ -1,0 +1,82 @@
+"""One frame of a sweep, rendered here or in a worker."""
+
+from __future__ import annotations
+
+import importlib
+import pickle
+import threading
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from viscache import sources
+from viscache.sweep_plan import Task
+
+if TYPE_CHECKING:
+    from viscache.frame import Frame
+
+#: Tests put a stand-in here; None is `viscache.render`.
+render_function: Callable[..., Frame] | None = None
+
+
+def render_task(task: Task, scene: Any = None) -> Frame:
+    """Render one frame; runs in this process or in a worker."""
+    render = render_function or importlib.import_module("viscache").render
+    opened = _lit(task, scene if scene is not None else _opened(task))
+    cpu = time.process_time()
+    frame: Frame = render(
+        opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
+        size=task.size, spp=task.spp, seed=task.seed, threads=task.threads, camera=task.camera,
+    )  # fmt: skip
+    # A thread of a pool shares the process's clock with its neighbours: no CPU time then.
+    if threading.current_thread() is threading.main_thread():
+        frame.timings.setdefault("cpu_s", time.process_time() - cpu)
+    return frame
+
+
+class _Newest:
+    """The newest thing made, so that a worker makes it once and not once per frame."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._kept: tuple[Any, Any] | None = None
+
+    def get(self, key: Any, make: Callable[[], Any]) -> Any:
+        with self._lock:
+            if self._kept is None or self._kept[0] != key:
+                self._kept = None  # before the next one takes memory
+                self._kept = (key, make())
+            return self._kept[1]
+
+
+_SCENE, _LIT = _Newest(), _Newest()
+
+
+def _opened(task: Task) -> Any:
+    """The scene of a task, in a worker."""
+    scene = task.scene
+    if not isinstance(scene, str):
+        return scene
+    opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
+    if str(opened.content_hash) != task.scene_hash:
+        raise ValueError(f"scene {scene} is not the one the sweep began with (its content differs)")
+    return opened
+
+
+def _lit(task: Task, scene: Any) -> Any:
+    """The scene under the task's environment."""
+    if task.env is None:
+        return scene
+    key = (task.scene_hash, task.env_hash)
+    return _LIT.get(key, lambda: scene.with_environment(task.env, threads=task.threads))
+
+
+def check_travels(scene: Any) -> None:
+    """ValueError where a scene cannot be sent to the workers of an executor."""
+    try:
+        pickle.dumps(scene)
+    except (TypeError, AttributeError, pickle.PicklingError) as error:
+        raise ValueError(
+            "scene must be a file or a built-in name when an executor's workers render it,"
+            f" got {scene!r}"
+        ) from error
