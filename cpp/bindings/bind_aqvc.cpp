@@ -15,22 +15,45 @@ void bind_aqvc_run(py::module_& m);
 
 namespace {
 
+constexpr std::array kRefinements{"auto", "on", "off"};
+
+/// The member of a closed set that has this name.
+template <class Enum, size_t N>
+Enum named(const char* field, const std::array<const char*, N>& names, const std::string& name) {
+    std::string all;
+    for (size_t i = 0; i < N; ++i) {
+        if (name == names[i]) return Enum(i);
+        all += (i ? ", " : "") + std::string(names[i]);
+    }
+    throw py::value_error(std::string(field) + " must be one of " + all + ", got " + name);
+}
+
 /// A field of a closed set, read and written by name.
 template <class Enum, size_t N>
 void named_field(py::class_<AqvcParameters>& c, const char* field, Enum AqvcParameters::* member,
                  std::array<const char*, N> names) {
     c.def_property(
         field, [=](const AqvcParameters& p) { return names[size_t(p.*member)]; },
-        [=](AqvcParameters& p, const std::string& name) {
-            std::string all;
-            for (size_t i = 0; i < N; ++i) {
-                if (name == names[i]) {
-                    p.*member = Enum(i);
-                    return;
-                }
-                all += (i ? ", " : "") + std::string(names[i]);
+        [=](AqvcParameters& p, const std::string& name) { p.*member = named<Enum>(field, names, name); });
+}
+
+/// Refinement by light group: names, or None where the group follows `refinement`.
+void bind_refinement_group(py::class_<AqvcParameters>& c) {
+    using Names = std::array<std::optional<std::string>, kLightGroups>;
+    c.def_property(
+        "refinement_group",
+        [](const AqvcParameters& p) {
+            Names names;
+            for (size_t g = 0; g < names.size(); ++g)
+                if (p.refinement_group[g]) names[g] = kRefinements[size_t(*p.refinement_group[g])];
+            return names;
+        },
+        [](AqvcParameters& p, const Names& names) {
+            for (size_t g = 0; g < names.size(); ++g) {
+                p.refinement_group[g].reset();
+                if (names[g])
+                    p.refinement_group[g] = named<Refinement>("refinement_group", kRefinements, *names[g]);
             }
-            throw py::value_error(std::string(field) + " must be one of " + all + ", got " + name);
         });
 }
 
@@ -58,14 +81,17 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("c_n", &AqvcParameters::c_n);
     c.def_readwrite("c_z", &AqvcParameters::c_z);
     c.def_readwrite("c_r", &AqvcParameters::c_r);
-    named_field(c, "normal_mode", &AqvcParameters::normal_mode, std::array{"round", "floor"});
+    named_field(c, "normal_mode", &AqvcParameters::normal_mode, std::array{"round", "floor", "octahedral", "single"});
     c.def_readwrite("grid_offset", &AqvcParameters::grid_offset);
     c.def_readwrite("grid_seed", &AqvcParameters::grid_seed);
     c.def_readwrite("tangent_neighbours", &AqvcParameters::tangent_neighbours);
     named_field(c, "res_rule", &AqvcParameters::res_rule, std::array{"eq7", "eq6"});
     named_field(c, "env_rule", &AqvcParameters::env_rule, std::array{"derived", "printed"});
+    c.def_readwrite("jitter", &AqvcParameters::jitter);
     named_field(c, "vpl_key", &AqvcParameters::vpl_key, std::array{"point", "surface"});
-    named_field(c, "refinement", &AqvcParameters::refinement, std::array{"auto", "on", "off"});
+    named_field(c, "refinement", &AqvcParameters::refinement, kRefinements);
+    bind_refinement_group(c);
+    c.def_readwrite("nil_refine", &AqvcParameters::nil_refine);
     named_field(c, "level_rule", &AqvcParameters::level_rule, std::array{"finest", "log2"});
     c.def_readwrite("level_step", &AqvcParameters::level_step);
     c.def_readwrite("c_finest", &AqvcParameters::c_finest);
@@ -75,7 +101,6 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("table_bytes", &AqvcParameters::table_bytes);
     named_field(c, "order", &AqvcParameters::order, std::array{"hm", "scanline", "random"});
     c.def_readwrite("c_pg", &AqvcParameters::c_pg);
-    c.def_readwrite("cosmin", &AqvcParameters::cosmin);
     named_field(c, "form", &AqvcParameters::form, std::array{"waves", "rows", "pairs"});
     named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact", "shared"});
     c.def_readwrite("batch", &AqvcParameters::batch);

@@ -295,10 +295,11 @@ def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> l
     texts = list(scene.warnings)
     if isinstance(integrator, AmbientOcclusion):
         texts = [w for w in texts if "no light" not in w]
-    if isinstance(visibility, Aqvc) and (c_n := visibility.core().c_n) % 2:
+    core = visibility.core() if isinstance(visibility, Aqvc) else None
+    if core and core.c_n % 2 and core.normal_mode in ("round", "floor"):
         texts.append(
-            f"odd c_n ({c_n}): grids stand oblique on axis-aligned walls and cost several times "
-            "the rays of an even c_n"
+            f"odd c_n ({core.c_n}): grids stand oblique on axis-aligned walls and cost several "
+            "times the rays of an even c_n"
         )
     return texts
 

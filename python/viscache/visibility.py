@@ -54,6 +54,9 @@ class Exact:
         return {"order": self.order, "coherent": self.coherent, "sky_engine": self.sky_engine}
 
 
+#: Parameters of `Aqvc` that are mappings by light group.
+BY_GROUP = ("c_e_groups", "refinement_groups")
+
 #: What the presets change of the C++ defaults (docs/deviations.md tells why).
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
@@ -98,14 +101,19 @@ class Aqvc:
         C_Z: cells are this much thinner along the normal. 4; the paper: 8.
     c_r : float in [1.001, 16]
         C_R: ratio of the ladder of resolutions (Eq. 8). 1.2; with `Bdpt` 2.
-    normal_mode : {"round", "floor"}
-        Normals to the nearest bin, or down (the paper).
+    normal_mode : {"round", "floor", "octahedral", "single"}
+        Bins of normals: to the nearest on a cube's lattice, or down (the paper); about as many on
+        the octahedral map; or one grid for all normals, which lets light through thin walls.
     grid_offset : bool
         Shift the grids by irrational amounts, so that no plane lies on a cell face.
     grid_seed : int >= 0
         Another shift per number, and another random order.
     tangent_neighbours : bool
         Neighbour cells follow the tangent plane instead of keeping v_z.
+    jitter : bool
+        Move every eye point along its tangent plane by up to half a cell before it is quantised,
+        by `grid_seed`: the edges of cells become noise. A point stays where it is if no eye point
+        of the tile lies in the cell it would come to. Not with res_rule "eq6".
     res_rule : {"eq7", "eq6"}
         Cells of surface–surface connections: Eq. 7; with `Bdpt` Eq. 6.
     env_rule : {"derived", "printed"}
@@ -114,6 +122,11 @@ class Aqvc:
         One column per VPL, or VPLs quantised as surface points.
     refinement : {"auto", "on", "off"}
         Alg. 2. Auto: for point, directional and VPL groups unless C_E² <= spp; off with `Bdpt`.
+    refinement_groups : mapping of light group to {"auto", "on", "off"}
+        The same for single groups, named as in `c_e_groups`.
+    nil_refine : float in [0, 1]
+        Share of the cells that refine where two or more of their four neighbours are unknown; an
+        unknown neighbour agrees otherwise. 0.
     level_rule : {"finest", "log2"}
         Levels C_E, C_E/level_step … down to c_finest, or max(1, ceil(log2 C_E)) of them.
     level_step, c_finest : float
@@ -153,14 +166,17 @@ class Aqvc:
     c_n: int | None = None
     c_z: float | None = None
     c_r: float | None = None
-    normal_mode: Literal["round", "floor"] | None = None
+    normal_mode: Literal["round", "floor", "octahedral", "single"] | None = None
     grid_offset: bool | None = None
     grid_seed: int | None = None
     tangent_neighbours: bool | None = None
+    jitter: bool | None = None
     res_rule: Literal["eq7", "eq6"] | None = None
     env_rule: Literal["derived", "printed"] | None = None
     vpl_key: Literal["point", "surface"] | None = None
     refinement: Literal["auto", "on", "off"] | None = None
+    refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
+    nil_refine: float | None = None
     level_rule: Literal["finest", "log2"] | None = None
     level_step: float | None = None
     c_finest: float | None = None
@@ -185,7 +201,19 @@ class Aqvc:
                 number and 0 < value < float("inf"),
                 f"c_e_groups[{group!r}] must be > 0 and finite", value,
             )  # fmt: skip
+        self._check_refinement_groups()
         self.core()
+
+    def _check_refinement_groups(self) -> None:
+        given = self.refinement_groups
+        table = isinstance(given, Mapping)
+        require(table, 'refinement_groups must map light groups to "auto", "on" or "off"', given)
+        for group, value in given.items():
+            known = group in LIGHT_GROUPS
+            require(known, f"refinement_groups must name {', '.join(LIGHT_GROUPS)}", group)
+            require(value in ("auto", "on", "off"),
+                    f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
+                    value)  # fmt: skip
 
     def core(self) -> _core.aqvc.AqvcParameters:
         """The C++ struct with the preset and what was given.
@@ -198,7 +226,7 @@ class Aqvc:
         values = dict(PRESETS[self.preset])
         for f in fields(self):
             value = getattr(self, f.name)
-            if f.name not in ("preset", "c_e_groups") and value is not None:
+            if f.name not in BY_GROUP and f.name != "preset" and value is not None:
                 values[f.name] = value
         core = _core.aqvc.AqvcParameters()
         for name, value in values.items():
@@ -207,6 +235,7 @@ class Aqvc:
             except TypeError as error:
                 raise ValueError(f"{name} must be a number in range, got {value!r}") from error
         core.c_e_group = [float(self.c_e_groups.get(g, 0.0)) for g in LIGHT_GROUPS]
+        core.refinement_group = [self.refinement_groups.get(g) for g in LIGHT_GROUPS]
         core.validate()
         return core
 
@@ -226,7 +255,7 @@ class Aqvc:
     def resolved(self) -> dict[str, Any]:
         """Every parameter's value, the preset's filled in."""
         core = self.core()
-        given = {"preset": self.preset, "c_e_groups": dict(self.c_e_groups)}
+        given = {"preset": self.preset, **{name: dict(getattr(self, name)) for name in BY_GROUP}}
         return given | {f.name: getattr(core, f.name) for f in fields(self) if f.name not in given}
 
     def parameters(self) -> dict[str, Any]:

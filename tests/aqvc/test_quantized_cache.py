@@ -17,6 +17,9 @@ FORMS = [
     {"form": "rows", "batch": 1},
     {"form": "pairs"},
     {"form": "pairs", "storage": "exact", "batch": 1},
+    {"form": "waves", "jitter": True, "nil_refine": 0.5, "normal_mode": "octahedral"},
+    {"form": "rows", "jitter": True, "nil_refine": 0.5, "normal_mode": "single"},
+    {"form": "pairs", "jitter": True, "nil_refine": 0.5},
 ]
 EXACT_KINDS = ["point", "directional", "vpl", "ambient"]
 
@@ -281,6 +284,44 @@ def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
     assert [len(p.level_list(g)) for g in range(8)] == [2, 2, 1, 1, 2, 1, 1, 1]
     assert p.level_list(0) == [16, 4] and p.level_list(4) == [9, 4]
     assert len(p.level_list(0, spp=256)) == 1 and len(p.level_list(0, spp=255)) == 2
+
+
+def test_refinement_can_be_set_for_single_light_groups():
+    """A group's own setting wins, and "auto" gives it back to the rule."""
+    own = ["off", None, "on", None, "auto", None, None, None]
+    p = _core.aqvc.AqvcParameters(c_e=16, refinement_group=own)
+    assert [len(p.level_list(g)) for g in range(8)] == [1, 2, 2, 1, 2, 1, 1, 1]
+    assert p.refinement_group == own
+    q = _core.aqvc.AqvcParameters(c_e=16, refinement="on", refinement_group=own)
+    assert [len(q.level_list(g)) for g in range(8)] == [1, 2, 2, 2, 2, 2, 2, 2]
+    with pytest.raises(ValueError, match="refinement_group must be one of auto, on, off, got yes"):
+        p.refinement_group = ["yes"] + [None] * 7
+
+
+@pytest.mark.parametrize("form", ["waves", "rows", "pairs"])
+def test_jitter_moves_points_between_cells_but_makes_none(form):
+    """Points go to cells of the tile alone: without refinement hardly more rays, another image."""
+    eyes = tiles.eye_points(64, 64)
+    plain, c, _ = block("point", eyes=eyes, c_e=8, refinement="off", form=form)
+    moved, c2, _ = block("point", eyes=eyes, c_e=8, refinement="off", form=form, jitter=True)
+    again = block("point", eyes=eyes, c_e=8, refinement="off", form=form, jitter=True, grid_seed=0)
+    assert c2["cells"] <= c["cells"] and c2["rays"] < 1.05 * c["rays"]
+    assert (plain != moved).mean() > 0.002
+    np.testing.assert_array_equal(moved, again[0])
+
+
+def test_cells_that_doubt_refine_where_neighbours_are_unknown():
+    """nil_refine: more rays the more cells doubt, in every form; without neighbours none agrees."""
+    for form in FORMS[:5]:
+        rays = [block("point", c_e=16, nil_refine=p, **form)[1]["rays"] for p in (0, 0.5, 1)]
+        assert rays[0] < rays[1] < rays[2]
+    eyes = tiles.eye_points()
+    names = ("position", "normal", "density")
+    two = {name: np.repeat(eyes[name][:1], 2, 0) for name in names}
+    far = tiles.lights("directional", 3)
+    for p, lookups in ((0.0, 6), (1.0, 12)):
+        c = tiles.tile_run(two, c_e=16, nil_refine=p).block(far, np.ones((2, 3), bool))[1]
+        assert c["rays"] == 3 and c["lookups"] == lookups
 
 
 @pytest.mark.parametrize(

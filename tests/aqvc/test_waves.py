@@ -15,6 +15,11 @@ OPTIONS = [
     {"c_e": 12, "tangent_neighbours": False, "normal_mode": "floor", "grid_offset": False},
     {"c_e": 6, "refinement": "off"},
     {"c_e": 2000},
+    {"c_e": 12, "normal_mode": "octahedral"},
+    {"c_e": 12, "normal_mode": "single"},
+    {"c_e": 16, "jitter": True},
+    {"c_e": 16, "jitter": True, "grid_seed": 3, "nil_refine": 0.3, "level_step": 2},
+    {"c_e": 12, "nil_refine": 1.0},
 ]
 
 
@@ -25,9 +30,12 @@ def grid_of(options):
         tiles.RADIUS,
         c_z=options.get("c_z", 4),
         c_r=options.get("c_r", 1.2),
-        rounding=options.get("normal_mode", "round") == "round",
-        offset=(0.7549, 0.5698, 0.4263) if options.get("grid_offset", True) else (0, 0, 0),
+        mode=options.get("normal_mode", "round"),
+        offset=reference.offset(options.get("grid_seed", 0), options.get("grid_offset", True)),
         tangent=options.get("tangent_neighbours", True),
+        jitter=options.get("jitter", False),
+        nil_refine=options.get("nil_refine", 0.0),
+        seed=options.get("grid_seed", 0),
     )
 
 

@@ -92,11 +92,11 @@ def test_bidirectional_path_tracing_has_the_names_and_defaults_of_its_struct() -
 
 
 def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
-    # cosmin is the integrator's in Python, c_e_group is a mapping by name
+    # c_e_group and refinement_group are mappings by name
     struct = values(_core.aqvc.AqvcParameters())
-    struct.pop("cosmin")
-    assert not any(struct.pop("c_e_group"))
-    names = {f.name for f in dataclasses.fields(vc.Aqvc)} - {"preset", "c_e_groups"}
+    assert not any(struct.pop("c_e_group")) and not any(struct.pop("refinement_group"))
+    mappings = {"c_e_groups", "refinement_groups"}
+    names = {f.name for f in dataclasses.fields(vc.Aqvc)} - {"preset"} - mappings
     assert names == set(struct)
     resolved = vc.Aqvc().resolved()
     assert {n: resolved[n] for n in names} == {n: approximately(v) for n, v in struct.items()}
@@ -188,6 +188,11 @@ BAD = [
     (vc.Aqvc, {"form": "wave"}, "form must be one of"),
     (vc.Aqvc, {"c_e_groups": 3}, "c_e_groups must map"),
     (vc.Aqvc, {"c_e_groups": {"vpl": "x"}}, "c_e_groups"),
+    (vc.Aqvc, {"refinement_groups": "on"}, "refinement_groups must map"),
+    (vc.Aqvc, {"refinement_groups": {"lamp": "on"}}, "refinement_groups must name point"),
+    (vc.Aqvc, {"refinement_groups": {"vpl": "no"}}, "refinement_groups.'vpl'. must be"),
+    (vc.Aqvc, {"nil_refine": 1.5}, "nil_refine must be in"),
+    (vc.Aqvc, {"jitter": True, "res_rule": "eq6"}, "jitter must be off with res_rule eq6"),
 ]
 
 

@@ -70,17 +70,69 @@ def ladder(r: Array, c_r: float = 1.2) -> Array:
     return np.maximum(1.0, np.floor(c_r**k))
 
 
-def fold(v: int) -> int:
-    """64-bit coordinate mixed down to a signed 32-bit slot (MurmurHash3's finaliser)."""
+def mixed(v: int) -> int:
+    """MurmurHash3's finaliser."""
     m = 2**64 - 1
     h = v & m
     h ^= h >> 33
     h = h * 0xFF51AFD7ED558CCD & m
     h ^= h >> 33
     h = h * 0xC4CEB9FE1A85EC53 & m
-    h ^= h >> 33
-    h &= 0xFFFFFFFF
+    return h ^ h >> 33
+
+
+def fold(v: int) -> int:
+    """64-bit coordinate mixed down to a signed 32-bit slot."""
+    h = mixed(v) & 0xFFFFFFFF
     return h - 2**32 if h >= 2**31 else h
+
+
+def drawn(values: Sequence[int], seed: int) -> int:
+    """64 random bits of a tuple of 32-bit integers."""
+    h = seed
+    for v in values:
+        h = mixed(h + (v & 0xFFFFFFFF) + 0x9E3779B97F4A7C15)
+    return h
+
+
+def jitter(p: Array, seed: int) -> tuple[float, float]:
+    """Two numbers in [-1/2, 1/2) of a point's float bits."""
+    h = drawn((np.asarray(p, np.float32) + np.float32(0)).view(np.uint32).tolist(), seed)
+    return (h >> 32) / 2**32 - 0.5, (h & 0xFFFFFFFF) / 2**32 - 0.5
+
+
+def offset(seed: int, shifted: bool = True) -> tuple[float, ...]:
+    """Shift of the grids in cells."""
+    if not shifted:
+        return 0.0, 0.0, 0.0
+    start = (0.7549, 0.5698, 0.4263)
+    return tuple(
+        s + ((mixed(3 * seed + a) >> 11) / 2**53 if seed else 0.0) for a, s in enumerate(start)
+    )
+
+
+def octahedral_steps(c_n: int) -> int:
+    """Steps along the square's edge: even, for about the bins that rounding uses."""
+    return 2 * int(np.floor(1.085 * c_n + 0.5))
+
+
+def octahedral_bin(n: Array, steps: int) -> tuple[int, int, int]:
+    """Nearest lattice point on the octahedral square; the two halves of an edge are one."""
+    i, j = (int(v) for v in np.floor(octahedron(n) * steps + 0.5))
+    if i in (0, steps):
+        j = min(j, steps - j)
+    if j in (0, steps):
+        i = min(i, steps - i)
+    return 0, i, j
+
+
+def octahedral_axis(i: int, j: int, steps: int) -> Array:
+    """Direction of a lattice point, not normalised."""
+    x, y = 2.0 * i / steps - 1, 2.0 * j / steps - 1
+    z = 1 - abs(x) - abs(y)
+    if z < 0:
+        x, y = (1 - abs(y)) * (-1 if x < 0 else 1), (1 - abs(x)) * (-1 if y < 0 else 1)
+    return np.array([x, y, z])
 
 
 def octahedron(w: Array) -> Array:
@@ -101,13 +153,31 @@ class Grid:
     c_n: int = 8
     c_z: float = 4.0
     c_r: float = 1.2
-    rounding: bool = True
+    mode: str = "round"
     offset: tuple[float, float, float] = (0.7549, 0.5698, 0.4263)
     tangent: bool = True
+    jitter: bool = False
+    nil_refine: float = 0.0
+    seed: int = 0
+
+    def bins(self, n: Array) -> tuple[int, ...]:
+        """Bin of a normal."""
+        if self.mode == "single":
+            return 0, 0, 0
+        if self.mode == "octahedral":
+            return octahedral_bin(n, octahedral_steps(self.c_n))
+        shift = 0.5 if self.mode == "round" else 0.0
+        found = np.clip(np.floor((n + 1) / 2 * self.c_n + shift), 0, self.c_n)
+        return tuple(int(b) for b in found)
 
     def frame(self, bins: Sequence[int]) -> tuple[Array, Array, Array]:
         """Axes of the grid of a normal bin (Duff et al.'s basis around d_z of Eq. 4)."""
-        d = 2.0 * np.asarray(bins, np.float64) / self.c_n - 1
+        if self.mode == "single":
+            return tuple(np.eye(3))
+        if self.mode == "octahedral":
+            d = octahedral_axis(bins[1], bins[2], octahedral_steps(self.c_n))
+        else:
+            d = 2.0 * np.asarray(bins, np.float64) / self.c_n - 1
         n = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
         x, y, z = d / n if n > 0 else np.array([0.0, 0.0, 1.0])
         s = np.copysign(1.0, z)
@@ -122,8 +192,8 @@ class Grid:
     def place(self, p: Array, n: Array, r: float) -> Placed:
         """Cell of point p with normal n for the real-valued resolution r."""
         p, n = np.asarray(p, np.float64), np.asarray(n, np.float64)
-        shift = 0.5 if self.rounding else 0.0
-        bins = np.clip(np.floor((n + 1) / 2 * self.c_n + shift), 0, self.c_n).astype(int)
+        bins = self.bins(n)
+        c_z = 1.0 if self.mode == "single" else self.c_z
         ex, ey, ez = self.frame(bins)
         q = p - np.asarray(self.center, np.float64)
 
@@ -135,13 +205,17 @@ class Grid:
         f = (
             (along(ex, q) + self.radius) * s + self.offset[0],
             (along(ey, q) + self.radius) * s + self.offset[1],
-            (along(ez, q) + self.radius) * s * self.c_z + self.offset[2],
+            (along(ez, q) + self.radius) * s * c_z + self.offset[2],
         )
         nz = along(ez, n)
         steep = abs(nz) <= 0.01
-        slope = (0.0, 0.0) if steep else tuple(self.c_z * along(e, n) / nz for e in (ex, ey))
+        slope = (0.0, 0.0) if steep else tuple(c_z * along(e, n) / nz for e in (ex, ey))
         v = tuple(int(np.floor(c)) for c in f)
-        return Placed(tuple(int(b) for b in bins), int(big), v, f, slope)
+        return Placed(bins, int(big), v, f, slope)
+
+    def doubts(self, cell: Key) -> bool:
+        """Whether the cell refines where two of four neighbours are unknown."""
+        return (drawn(cell, self.seed) >> 11) / 2**53 < self.nil_refine
 
 
 @dataclass(frozen=True)
@@ -190,13 +264,31 @@ class Result:
 def place_all(grid: Grid, eyes: dict, levels: Sequence[float]) -> list[list[Placed]]:
     """Cells of every eye point at every level."""
     d = np.asarray(eyes["density"], np.float64)
-    return [
+    placed = [
         [
             grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.radius))
             for c in levels
         ]
         for i in range(len(d))
     ]
+    if not grid.jitter:
+        return placed
+    occupied = [{steps[level].key for steps in placed} for level in range(len(levels))]
+    return [
+        [
+            moved(step, jitter(eyes["position"][i], grid.seed), occupied[level])
+            for level, step in enumerate(steps)
+        ]
+        for i, steps in enumerate(placed)
+    ]
+
+
+def moved(p: Placed, by: tuple[float, float], occupied: set[Key]) -> Placed:
+    """A point moved along its tangent plane, unless no point lies where it comes to."""
+    z = p.f[2] - (by[0] * p.slope[0] + by[1] * p.slope[1])
+    v = tuple(int(np.floor(c)) for c in (p.f[0] + by[0], p.f[1] + by[1], z))
+    found = Placed(p.bins, p.resolution, v, (p.f[0], p.f[1], z), p.slope)
+    return found if found.key in occupied else p
 
 
 def alg2(
@@ -222,7 +314,8 @@ def alg2(
                     out.rays_per_level[d] += 1
                     break
                 near = [table.get((cell.neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS]
-                if all(n is None or n == value for n in near):
+                doubt = near.count(None) >= 2 and grid.doubts(cell.key)
+                if not doubt and all(n is None or n == value for n in near):
                     break
             out.visible[i, k] = value
     return out
@@ -278,6 +371,7 @@ def waves(
                 for k in traced[cell]:
                     value.setdefault((finer, k), value[cell, k])
         near = {}
+        unsure = {cell: grid.doubts(cell[1]) for cell in cells}
         for cell in cells:
             p = placed[rep[cell]][d]
             near[cell] = []
@@ -290,6 +384,8 @@ def waves(
                 for k in list(asking[i]):
                     v = value.get((cell, k))
                     if v is None or any(value.get((c, k), v) != v for c in near[cell]):
+                        continue
+                    if unsure[cell] and sum((c, k) in value for c in near[cell]) <= 2:
                         continue
                     out.visible[i, k] = v
                     asking[i].discard(k)

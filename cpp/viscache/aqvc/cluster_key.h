@@ -11,9 +11,9 @@
 #include <cstdlib>
 #include <vector>
 
+#include "viscache/aqvc/normal_bins.h"
 #include "viscache/aqvc/parameters.h"
 #include "viscache/aqvc/resolution.h"
-#include "viscache/math/octahedral.h"
 #include "viscache/visibility/oracle.h"
 
 namespace viscache {
@@ -41,14 +41,6 @@ struct PlacedCell {
     Cell cell;
     double fx = 0, fy = 0, fz = 0;  ///< continuous coordinates; the cell is their floor
 };
-
-/// floor for |v| < 2^62 without a library call; anything larger becomes ±2^62.
-inline int64_t floor_to_int(double v) {
-    if (!(v > -0x1p62)) return -(int64_t{1} << 62);
-    if (v > 0x1p62) return int64_t{1} << 62;
-    const int64_t i = int64_t(v);
-    return i - (double(i) > v);
-}
 
 /// Squared distance of a point to the centre of its cell in the two tangent coordinates, in cells.
 inline double distance2_to_center(const PlacedCell& p) {
@@ -84,8 +76,13 @@ constexpr std::array<std::array<int, 2>, 4> kNeighbourOffsets = {{{1, 0}, {0, 1}
 class CellGrid {
 public:
     CellGrid(const AqvcParameters& p, Vec3 center, double radius)
-        : ladder(p.c_r, p.c_z), parameters_(p), center_(center), radius_(radius) {
-        make_frames();
+        : ladder(p.c_r, p.c_z),
+          parameters_(p),
+          bins_(p.normal_mode, p.c_n),
+          center_(center),
+          radius_(radius),
+          // One grid for all normals has no direction to be thinner along
+          c_z_(p.normal_mode == NormalMode::kSingle ? 1 : p.c_z) {
         if (!p.grid_offset) return;
         offset_ = {0.7549, 0.5698, 0.4263};
         if (p.grid_seed)
@@ -126,61 +123,36 @@ public:
     FullKey full_key(const Cell& eye, const FarKey& far) const {
         return full_key(head_slots(far.semantic, eye), far);
     }
+    /// True if the cell is one of those that refine where two or more of four neighbours are unknown: a share
+    /// `nil_refine` of all, by their keys.
+    bool doubts(const Cell& cell) const;
 
 private:
-    struct Axes {
-        std::array<double, 3> x, y, z;
-    };
-    void make_frames();
     static double along(const std::array<double, 3>& e, double x, double y, double z) {
         return e[0] * x + e[1] * y + e[2] * z;
     }
     AqvcParameters parameters_;
+    NormalBins bins_;
     Vec3 center_;
     double radius_;
+    double c_z_;
     std::array<double, 3> offset_{};
-    std::vector<Axes> frames_;  ///< of every normal bin
 };
 
-/// Axes of the grid of every bin, from the integers of Eq. 4 alone.
-inline void CellGrid::make_frames() {
-    const int n = parameters_.c_n;
-    for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n; ++j)
-            for (int k = 0; k <= n; ++k) {
-                double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1, z = 2.0 * k / n - 1;
-                const double l = std::sqrt(x * x + y * y + z * z);
-                if (l > 0)
-                    x /= l, y /= l, z /= l;
-                else
-                    x = 0, y = 0, z = 1;
-                const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
-                frames_.push_back({{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}});
-            }
-}
-
-/// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋, d_z = 2 ω_q/C_N − 1: the bin of the normal and the point in its grid.
-// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and
-// splits walls along the axes on normals' noise.
 inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
     Anchor a;
     a.valid = is_finite(p) && is_finite(n) && (n.x != 0 || n.y != 0 || n.z != 0);
     if (!a.valid) return a;
-    const int c_n = parameters_.c_n;
-    const double shift = parameters_.normal_mode == NormalMode::kRound ? 0.5 : 0;
-    const auto bin = [&](float v) {
-        return int32_t(std::clamp<int64_t>(floor_to_int((double(v) + 1) / 2 * c_n + shift), 0, c_n));
-    };
-    a.bin = (bin(n.x) * (c_n + 1) + bin(n.y)) * (c_n + 1) + bin(n.z);
-    const Axes& f = frames_[size_t(a.bin)];
+    a.bin = bins_.of(n);
+    const GridAxes& f = bins_.axes(a.bin);
     const double qx = double(p.x) - center_.x, qy = double(p.y) - center_.y, qz = double(p.z) - center_.z;
     a.x = along(f.x, qx, qy, qz) + radius_;
     a.y = along(f.y, qx, qy, qz) + radius_;
     a.z = along(f.z, qx, qy, qz) + radius_;
     const double nz = along(f.z, n.x, n.y, n.z);
     if (std::fabs(nz) > 0.01) {
-        a.slope_x = parameters_.c_z * along(f.x, n.x, n.y, n.z) / nz;
-        a.slope_y = parameters_.c_z * along(f.y, n.x, n.y, n.z) / nz;
+        a.slope_x = c_z_ * along(f.x, n.x, n.y, n.z) / nz;
+        a.slope_y = c_z_ * along(f.y, n.x, n.y, n.z) / nz;
     }
     return a;
 }
@@ -190,17 +162,26 @@ inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
     PlacedCell p;
     p.fx = a.x * s + offset_[0];
     p.fy = a.y * s + offset_[1];
-    p.fz = a.z * s * parameters_.c_z + offset_[2];
+    p.fz = a.z * s * c_z_ + offset_[2];
     p.cell = {a.bin, r.slot, floor_to_int(p.fx), floor_to_int(p.fy), floor_to_int(p.fz)};
     return p;
 }
 
 inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
-    const int32_t side = parameters_.c_n + 1;
     const bool folded = c.slot < 0;
-    slots[0] = c.bin / (side * side), slots[1] = c.bin / side % side, slots[2] = c.bin % side;
+    const auto [i, j, k] = bins_.slots(c.bin);
+    slots[0] = i, slots[1] = j, slots[2] = k;
     slots[3] = fold_coordinate(c.x, folded), slots[4] = fold_coordinate(c.y, folded);
     slots[5] = fold_coordinate(c.z, folded), slots[6] = c.slot;
+}
+
+inline bool CellGrid::doubts(const Cell& cell) const {
+    if (parameters_.nil_refine <= 0) return false;
+    int32_t slots[7];
+    write_cell(cell, slots);
+    uint64_t h = parameters_.grid_seed;
+    for (int32_t slot : slots) h = murmur64(h + uint32_t(slot) + 0x9e3779b97f4a7c15ull);
+    return double(h >> 11) * 0x1p-53 < parameters_.nil_refine;
 }
 
 inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 
 namespace viscache {
 
-enum class NormalMode { kRound, kFloor };  ///< how Eq. 4 turns a normal into integers; the paper: floor
+/// Bins of normals: Eq. 4 rounded or, as in the paper, floored; on the octahedral map; one for all.
+enum class NormalMode { kRound, kFloor, kOctahedral, kSingle };
 enum class ResolutionRule { kEq7, kEq6 };  ///< cells of surface-surface connections
 enum class EnvironmentRule { kDerived, kPrinted };  ///< Eq. 9
 enum class VplKey { kPoint, kSurface };
@@ -35,10 +37,13 @@ struct AqvcParameters {
     bool grid_offset = true;         ///< shift the grids, so that no plane of a scene lies on a cell face
     uint32_t grid_seed = 0;          ///< another shift, and another random order, per number
     bool tangent_neighbours = true;  ///< neighbour cells follow the tangent plane
+    bool jitter = false;             ///< move points by up to half a cell along the surface before quantizing
     ResolutionRule res_rule = ResolutionRule::kEq7;
     EnvironmentRule env_rule = EnvironmentRule::kDerived;
     VplKey vpl_key = VplKey::kPoint;
     Refinement refinement = Refinement::kAuto;
+    std::array<std::optional<Refinement>, kLightGroups> refinement_group{};  ///< of single light groups
+    double nil_refine = 0;  ///< share of cells that refine where two or more of four neighbours are unknown
     LevelRule level_rule = LevelRule::kFinest;  ///< kLog2: C_MSR = max(1, ceil(log2 C_E)) levels
     double level_step = 4;
     double c_finest = 4;
@@ -47,8 +52,7 @@ struct AqvcParameters {
     int digest_bits = 31;
     uint64_t table_bytes = uint64_t{4} << 20;
     PixelOrder order = PixelOrder::kHaltonMorton;
-    double c_pg = 3.7;     ///< growth of the order's segments
-    double cosmin = 0.05;  ///< floor of cos θ in densities; the renderer's business
+    double c_pg = 3.7;  ///< growth of the order's segments
     Form form = Form::kWaves;
     Storage storage = Storage::kTable;
     int batch = 0;  ///< eye points per batch; 0: 1024 for pairs, 256 for rows; 1: one query
@@ -85,14 +89,17 @@ inline void AqvcParameters::validate() const {
     require(table_bytes >= 4, "table_bytes must be >= 4", table_bytes);
     require(table_bytes <= uint64_t{1} << 33, "table_bytes must be <= 2^33", table_bytes);
     require(c_pg >= 1.1 && std::isfinite(c_pg), "c_pg must be >= 1.1 and finite", c_pg);
-    require(cosmin >= 0 && cosmin <= 1, "cosmin must be in [0, 1]", cosmin);
+    require(nil_refine >= 0 && nil_refine <= 1, "nil_refine must be in [0, 1]", nil_refine);
+    if (jitter && res_rule == ResolutionRule::kEq6)
+        throw std::invalid_argument("jitter must be off with res_rule eq6 (the default of Bdpt), got true");
     require(batch >= 0, "batch must be >= 0", batch);
 }
 
 /// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: lights shared
 /// by all pixels, unless clusters are smaller than a pixel anyway (AQVC Sec. 3.6).
 inline bool refines(const AqvcParameters& p, int group, int spp) {
-    if (p.refinement != Refinement::kAuto) return p.refinement == Refinement::kOn;
+    const Refinement chosen = p.refinement_group[size_t(group)].value_or(p.refinement);
+    if (chosen != Refinement::kAuto) return chosen == Refinement::kOn;
     const auto g = LightGroup(group);
     const bool shared = g == LightGroup::kPoint || g == LightGroup::kDirectional || g == LightGroup::kVpl;
     const double c_e = p.group_c_e(group);

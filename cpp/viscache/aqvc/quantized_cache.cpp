@@ -43,6 +43,8 @@ void QuantizedCache::watch(const Control& control) {
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     tile_.make(eyes, grid_);
+    if (parameters_.jitter)
+        for (const auto& levels : levels_) tile_.allow_jitter(levels, parameters_.grid_seed);
     pairs_.begin_tile();
     has_order_ = false;
 }

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "viscache/aqvc/nil_rule.h"
+
 namespace viscache {
 
 uint64_t Rows::run(const TileAnchors& tile, const TileOrder& order, uint32_t batch, const Columns& columns,
@@ -21,7 +23,7 @@ uint64_t Rows::run(const TileAnchors& tile, const TileOrder& order, uint32_t bat
             const uint32_t eye = order.eye[first];
             if (!tile.usable[eye]) continue;
             std::memcpy(active_.row(0), columns.asked().row(eye), words_ * sizeof(Word));
-            walk(eye, visible, counters);
+            walk(eye, *tile.grid, visible, counters);
         }
         rays += commit(*tile.eyes, columns, tracer, visible, counters);
     }
@@ -54,7 +56,7 @@ void Rows::number_cells(const TileAnchors& tile, const std::vector<double>& leve
 }
 
 /// One eye point down its levels: hits that agree are settled, misses become entries.
-void Rows::walk(uint32_t eye, BitMatrix& visible, Counters& counters) {
+void Rows::walk(uint32_t eye, const CellGrid& grid, BitMatrix& visible, Counters& counters) {
     RowCounts counts;
     for (size_t s = steps_begin_[eye]; s < steps_begin_[eye + 1]; ++s) {
         const Step& step = steps_[s];
@@ -62,6 +64,7 @@ void Rows::walk(uint32_t eye, BitMatrix& visible, Counters& counters) {
         RowPair neighbours[4] = {};
         if (!last)
             for (size_t q = 0; q < 4; ++q) neighbours[q] = row(step.neighbours[q]);
+        if (!last && grid.doubts(numbers_[step.row])) doubt_unknown(row(step.row), neighbours, words_, doubt_);
         const int left = kernels_.step(active_.row(0), row(step.row), neighbours, last,
                                        miss_.row(entries_.size()), visible.row(eye), words_, counts);
         if (left & 1) entries_.push_back({eye, step.row, step.level});

@@ -33,7 +33,7 @@ private:
         uint32_t eye, row, level;
     };
     void number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps);
-    void walk(uint32_t eye, BitMatrix& visible, Counters& counters);
+    void walk(uint32_t eye, const CellGrid& grid, BitMatrix& visible, Counters& counters);
     uint64_t commit(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
     RowPair row(uint32_t r) const { return {known_.row(r), value_.row(r)}; }
@@ -45,6 +45,7 @@ private:
     std::vector<uint32_t> steps_begin_;  ///< per eye point, and the end
     std::vector<Entry> entries_;         ///< of the batch
     BitMatrix known_, value_, pending_, miss_, active_;
+    BitMatrix doubt_;  ///< room for a neighbour that disagrees
     std::vector<Word> fresh_;
 };
 

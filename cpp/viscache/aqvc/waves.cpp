@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "viscache/aqvc/nil_rule.h"
+
 namespace viscache {
 
 uint64_t Waves::run(const TileAnchors& tile, const Columns& columns, const std::vector<double>& levels,
@@ -25,7 +27,7 @@ uint64_t Waves::run(const TileAnchors& tile, const Columns& columns, const std::
         counters.rays_per_level[d] += traced, rays += traced;
         if (d + 1 == levels_) break;
         write_down(d);
-        settle_level(d, visible, counters);
+        settle_level(d, *tile.grid, visible, counters);
     }
     return rays + finish(*tile.eyes, columns, tracer, visible, counters);
 }
@@ -118,10 +120,11 @@ void Waves::write_down(size_t level) {
         }
 }
 
-void Waves::settle_level(size_t level, BitMatrix& visible, Counters& counters) {
+void Waves::settle_level(size_t level, const CellGrid& grid, BitMatrix& visible, Counters& counters) {
     for (uint32_t c = level_begin_[level]; c < level_begin_[level + 1]; ++c) {
         RowPair neighbours[4];
         for (size_t q = 0; q < 4; ++q) neighbours[q] = row(neighbours_[c][q]);
+        if (grid.doubts(numbers_[c])) doubt_unknown(row(c), neighbours, words_, doubt_);
         kernels_.disagreement(row(c), neighbours, disagree_.row(c), words_);
     }
     RowCounts counts, repeated;

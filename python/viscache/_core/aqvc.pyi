@@ -16,6 +16,7 @@ class AqvcParameters:
     form: str
     grid_offset: bool
     hash: str
+    jitter: bool
     level_rule: str
     normal_mode: str
     order: str
@@ -81,12 +82,6 @@ class AqvcParameters:
     def c_z(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def cosmin(self) -> float:
-        ...
-    @cosmin.setter
-    def cosmin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
     def digest_bits(self) -> int:
         ...
     @digest_bits.setter
@@ -109,6 +104,18 @@ class AqvcParameters:
         ...
     @max_levels.setter
     def max_levels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def nil_refine(self) -> float:
+        ...
+    @nil_refine.setter
+    def nil_refine(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def refinement_group(self) -> typing.Annotated[list[str | None], "FixedSize(8)"]:
+        ...
+    @refinement_group.setter
+    def refinement_group(self, arg1: typing.Annotated[collections.abc.Sequence[str | None], "FixedSize(8)"]) -> None:
         ...
     @property
     def table_bytes(self) -> int:

@@ -1,0 +1,106 @@
+#pragma once
+// Bins of normals: surfaces of one bin share a grid, whose axes follow from the bin alone (AQVC Sec. 3.3).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "viscache/aqvc/parameters.h"
+#include "viscache/math/octahedral.h"
+
+namespace viscache {
+
+/// floor for |v| < 2^62 without a library call; anything larger becomes ±2^62.
+inline int64_t floor_to_int(double v) {
+    if (!(v > -0x1p62)) return -(int64_t{1} << 62);
+    if (v > 0x1p62) return int64_t{1} << 62;
+    const int64_t i = int64_t(v);
+    return i - (double(i) > v);
+}
+
+struct GridAxes {
+    std::array<double, 3> x, y, z;
+};
+
+class NormalBins {
+public:
+    NormalBins(NormalMode mode, int c_n) : mode_(mode), steps_(c_n) {
+        if (mode == NormalMode::kOctahedral) steps_ = octahedral_steps(c_n);
+        if (mode == NormalMode::kSingle) steps_ = 0;
+        make_axes();
+    }
+    /// Number of the bin of a finite normal that is not zero; of any length.
+    int32_t of(Vec3 n) const;
+    const GridAxes& axes(int32_t bin) const { return axes_[size_t(bin)]; }
+    /// The bin as slots of a key.
+    std::array<int32_t, 3> slots(int32_t bin) const {
+        const int32_t side = steps_ + 1;
+        return {bin / (side * side), bin / side % side, bin % side};
+    }
+    /// Even, so that all axes are bins, for about the 6π(C_N/2)² bins that rounding uses.
+    static int octahedral_steps(int c_n) { return 2 * int(std::floor(1.085 * c_n + 0.5)); }
+
+private:
+    void make_axes();
+    static GridAxes axes_around(double x, double y, double z);
+    NormalMode mode_;
+    int32_t steps_;  ///< along an axis, or an edge of the octahedral square
+    std::vector<GridAxes> axes_;
+};
+
+/// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋: the bin of the normal; its axis is d_z = 2 ω_q/C_N − 1.
+// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and
+// splits walls along the axes on normals' noise. Octahedral: the nearest point of a square lattice on the
+// octahedral map, whose edges are one line seen twice. Single: one bin, the grid of the world's axes.
+inline int32_t NormalBins::of(Vec3 n) const {
+    if (mode_ == NormalMode::kSingle) return 0;
+    if (mode_ == NormalMode::kOctahedral) {
+        const auto [u, v] = octahedral_square<double>(n);
+        int32_t i = int32_t(floor_to_int(u * steps_ + 0.5)), j = int32_t(floor_to_int(v * steps_ + 0.5));
+        if (i == 0 || i == steps_) j = std::min(j, steps_ - j);
+        if (j == 0 || j == steps_) i = std::min(i, steps_ - i);
+        return i * (steps_ + 1) + j;
+    }
+    const double shift = mode_ == NormalMode::kRound ? 0.5 : 0;
+    const auto step = [&](float v) {
+        const int64_t at = floor_to_int((double(v) + 1) / 2 * steps_ + shift);
+        return int32_t(std::clamp<int64_t>(at, 0, steps_));
+    };
+    return (step(n.x) * (steps_ + 1) + step(n.y)) * (steps_ + 1) + step(n.z);
+}
+
+inline GridAxes NormalBins::axes_around(double x, double y, double z) {
+    const double l = std::sqrt(x * x + y * y + z * z);
+    if (l > 0)
+        x /= l, y /= l, z /= l;
+    else
+        x = 0, y = 0, z = 1;
+    const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
+    return {{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}};
+}
+
+/// Axes of the grid of every bin, from the bin's integers alone.
+inline void NormalBins::make_axes() {
+    const int n = steps_;
+    if (mode_ == NormalMode::kSingle) {
+        axes_ = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        return;
+    }
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) {
+            double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1;
+            if (mode_ == NormalMode::kOctahedral) {
+                const double z = 1 - std::fabs(x) - std::fabs(y);
+                if (z < 0) {
+                    const double fold = (1 - std::fabs(y)) * sign_not_zero(x);
+                    y = (1 - std::fabs(x)) * sign_not_zero(y), x = fold;
+                }
+                axes_.push_back(axes_around(x, y, z));
+                continue;
+            }
+            for (int k = 0; k <= n; ++k) axes_.push_back(axes_around(x, y, 2.0 * k / n - 1));
+        }
+}
+
+}  // namespace viscache
