@@ -81,7 +81,8 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("c_n", &AqvcParameters::c_n);
     c.def_readwrite("c_z", &AqvcParameters::c_z);
     c.def_readwrite("c_r", &AqvcParameters::c_r);
-    named_field(c, "normal_mode", &AqvcParameters::normal_mode, std::array{"round", "floor", "octahedral", "single"});
+    named_field(c, "normal_mode", &AqvcParameters::normal_mode,
+                std::array{"round", "floor", "octahedral", "single"});
     c.def_readwrite("grid_offset", &AqvcParameters::grid_offset);
     c.def_readwrite("grid_seed", &AqvcParameters::grid_seed);
     c.def_readwrite("tangent_neighbours", &AqvcParameters::tangent_neighbours);

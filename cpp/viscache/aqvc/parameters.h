@@ -15,7 +15,7 @@ namespace viscache {
 
 /// Bins of normals: Eq. 4 rounded or, as in the paper, floored; on the octahedral map; one for all.
 enum class NormalMode { kRound, kFloor, kOctahedral, kSingle };
-enum class ResolutionRule { kEq7, kEq6 };  ///< cells of surface-surface connections
+enum class ResolutionRule { kEq7, kEq6 };           ///< cells of surface-surface connections
 enum class EnvironmentRule { kDerived, kPrinted };  ///< Eq. 9
 enum class VplKey { kPoint, kSurface };
 enum class Refinement { kAuto, kOn, kOff };

@@ -64,7 +64,8 @@ void Rows::walk(uint32_t eye, const CellGrid& grid, BitMatrix& visible, Counters
         RowPair neighbours[4] = {};
         if (!last)
             for (size_t q = 0; q < 4; ++q) neighbours[q] = row(step.neighbours[q]);
-        if (!last && grid.doubts(numbers_[step.row])) doubt_unknown(row(step.row), neighbours, words_, doubt_);
+        if (!last && grid.doubts(numbers_[step.row]))
+            doubt_unknown(row(step.row), neighbours, words_, doubt_);
         const int left = kernels_.step(active_.row(0), row(step.row), neighbours, last,
                                        miss_.row(entries_.size()), visible.row(eye), words_, counts);
         if (left & 1) entries_.push_back({eye, step.row, step.level});

@@ -16,6 +16,7 @@ from viscache.figures import (
     aqvc_hairball,
     aqvc_maps,
     aqvc_pictures,
+    aqvc_quality,
     aqvc_sweeps,
     vlf_axes,
     vlf_drawings,
@@ -93,6 +94,11 @@ FIGURES: dict[str, FigureInfo] = {
     "aqvc-claims": FigureInfo(
         description="numbers in the text of the quantized cache's paper",
         function=aqvc_claims.claims,
+        sized=True,
+    ),
+    "aqvc-quality": FigureInfo(
+        description="quality choices of the quantized cache: normals, grids, jitter, refinement",
+        function=aqvc_quality.quality,
         sized=True,
     ),
     "vlf-fig1": FigureInfo(

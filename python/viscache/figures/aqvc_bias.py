@@ -1,0 +1,100 @@
+"""Bias of the energy with and without refinement, over many grids."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from viscache import scenes
+from viscache.figures import aqvc_quality_bands as bands
+from viscache.figures.aqvc_errors import Interval, bias, mean_interval
+from viscache.figures.aqvc_runs import Shot
+from viscache.figures.outcome import Band, Row
+from viscache.integrators import Direct
+from viscache.settings import replaced
+from viscache.visibility import Aqvc
+
+C_E = 16.0
+GRIDS, QUICK_GRIDS = 32, 3
+SIZE, QUICK_SIZE = (480, 320), (120, 80)
+SCENES = ("slats", "slits")
+#: Level waves; Alg. 2 one query at a time in the paper's order, and in orders drawn with the grid.
+FORMS: dict[str, dict[str, Any]] = {
+    "waves": {},
+    "pairs": {"preset": "paper"},
+    "pairs, random order": {"preset": "paper", "order": "random"},
+}
+VARIANTS: dict[str, dict[str, Any]] = {
+    "no refinement": {"refinement": "off"},
+    "refinement": {"refinement": "on"},
+    "refinement, a tenth doubts": {"refinement": "on", "nil_refine": 0.1},
+    "refinement, all doubt": {"refinement": "on", "nil_refine": 1.0},
+    "refinement, jitter": {"refinement": "on", "jitter": True},
+}
+#: What is measured of forms that only check others.
+FEW = ("no refinement", "refinement")
+
+
+def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
+    """Rows by scene, form and variant, and the same as a table."""
+    rows, table = [], []
+    for name in SCENES:
+        shot = Shot(scene=getattr(scenes, name)(), integrator=Direct(),
+                    size=size or (QUICK_SIZE if quick else SIZE))  # fmt: skip
+        for form in FORMS:
+            found = biases(shot, form, QUICK_GRIDS if quick else GRIDS)
+            rows += _rows(name, form, found, quick)
+            table += [
+                {"scene": name, "form": form, "variant": variant, "bias": interval.mean,
+                 "half_of_95_percent": interval.half, "rel_l1": rel_l1, "ray_reduction": reduction}
+                for variant, (interval, rel_l1, reduction) in found.items()
+            ]  # fmt: skip
+    return rows, table
+
+
+def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float, float]]:
+    """Bias, mean rel_l1 and mean RR of every variant of a form."""
+    exact = shot.frame()
+    total = float(exact.image.sum(dtype="f8"))
+    found = {}
+    for variant in VARIANTS if "random" not in form else FEW:
+        values, errors, reductions = [], [], []
+        for grid in range(1, grids + 1):
+            given = {"c_e": C_E, "grid_seed": grid, **FORMS[form], **VARIANTS[variant]}
+            frame = shot.frame(replaced(Aqvc(), given, "visibility"))
+            values.append(bias(frame, exact))
+            errors.append(float(abs(frame.image - exact.image).sum(dtype="f8")) / total)
+            reductions.append(float(frame.counters["ray_reduction"]))
+        found[variant] = (mean_interval(values), _mean(errors), _mean(reductions))
+    return found
+
+
+def _mean(values: list[float]) -> float:
+    return sum(values) / len(values)
+
+
+def _rows(
+    name: str, form: str, found: Mapping[str, tuple[Interval, float, float]], quick: bool
+) -> list[Row]:
+    rows = []
+    for variant, (interval, rel_l1, reduction) in found.items():
+        rows.append(Row(what=f"{name}, {form}, {variant}: bias of the energy",
+                        measured=interval.mean,
+                        band=None if quick else _band(name, form, variant),
+                        note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, "
+                             f"RR {reduction:.1f}"))  # fmt: skip
+    doubt = "refinement, all doubt"
+    if doubt in found:
+        plain = found["refinement"][0].mean
+        rows.append(Row(what=f"{name}, {form}: bias where all cells doubt, over where none does",
+                        measured=found[doubt][0].mean / plain if plain else None,
+                        band=None if quick else bands.DOUBT_BIAS))  # fmt: skip
+    return rows
+
+
+def _band(name: str, form: str, variant: str) -> Band | None:
+    if variant == "no refinement" and form != "pairs":
+        return bands.PLAIN_BIAS
+    if variant == "refinement" and form != "waves":
+        return bands.REFINED_BIAS[name]
+    return None

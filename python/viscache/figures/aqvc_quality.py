@@ -1,0 +1,233 @@
+"""Quality choices of the quantized cache beside each other (Sec. 3.3, 3.6 and what came after)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscache import _core, scenes, tonemap
+from viscache.figures import aqvc_quality_bands as bands
+from viscache.figures.aqvc_bias import bias_rows
+from viscache.figures.aqvc_errors import autocorrelation, bias, error_plane, stray_light
+from viscache.figures.aqvc_runs import Shot, Trade
+from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.vlf_tracers import write_csv
+from viscache.integrators import Direct, Whitted
+from viscache.settings import replaced
+from viscache.visibility import Aqvc
+
+Size = tuple[int, int] | None
+
+#: An ordinary C_E, and one whose stairs can be seen.
+C_E, JITTER_C_E = 12.0, 16.0
+SIZE, QUICK_SIZE = (640, 400), (120, 75)
+GRIDS, QUICK_GRIDS = 4, 1
+MODES = ("round", "floor", "octahedral", "single")
+COSMIN = (0.01, 0.05, 0.2)
+#: Light kinds by the setup that has them.
+KINDS = {"delta": ("point", "directional"), "conference": ("area",),
+         "apartment": ("vpl", "environment")}  # fmt: skip
+
+
+def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
+    """All choices, a picture of stairs with and without jitter, and a table."""
+    outcome = Outcome(rows=leaking_cells())
+    rows, table = normals(quick, size)
+    outcome.rows += rows
+    for part in (grids_and_neighbours, cosines):
+        outcome.rows += part(quick, size)
+    outcome.rows += light_kinds(quick, size)
+    rows, picture = jitter(quick, size, folder / "aqvc-quality.png")
+    outcome.rows += rows
+    rows, biases = bias_rows(quick, size)
+    outcome.rows += rows
+    outcome.files += [
+        picture,
+        write_csv(folder / "aqvc-quality.csv", table),
+        write_csv(folder / "aqvc-quality-bias.csv", biases),
+    ]
+    outcome.notes.append(
+        "Choices are changed one at a time in the preset default; the apartment has 24 lamps and a "
+        f"sun, C_E {C_E:g}. Errors are means over grids, a shift of the grids each."
+    )
+    return outcome
+
+
+def leaking_cells() -> list[Row]:
+    """A wall a thousandth of a cell thick: how many cells of its front hold its back."""
+    radius, cells = 7.5, 40.0
+    rng = np.random.default_rng(1)
+    front = rng.uniform(-2, 2, (2000, 3)).astype(np.float32)
+    front[:, 1] = 0.0303
+    up = np.tile(np.array([0, 1, 0], np.float32), (len(front), 1))
+    behind = front - np.float32(1e-3 * 2 * radius / cells) * up
+    rows = []
+    for mode in MODES:
+        settings = replaced(Aqvc(), {"normal_mode": mode}, "visibility").core()
+        sides = [
+            _core.aqvc.full_keys(settings, (0, 0, 0), radius, x, n, np.full(len(x), cells), 0,
+                                 np.zeros_like(x), np.zeros_like(x), np.ones(len(x)))[0]
+            for x, n in ((front, up), (behind, -up))
+        ]  # fmt: skip
+        seen, hidden = ([key.tobytes() for key in side] for side in sides)
+        shared = np.isin(seen, hidden).mean()
+        rows.append(Row(what=f"normals {mode}: cells of a thin wall's front that hold its back",
+                        measured=float(shared), band=bands.LEAKING_CELLS[mode]))  # fmt: skip
+    return rows
+
+
+def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
+    """Rays, RR, rel_l1 and bias, means over grids; given settings replace the preset's."""
+    exact = shot.frame()
+    found = []
+    for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
+        settings = replaced(Aqvc(c_e=C_E, grid_seed=grid), given, "visibility")
+        trade = Trade(frame=shot.frame(settings), exact=exact)
+        found.append([trade.frame.counters["rays"], trade.ray_reduction, trade.rel_l1,
+                      bias(trade.frame, exact), stray_light(trade.frame, exact)])  # fmt: skip
+    names = ("rays", "ray_reduction", "rel_l1", "bias", "stray")
+    return dict(zip(names, np.mean(found, axis=0).tolist(), strict=True))
+
+
+def _shot(quick: bool, size: Size) -> Shot:
+    return replace(SETUPS["delta"].shot(quick, size), size=size or (QUICK_SIZE if quick else SIZE))
+
+
+def normals(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
+    """Bins of normals: rays and errors in the apartment, stray light behind a thin wall."""
+    apartment = _shot(quick, size)
+    wall = Shot(scene=scenes.thin_wall(), integrator=Direct(), size=apartment.size)
+    found = {m: mean_trade(apartment, quick, normal_mode=m) for m in MODES}
+    stray = {m: mean_trade(wall, quick, normal_mode=m, refinement="off") for m in MODES}
+    rows = []
+    for mode in MODES:
+        rows.append(Row(what=f"normals {mode}: rays over those of round",
+                        measured=found[mode]["rays"] / found["round"]["rays"],
+                        band=None if quick else bands.RAYS_OF_BINS.get(mode),
+                        note=_note(found[mode])))  # fmt: skip
+        rows.append(Row(what=f"normals {mode}: light where the exact picture of a thin wall is "
+                             "black", measured=stray[mode]["stray"],
+                        note=f"{stray[mode]['rays']:.0f} rays, no refinement"))  # fmt: skip
+    rows.append(Row(what="normals: that light, single over round",
+                    measured=stray["single"]["stray"] / stray["round"]["stray"],
+                    band=bands.SINGLE_LEAKS))  # fmt: skip
+    table = [{"normals": m, **found[m], "stray_thin_wall": stray[m]["stray"]} for m in MODES]
+    return rows, table
+
+
+def _note(found: dict[str, float]) -> str:
+    return (f"RR {found['ray_reduction']:.1f}, rel_l1 {found['rel_l1']:.4f}, "
+            f"bias {100 * found['bias']:+.2f} %")  # fmt: skip
+
+
+def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
+    """Offset of the grids, neighbours along the tangent plane."""
+    shot = _shot(quick, size)
+    base = mean_trade(shot, quick)
+    fixed = mean_trade(shot, quick, grid_offset=False)
+    level = mean_trade(shot, quick, tangent_neighbours=False)
+    return [
+        Row(what="grids without offset: rays over those with it",
+            measured=fixed["rays"] / base["rays"],
+            band=None if quick else bands.RAYS_WITHOUT_OFFSET, note=_note(fixed)),
+        Row(what="tangent neighbours: rel_l1 over that with the same v_z",
+            measured=base["rel_l1"] / level["rel_l1"],
+            band=None if quick else bands.TANGENT_ERROR, note=f"without: {_note(level)}"),
+        Row(what="tangent neighbours: rays over those with the same v_z",
+            measured=base["rays"] / level["rays"],
+            band=None if quick else bands.TANGENT_RAYS, note=_note(base)),
+    ]  # fmt: skip
+
+
+def cosines(quick: bool, size: Size) -> list[Row]:
+    """The integrators' floor of cos θ in densities."""
+    shot = _shot(quick, size)
+    found = {
+        c: mean_trade(replace(shot, integrator=Whitted(cosmin=c)), quick) for c in COSMIN
+    }  # fmt: skip
+    rows = [
+        Row(what=f"cosmin {c:g}: rel_l1", measured=f["rel_l1"], note=_note(f))
+        for c, f in found.items()
+    ]
+    errors = [f["rel_l1"] for f in found.values()]
+    rows.append(Row(what="cosmin: largest rel_l1 over smallest",
+                    measured=max(errors) / min(errors),
+                    band=None if quick else bands.COSMIN_ERROR))  # fmt: skip
+    return rows
+
+
+def light_kinds(quick: bool, size: Size) -> list[Row]:
+    """Refinement on and off by kind of light."""
+    rows = []
+    for name, kinds in KINDS.items():
+        setup = SETUPS[name]
+        shot = replace(setup.shot(quick, size), size=size or (QUICK_SIZE if quick else SIZE))
+        # An eighth of the setup's own samples
+        shot = replace(shot, integrator=setup.integrator(True))
+        exact = shot.frame()
+        trades = {
+            state: Trade(
+                frame=shot.frame(Aqvc(c_e=C_E, refinement_groups=dict.fromkeys(kinds, state))),
+                exact=exact,
+            )
+            for state in ("off", "on")
+        }
+        for kind in kinds:
+            off, on = (trades[state].group_rel_l1(kind) for state in ("off", "on"))
+            reductions = [trades[s].group_reduction(kind) for s in ("off", "on")]
+            shared = kind in ("point", "directional", "vpl")
+            rows.append(Row(what=f"refinement of {kind} light ({name}): rel_l1 on over off",
+                            measured=on / off if off else None,
+                            band=bands.REFINED_ERROR if shared and not quick else None,
+                            note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to "
+                                 f"{reductions[1]:.1f}"))  # fmt: skip
+    return rows
+
+
+def jitter(quick: bool, size: Size, path: Path) -> tuple[list[Row], Path]:
+    """Stairs in the sun, points jittered or not."""
+    shot = Shot(scene=scenes.stairs(), integrator=Direct(), size=size or
+                (QUICK_SIZE if quick else SIZE))  # fmt: skip
+    exact = shot.frame()
+    rows, pictures = [], {"exact": exact.image}
+    for refinement in ("off", "on"):
+        trades = {
+            jittered: Trade(frame=shot.frame(Aqvc(c_e=JITTER_C_E, refinement=refinement,
+                                                  jitter=jittered)), exact=exact)
+            for jittered in (False, True)
+        }  # fmt: skip
+        plain, moved = (trades[j] for j in (False, True))
+        lag = int(JITTER_C_E) // 4
+        shape = [autocorrelation(error_plane(t.frame, exact), lag) for t in (plain, moved)]
+        banded = refinement == "off" and not quick
+        what = f"stairs, refinement {refinement}: "
+        rows += [
+            Row(what=what + "RR with jitter over without",
+                measured=moved.ray_reduction / plain.ray_reduction,
+                band=bands.JITTER_REDUCTION if banded else None,
+                note=f"{plain.ray_reduction:.1f} to {moved.ray_reduction:.1f}"),
+            Row(what=what + f"autocorrelation of the error {lag} px apart, over without jitter",
+                measured=shape[1] / shape[0],
+                band=bands.JITTER_CORRELATION if banded else None,
+                note=f"{shape[0]:.3f} to {shape[1]:.3f}"),
+            Row(what=what + "SSIM with jitter", measured=moved.ssim,
+                note=f"without {plain.ssim:.4f}; rel_l1 {plain.rel_l1:.4f} to {moved.rel_l1:.4f}"),
+            Row(what=what + "bias with jitter", measured=bias(moved.frame, exact),
+                note=f"without {bias(plain.frame, exact):+.5f}"),
+        ]  # fmt: skip
+        pictures[f"refinement {refinement}"] = plain.frame.image
+        pictures[f"refinement {refinement}, jitter"] = moved.frame.image
+    figure = new_figure((12.0, 3.0))
+    exposure = tonemap.auto_exposure(exact.image, 95.0)
+    height, width = exact.image.shape[:2]
+    window = np.s_[height // 2 : 3 * height // 4, width // 3 : 7 * width // 12]
+    for k, (title, image) in enumerate(pictures.items()):
+        axes = figure.add_subplot(1, len(pictures), k + 1)
+        draw_image(axes, image[window], title, exposure=exposure)
+    return rows, save_figure(figure, path)
