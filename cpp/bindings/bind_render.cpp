@@ -94,6 +94,7 @@ py::dict frame_dict(const FrameResult& f) {
         timings["samples_cpu_s"] = f.product.samples, timings["pilot_s"] = f.pilot_s;
     }
     out["layers"] = layers, out["timings"] = timings, out["counters"] = counters_of(f);
+    if (!f.tile_sums.empty()) out["tile_sums"] = f.tile_sums;
     out["threads"] = f.threads, out["tile_edge_px"] = f.tile_edge_px;
     return out;
 }
@@ -155,7 +156,9 @@ void bind_render(py::module_& m) {
         .def_readwrite("height", &FrameSettings::height)
         .def_readwrite("spp", &FrameSettings::spp)
         .def_readwrite("seed", &FrameSettings::seed)
-        .def_readwrite("threads", &FrameSettings::threads);
+        .def_readwrite("threads", &FrameSettings::threads)
+        .def_readwrite("part", &FrameSettings::part)
+        .def_readwrite("parts", &FrameSettings::parts);
     py::class_<Camera>(m, "Camera", "A pinhole camera.")
         .def_readwrite("name", &Camera::name)
         .def_readwrite("fov_rad", &Camera::fov_y_rad)

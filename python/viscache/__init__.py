@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import correlation, designs, metrics, plots, report, scenes, vlf
+from viscache import correlation, designs, metrics, plots, report, scenes, tiles, vlf
 from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
@@ -56,5 +56,6 @@ __all__ = [
     "report",
     "scenes",
     "sweep",
+    "tiles",
     "vlf",
 ]

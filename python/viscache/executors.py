@@ -15,6 +15,8 @@ __all__ = ["dask_executor", "process_pool", "window"]
 
 #: Tasks under way where an executor does not say how many workers it has.
 UNKNOWN_WINDOW = 32
+#: How long a dask scheduler may take to answer.
+DASK_TIMEOUT = "20s"
 
 
 def window(executor: Executor) -> int:
@@ -53,7 +55,7 @@ def dask_executor(address: str) -> Iterator[Executor]:
             "--dask needs dask.distributed: pip install 'viscache[distributed]'"
         ) from error
     try:
-        client = distributed.Client(address, timeout="20s", set_as_default=False)
+        client = distributed.Client(address, timeout=DASK_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise ValueError(f"no dask scheduler answers at {address}: {error}") from error
     with client:

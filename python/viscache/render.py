@@ -101,6 +101,32 @@ def render(
     >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
     (20, 32, 3)
     """
+    return render_part(
+        scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
+        seed=seed, threads=threads, camera=camera, env=env, progress=progress,
+    )  # fmt: skip
+
+
+def render_part(
+    scene: Scene,
+    integrator: Integrator,
+    part: tuple[int, int],
+    *,
+    rays: Rays | None = None,
+    visibility: Visibility | None = None,
+    use: Literal["replace", "correct"] | None = None,
+    size: tuple[int, int] | None = None,
+    spp: int = 1,
+    seed: int = 0,
+    threads: int | None = None,
+    camera: str | int | _core.Camera | None = None,
+    env: Env | None = None,
+    progress: Progress = False,
+) -> Frame:
+    """Part i of n of a frame: a run of its tiles, black elsewhere; the rest as `render`.
+
+    `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
+    """
     rays = Embree() if rays is None else rays
     visibility = visibility or Exact()
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
@@ -120,6 +146,7 @@ def render(
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
     frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
+    frame.part, frame.parts = _checked_part(part, integrator, visibility)
 
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
@@ -149,6 +176,9 @@ def render(
                 )  # fmt: skip
             else:
                 batch = _sky_batch(scene, geometry, core, visibility)
+                require(batch is None or frame.parts == 1,
+                        'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with'
+                        " shared directions", visibility)  # fmt: skip
                 result = _exact(parts, visibility, batch, report)
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
@@ -178,8 +208,29 @@ def render(
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator, visibility),
     )
+    if frame.parts > 1:
+        made.parameters["part"] = [frame.part, frame.parts]
+        made.counters["tile_sums"] = [list(sums) for sums in result.get("tile_sums", [])]
     made.counters["sha256"] = made.sha256
     return made
+
+
+def _checked_part(
+    part: tuple[int, int], integrator: Integrator, visibility: Visibility
+) -> tuple[int, int]:
+    """The part, where such a frame can be rendered in parts."""
+    number, parts = part
+    require(is_whole(parts) and 1 <= parts <= 1 << 20, "parts must be in [1, 2^20]", parts)
+    require(is_whole(number) and 0 <= number < parts, "part must be in [0, parts)", number)
+    if parts > 1:
+        require(isinstance(visibility, Exact | Aqvc),
+                "visibility must be vc.Exact(...) or vc.Aqvc(...) for parts of a frame",
+                visibility)  # fmt: skip
+        require(not isinstance(integrator, Bdpt)
+                and getattr(integrator, "directions", "") != "shared",
+                "integrator must not be Bdpt nor share directions for parts of a frame",
+                integrator)  # fmt: skip
+    return int(number), int(parts)
 
 
 def _bidirectional(

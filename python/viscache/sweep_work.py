@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from viscache import sources
+from viscache.newest import Newest
 from viscache.sweep_plan import Task
 
 if TYPE_CHECKING:
@@ -34,22 +35,7 @@ def render_task(task: Task, scene: Any = None) -> Frame:
     return frame
 
 
-class _Newest:
-    """The newest thing made, so that a worker makes it once and not once per frame."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._kept: tuple[Any, Any] | None = None
-
-    def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        with self._lock:
-            if self._kept is None or self._kept[0] != key:
-                self._kept = None  # before the next one takes memory
-                self._kept = (key, make())
-            return self._kept[1]
-
-
-_SCENE, _LIT = _Newest(), _Newest()
+_SCENE, _LIT = Newest(), Newest()
 
 
 def _opened(task: Task) -> Any:

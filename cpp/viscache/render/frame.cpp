@@ -306,7 +306,9 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         if (s.ends.group == int(LightGroup::kVpl)) out.n_vpls = s.ends.count;
     }
     out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
-    const auto tiles = cut_tiles(frame.width, frame.height, out.tile_edge_px);
+    const auto tiles =
+        run_of_tiles(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
+    if (frame.part > 0) counters = {};  // the first part counts what all of them do
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;
     if (integrator.ambient && integrator.ambient_aligned) {
@@ -331,6 +333,8 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
         control.done.fetch_add(1);
     });
+    if (frame.parts > 1)
+        for (const Counters& c : counted) out.tile_sums.push_back({c.lost_throughput, c.expected_false_hits});
     for (size_t i = 0; i < tiles.size(); ++i)
         counters.merge(counted[i]), out.stages.merge(stages[i]), out.product.merge(product_stages[i]);
     if (maps && maps->source.records > 0 && product) {

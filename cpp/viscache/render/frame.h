@@ -45,6 +45,7 @@ struct FrameResult {
     double lights_s = 0, tiles_s = 0;     ///< wall seconds: making VPLs and groups; all tiles
     size_t n_vpls = 0;
     int tile_edge_px = 0;
+    std::vector<std::array<double, 2>> tile_sums;  ///< of a part: lost throughput and false hits of each tile
     int threads = 0;
 };
 

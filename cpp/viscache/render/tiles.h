@@ -28,6 +28,13 @@ inline std::vector<Tile> cut_tiles(int width, int height, int edge) {
     return tiles;
 }
 
+/// Run `part` of `parts` runs of tiles in order, nearly equal in number; some are empty where there are more
+/// runs than tiles.
+inline std::vector<Tile> run_of_tiles(const std::vector<Tile>& tiles, int part, int parts) {
+    const auto end = [&](int i) { return std::ptrdiff_t(tiles.size() * size_t(i) / size_t(parts)); };
+    return {tiles.begin() + end(part), tiles.begin() + end(part + 1)};
+}
+
 /// Pixels of a tile along a Morton curve, as (x, y) relative to its corner.
 inline std::vector<std::pair<uint16_t, uint16_t>> morton_pixels(int width, int height) {
     const uint32_t side = std::bit_ceil(uint32_t(std::max({width, height, 1})));

@@ -20,6 +20,7 @@ from viscache.correlation import rows as _rows
 from viscache.correlation.bins import Floats
 from viscache.correlation.work import PairBlock
 from viscache.correlation.work_store import Arrays, write_whole
+from viscache.newest import Newest
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -186,16 +187,14 @@ def count_in_worker(task: PairTask) -> Arrays:
 def trace_in_worker(task: RowsTask) -> Arrays:
     """`trace` in a worker: it opens the scene itself, and keeps the newest one."""
     folder = _shared_folder(task.folder)
-    if not _LAST or _LAST[0][0] != task.scene:
-        _LAST[:] = [(task.scene, sources.open_scene(str(task.scene)))]
-    scene = _LAST[0][1]
+    scene = _SCENE.get(task.scene, lambda: sources.open_scene(str(task.scene)))
     if scene.content_hash != task.scene_hash:
         raise ValueError(f"scene {task.scene} is not the one the measurement began with")
     with np.load(folder / "points.npz") as file:
         return trace(task, scene, file["positions"], file["hemisphere"])
 
 
-_LAST: list[tuple[str | None, Any]] = []  # the worker's newest scene
+_SCENE = Newest()
 
 
 def _shared_folder(folder: Path | None) -> Path:

@@ -1,0 +1,239 @@
+"""One frame by many hands: its tiles rendered in parts, here or by an executor's workers.
+
+A tile depends on nothing but itself and the frame's shared lights, so a frame in parts has the
+bytes of a frame in one piece. Every part makes the shared lights again, which is what many parts
+cost.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from viscache import executors, sources
+from viscache.checks import is_whole, require
+from viscache.frame import Frame, Layer
+from viscache.newest import Newest
+from viscache.render import render_part
+from viscache.scene import Scene
+
+__all__ = ["Part", "merge", "render", "tile_boxes"]
+
+#: Parts of a frame where nobody renders beside us: as often as the picture is shown.
+PARTS_HERE = 16
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Part:
+    """A run of a frame's tiles.
+
+    Attributes
+    ----------
+    frame : Frame
+        Its layers are the rows [top, bottom) of the whole frame's, black outside its tiles.
+    """
+
+    number: int
+    parts: int
+    size: tuple[int, int]
+    top: int
+    bottom: int
+    frame: Frame
+
+
+def render(
+    scene: Scene | str,
+    integrator: Any,
+    *,
+    executor: Executor | None = None,
+    parts: int | None = None,
+    show: Callable[[Frame, int, int], None] | None = None,
+    size: tuple[int, int] = (640, 400),
+    **options: Any,
+) -> Frame:
+    """Render a frame in parts; the same bytes as `viscache.render`.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        With an executor a string, so that every worker loads it itself, once.
+    integrator : Direct, Whitted or AmbientOcclusion (its directions not shared)
+    executor : concurrent.futures.Executor, optional
+        Renders the parts; without it, this process does.
+    parts : int >= 1, optional
+        Twice as many as workers by default.
+    show : callable, optional
+        Gets what there is of the frame, the number of finished parts and that of all, after each
+        part: a live view.
+    size : (width, height)
+        Pixels.
+    **options
+        rays, visibility (`Exact` or `Aqvc`), spp, seed, threads, camera, env of `viscache.render`.
+
+    Returns
+    -------
+    Frame
+        Counters are those of one piece; timings are sums over the parts.
+
+    Raises
+    ------
+    ValueError
+        As `viscache.render`; a frame whose tiles depend on each other, or on a cache that lasts.
+    """
+    if executor is not None:
+        named = scene if isinstance(scene, str) else scene.spec
+        require(named is not None,
+                "scene must be a file or a built-in name when an executor's workers render it",
+                scene)  # fmt: skip
+    n = parts or (PARTS_HERE if executor is None else executors.window(executor))
+    require(is_whole(n) and 1 <= n <= 1 << 16, "parts must be in [1, 65536]", n)
+    tasks = [(number, int(n)) for number in range(int(n))]
+    done: list[Part | None] = [None] * int(n)
+    given = {**options, "size": size}
+    source = _parts_here(scene, integrator, tasks, given)
+    if executor is not None:
+        source = _parts_there(executor, named, integrator, tasks, given)
+    for finished, part in enumerate(source, 1):
+        done[part.number] = part
+        if show is not None:
+            show(merge([p for p in done if p is not None], partial=True), finished, int(n))
+    return merge([p for p in done if p is not None])
+
+
+def merge(parts: list[Part], *, partial: bool = False) -> Frame:
+    """The frame of its parts, put together in their order, whatever order they came in.
+
+    Raises
+    ------
+    ValueError
+        A part is missing (unless `partial`) or there twice.
+    """
+    require(bool(parts), "parts must hold at least one", parts)
+    ordered = sorted(parts, key=lambda part: part.number)
+    numbers = [part.number for part in ordered]
+    wanted = list(range(ordered[0].parts))
+    whole = numbers == wanted or (partial and len(set(numbers)) == len(numbers))
+    require(whole, f"parts must be all of {len(wanted)}, each once", numbers)
+    first = ordered[0]
+    width, height = first.size
+    edge = int(first.frame.parameters["tile_edge_px"])
+    layers = {
+        name: np.zeros((height, width, pixels.shape[2]), np.float32)
+        for name, pixels in first.frame.layers.items()
+    }
+    for part in ordered:
+        for x0, y0, x1, y1 in tile_boxes(part.size, edge, part.number, part.parts):
+            for name, pixels in part.frame.layers.items():
+                layers[name][y0:y1, x0:x1] = pixels[y0 - part.top : y1 - part.top, x0:x1]
+    return _joined(ordered, layers)
+
+
+def tile_boxes(
+    size: tuple[int, int], edge: int, number: int, parts: int
+) -> list[tuple[int, int, int, int]]:
+    """(x0, y0, x1, y1) of the tiles of a part, in pixels (`run_of_tiles` of the core)."""
+    width, height = size
+    columns = math.ceil(width / edge)
+    total = columns * math.ceil(height / edge)
+    return [
+        (x, y, min(x + edge, width), min(y + edge, height))
+        for i in range(total * number // parts, total * (number + 1) // parts)
+        for x, y in [(i % columns * edge, i // columns * edge)]
+    ]
+
+
+def _parts_here(
+    scene: Scene | str, integrator: Any, tasks: list[tuple[int, int]], options: dict[str, Any]
+) -> Iterator[Part]:
+    opened: Scene = sources.open_scene(scene) if isinstance(scene, str) else scene
+    env = options.pop("env", None)
+    lit = opened if env is None else opened.with_environment(env)
+    for number, parts in tasks:
+        yield _cut(render_part(lit, integrator, (number, parts), **options), number, parts)
+
+
+def _parts_there(
+    executor: Executor, scene: Any, integrator: Any, tasks: list[tuple[int, int]],
+    options: dict[str, Any],
+) -> Iterator[Part]:  # fmt: skip
+    flying: list[Future[Part]] = []
+    try:
+        for task in tasks:
+            flying.append(executor.submit(render_in_worker, scene, integrator, task, options))
+        for future in as_completed(flying):
+            yield future.result()
+    finally:
+        for future in flying:
+            future.cancel()
+
+
+_SCENE = Newest()
+
+
+def render_in_worker(
+    scene: str, integrator: Any, task: tuple[int, int], options: dict[str, Any]
+) -> Part:
+    """One part; the worker keeps its newest scene."""
+    opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
+    return _cut(render_part(opened, integrator, task, **options), *task)
+
+
+def _cut(frame: Frame, number: int, parts: int) -> Part:
+    """The rows that a part's tiles touch."""
+    size = frame.size
+    boxes = tile_boxes(size, int(frame.parameters["tile_edge_px"]), number, parts)
+    top = min((box[1] for box in boxes), default=0)
+    bottom = max((box[3] for box in boxes), default=1)
+    frame.layers = {
+        name: np.ascontiguousarray(pixels[top:bottom]) for name, pixels in frame.layers.items()
+    }
+    return Part(number=number, parts=parts, size=size, top=top, bottom=bottom, frame=frame)
+
+
+def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
+    first = parts[0].frame
+    counters: dict[str, Any] = {}
+    for part in parts:
+        _add(counters, part.frame.counters)
+    sums = [tile for part in parts for tile in part.frame.counters.get("tile_sums", [])]
+    counters.pop("tile_sums", None)
+    counters["vpls"] = first.counters["vpls"]
+    rays = counters["rays"]
+    counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
+    if sums:  # tile by tile, as one piece adds them
+        width, height = parts[0].size
+        lost, false_hits = 0.0, 0.0
+        for of_tile in sums:
+            lost, false_hits = lost + of_tile[0], false_hits + of_tile[1]
+        samples = float(width) * height * first.parameters["spp"]
+        counters |= {"lost_throughput": lost / samples, "expected_false_hits": false_hits}
+    timings: dict[str, float] = {}
+    for part in parts:
+        for name, seconds in part.frame.timings.items():
+            timings[name] = timings.get(name, 0.0) + seconds
+    parameters = {k: v for k, v in first.parameters.items() if k != "part"}
+    made = Frame(
+        layers=layers, counters=counters, timings=timings, parameters=parameters,
+        provenance=first.provenance, warnings=first.warnings,
+    )  # fmt: skip
+    made.counters["sha256"] = made.sha256
+    return made
+
+
+def _add(total: dict[str, Any], more: dict[str, Any]) -> None:
+    """Add counts to counts, group by group and level by level."""
+    for name, value in more.items():
+        if isinstance(value, dict):
+            _add(total.setdefault(name, {}), value)
+        elif isinstance(value, list) and name != "tile_sums":
+            known = total.setdefault(name, [])
+            known += [0] * (len(value) - len(known))
+            for i, count in enumerate(value):
+                known[i] += count
+        elif isinstance(value, (int, float)):
+            total[name] = total.get(name, 0) + value

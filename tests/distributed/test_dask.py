@@ -1,0 +1,204 @@
+"""A dask scheduler and two worker processes on the loopback, for real; one of them is killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import viscache as vc
+from viscache import cli, executors, tiles
+from viscache.store import Store
+from viscache.sweep import sweep
+
+sys.path.insert(0, str(Path(__file__).parent))
+from logged import Logged
+
+pytest.importorskip("distributed", reason="dask comes with the test extra")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # dask's own are not ours
+
+SCENE = "room?triangles=3000"
+
+
+@dataclass
+class Cluster:
+    """The processes of a cluster."""
+
+    folder: Path
+    scheduler: subprocess.Popen[bytes]
+    workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
+
+    @property
+    def address(self) -> str:
+        return str(json.loads((self.folder / "scheduler.json").read_text())["address"])
+
+    def wait_for_address(self) -> None:
+        file = self.folder / "scheduler.json"
+        for _ in range(1200):  # it is there before it is written
+            if file.exists() and file.read_text().rstrip().endswith("}"):
+                return
+            time.sleep(0.05)
+        raise AssertionError((self.folder / "scheduler.log").read_text())
+
+    def add_worker(self) -> None:
+        words = ["worker", "--no-nanny", "--nthreads", "1", "--host", "127.0.0.1", "--name",
+                 str(len(self.workers)), "--local-directory", str(self.folder)]  # fmt: skip
+        self.workers.append(_dask(self.folder, *words))
+
+    def kill_within_a_task(self, run: Logged, after: int) -> int:
+        """Kill a worker that is in a task, once `after` tasks were finished; its process."""
+        for _ in range(2000):
+            lines = run.lines()
+            ended = [pid for word, pid in lines if word == "end"]
+            busy = [pid for word, pid in lines if word == "begin"]
+            for worker in self.workers:
+                if len(ended) >= after and busy.count(worker.pid) > ended.count(worker.pid):
+                    worker.kill()
+                    worker.wait()
+                    return worker.pid
+            time.sleep(0.002)
+        raise AssertionError("no worker was within a task")
+
+
+def _dask(folder: Path, *words: str) -> subprocess.Popen[bytes]:
+    here = [str(Path(__file__).parent), *(p for p in sys.path if p)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(here), "DASK_DISTRIBUTED__WORKER__"
+                   "MEMORY__TERMINATE": "0"}  # fmt: skip
+    command = [sys.executable, "-m", "dask", words[0], *words[1:], "--no-dashboard",
+               "--scheduler-file", str(folder / "scheduler.json")]  # fmt: skip
+    with (folder / f"{words[0]}.log").open("ab") as log:
+        return subprocess.Popen(command, env=environment, stdout=log, stderr=log)
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    folder = tmp_path / "cluster"
+    folder.mkdir()
+    made = Cluster(folder, _dask(folder, "scheduler", "--host", "127.0.0.1", "--port", "0"))
+    made.add_worker()
+    made.add_worker()
+    made.wait_for_address()
+    yield made
+    for process in [*made.workers, made.scheduler]:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def run(cluster: Cluster, tmp_path: Path) -> Iterator[Logged]:
+    with executors.dask_executor(cluster.address) as executor:
+        executor._client.wait_for_workers(2, timeout=60)
+        yield Logged(executor, tmp_path / "tasks.log")
+
+
+def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
+    cluster: Cluster, run: Logged, tmp_path: Path
+) -> None:
+    arguments: dict[str, Any] = {
+        "over": {"c_e": [4, 6, 8, 10, 12, 16]}, "repeats": 3, "size": (48, 32), "threads": 1,
+        "metrics": ["rel_l1", "rmse"],
+    }  # fmt: skip
+    whitted = vc.Whitted(n_vpls=32)
+    here = sweep(SCENE, whitted, **arguments)
+    killed: list[int] = []
+    killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 6)))
+    killer.start()
+    steps: list[int] = []
+    there = sweep(
+        SCENE, whitted, executor=run, directory=tmp_path / "sweep",
+        progress=lambda done, total: steps.append(done), **arguments,
+    )  # fmt: skip
+    killer.join()
+    frames = 3 + 18
+    assert steps == list(range(1, 1 + frames)) and run.submitted == frames
+    lines = run.lines()
+    begun = [pid for word, pid in lines if word == "begin"]
+    ended = [pid for word, pid in lines if word == "end"]
+    assert begun.count(killed[0]) > ended.count(killed[0])
+    # What the dead one had under way, and at most what it had not handed over yet, is done again
+    assert 1 <= len(begun) - frames <= 3
+    assert len(set(begun)) == 2
+    for name in ("rel_l1", "rmse", "rays", "queries"):
+        xarray.testing.assert_equal(here[name], there[name])
+    with Store(tmp_path / "sweep") as store:
+        assert len(store.finished()) == frames
+        assert store._db.execute("SELECT count(*) FROM claims").fetchone() == (0,)
+
+
+def test_a_correlation_is_the_same_when_a_worker_is_killed(
+    cluster: Cluster, run: Logged, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from viscache.correlation import measure, work
+
+    monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
+    monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 8000)
+    arguments: dict[str, Any] = {
+        "n_points": 900, "map_size": 16, "d_edges": 16, "theta_edges_deg": 18, "threads": 1,
+    }  # fmt: skip
+    here = measure(SCENE, **arguments)
+    killed: list[int] = []
+    killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 3)))
+    killer.start()
+    there = measure(SCENE, store=tmp_path / "rows", executor=run, **arguments)
+    killer.join()
+    assert killed and len({pid for _, pid in run.lines()}) == 2
+    assert set(here.variables) == set(there.variables)
+    for name in here.variables:
+        left, right = (np.asarray(d[name].values) for d in (here, there))
+        assert left.tobytes() == right.tobytes(), name
+
+
+def test_tiles_give_the_bytes_of_the_frame_when_a_worker_is_killed(
+    cluster: Cluster, run: Logged
+) -> None:
+    arguments: dict[str, Any] = {
+        "visibility": vc.Aqvc(c_e=8), "size": (200, 150), "spp": 16, "threads": 1, "seed": 7,
+    }  # fmt: skip
+    whitted = vc.Whitted(n_vpls=64)
+    whole = vc.render(vc.scenes.build(SCENE), whitted, **arguments)
+    killer = threading.Thread(target=cluster.kill_within_a_task, args=(run, 4))
+    killer.start()
+    frame = tiles.render(SCENE, whitted, executor=run, parts=14, **arguments)
+    killer.join()
+    assert run.submitted == 14
+    assert {n: p.tobytes() for n, p in frame.layers.items()} == {
+        n: p.tobytes() for n, p in whole.layers.items()
+    }
+    assert frame.counters == whole.counters
+
+
+def test_the_command_line_sweeps_on_a_scheduler(
+    cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(
+        f'scene = "{SCENE}"\nintegrator = {{name = "whitted", n_vpls = 16}}\nsize = [32, 24]\n'
+        'metrics = ["rel_l1"]\nthreads = 1\n[over]\nc_e = [4, 8]\n'
+    )
+    words = ["sweep", str(file), "-o", str(tmp_path / "out"), "--dask", cluster.address, "--json"]
+    assert cli.main(words) == 0
+    assert json.loads(capsys.readouterr().out)["sizes"]["c_e"] == 2
+    with Store(tmp_path / "out") as store:
+        assert len(store.finished()) == 3
+
+
+def test_an_address_where_nobody_answers_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(executors, "DASK_TIMEOUT", "1s")
+    file = tmp_path / "a.toml"
+    file.write_text('scene = "room"\n[over]\nc_e = [4]\n')
+    words = ["sweep", str(file), "-o", str(tmp_path / "out"), "--dask", "tcp://127.0.0.1:9"]
+    assert cli.main(words) == 2
+    assert "no dask scheduler answers at tcp://127.0.0.1:9" in capsys.readouterr().err

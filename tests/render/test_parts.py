@@ -1,0 +1,109 @@
+"""A frame in parts is the frame in one piece, byte for byte and count for count."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import tiles
+from viscache.render import render_part
+
+SCENE = "room?triangles=3000"
+#: 16 samples: tiles of 64 × 64 pixels, 3 × 2 of them.
+SIZE: dict[str, Any] = {"size": (140, 70), "spp": 16, "seed": 3}
+
+
+@pytest.fixture(scope="module")
+def scene() -> vc.Scene:
+    return vc.scenes.build(SCENE)
+
+
+def assert_same(a: vc.Frame, b: vc.Frame) -> None:
+    assert {n: p.tobytes() for n, p in a.layers.items()} == {
+        n: p.tobytes() for n, p in b.layers.items()
+    }
+    assert a.counters == b.counters and a.parameters == b.parameters
+
+
+@pytest.mark.parametrize("parts", [1, 2, 5, 9])
+@pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=8), vc.Aqvc(form="pairs")],
+                         ids=["exact", "waves", "pairs"])  # fmt: skip
+def test_any_number_of_parts_gives_the_same_bytes(
+    scene: vc.Scene, visibility: Any, parts: int
+) -> None:
+    whitted = vc.Whitted(n_vpls=8, vpl_candidates=2)
+    whole = vc.render(scene, whitted, visibility=visibility, **SIZE)
+    found = tiles.render(scene, whitted, visibility=visibility, parts=parts, **SIZE)
+    assert_same(whole, found)
+    assert whole.counters["light_rays"] > 0
+
+
+def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
+    import multiprocessing
+
+    ao = vc.AmbientOcclusion(n_samples=8)
+    whole = vc.render(vc.scenes.build(SCENE), ao, **SIZE)
+    with ThreadPoolExecutor(3) as pool:
+        assert_same(whole, tiles.render(SCENE, ao, executor=pool, parts=7, **SIZE))
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        assert_same(whole, tiles.render(SCENE, ao, executor=pool, threads=1, **SIZE))
+
+
+def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refused(
+    scene: vc.Scene,
+) -> None:
+    cut = [tiles._cut(render_part(scene, vc.Direct(), (i, 4), **SIZE), i, 4) for i in range(4)]
+    assert_same(tiles.merge(cut), tiles.merge(cut[::-1]))
+    assert_same(tiles.merge(cut), vc.render(scene, vc.Direct(), **SIZE))
+    for wrong in (cut[:3], [*cut[:3], cut[2]], []):
+        with pytest.raises(ValueError, match="parts must"):
+            tiles.merge(wrong)
+
+
+def test_boxes_of_all_parts_cover_every_pixel_once() -> None:
+    for size, edge, parts in (((150, 140), 64, 5), ((1, 1), 4, 3), ((640, 400), 128, 20)):
+        seen = np.zeros(size[::-1], int)
+        for i in range(parts):
+            for x0, y0, x1, y1 in tiles.tile_boxes(size, edge, i, parts):
+                seen[y0:y1, x0:x1] += 1
+        assert (seen == 1).all()
+
+
+def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
+    seen: list[tuple[float, int, int]] = []
+
+    def show(frame: vc.Frame, done: int, total: int) -> None:
+        seen.append((float((frame.layers["coverage"] > 0).mean()), done, total))
+
+    frame = tiles.render(scene, vc.Direct(), parts=3, show=show, **SIZE)
+    shares = [share for share, _, _ in seen]
+    assert [s[1:] for s in seen] == [(1, 3), (2, 3), (3, 3)]
+    assert 0 < shares[0] < shares[1] < shares[2] == (frame.layers["coverage"] > 0).mean()
+
+
+@pytest.mark.parametrize(
+    ("integrator", "visibility", "says"),
+    [
+        (vc.Bdpt(), None, "must not be Bdpt"),
+        (vc.AmbientOcclusion(n_samples=33, directions="shared"), None, "nor share directions"),
+        (vc.Direct(), vc.VisMaps(), r"visibility must be vc.Exact\(...\) or vc.Aqvc"),
+        (vc.Direct(), vc.ShadowMap(), r"visibility must be vc.Exact\(...\) or vc.Aqvc"),
+    ],
+)
+def test_a_frame_whose_tiles_depend_on_more_than_themselves_is_refused(
+    scene: vc.Scene, integrator: Any, visibility: Any, says: str
+) -> None:
+    with pytest.raises(ValueError, match=says):
+        tiles.render(scene, integrator, visibility=visibility, parts=2, size=(8, 8))
+
+
+def test_a_part_out_of_range_is_refused(scene: vc.Scene) -> None:
+    for part in ((2, 2), (-1, 2), (0, 0), (0, True)):
+        with pytest.raises(ValueError, match=r"parts? must be in"):
+            render_part(scene, vc.Direct(), part, size=(8, 8))
+    with pytest.raises(ValueError, match="parts must be in"):
+        tiles.render(scene, vc.Direct(), parts=-1, size=(8, 8))
