@@ -14,6 +14,7 @@ void bind_eye_paths(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
+void bind_nee_plus_plus(py::module_& m);
 void bind_relighting(py::module_& m);
 void bind_render(py::module_& m);
 void bind_render_aligned(py::module_& m);
@@ -53,6 +54,7 @@ PYBIND11_MODULE(_core, m) {
     bind_render(m);
     bind_shadow_map(m);
     bind_bdpt(m);
+    bind_nee_plus_plus(m);
     bind_eye_paths(m);
     bind_vismap_product(m);
     bind_vismap_estimate(m);

@@ -5,6 +5,7 @@ from viscache._core import SceneDescription
 from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
+from viscache.nee_plus_plus import NeePlusPlus
 from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
@@ -33,6 +34,7 @@ __all__ = [
     "Frame",
     "Intersection",
     "MapSettings",
+    "NeePlusPlus",
     "Relighting",
     "Scene",
     "SceneDescription",

@@ -18,7 +18,7 @@ from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.rays import Embree, Rays, Vlf, check_rays
 from viscache.scene import Env, Scene
-from viscache.visibility import Aqvc, Exact, ShadowMap, Visibility, VisMaps
+from viscache.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
@@ -52,7 +52,7 @@ def render(
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
     rays : Embree, Bsp or Vlf, optional
         The ray caster: all rays of the frame go through it.
-    visibility : Exact, Aqvc, ShadowMap or VisMaps, optional
+    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus or VisMaps, optional
         Who answers "does x see y?"; exact by default.
     use : {"replace", "correct"}, optional
         How an approximation is used: in place of visibility (Aqvc, ShadowMap), or as a control
@@ -163,6 +163,8 @@ def render_part(
                 result = _core.render_aqvc(*parts, visibility.core(), progress=report)
             elif isinstance(visibility, ShadowMap):
                 result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
+            elif isinstance(visibility, NeePlusPlus):
+                result = _core.render_nee_plus_plus(*parts, visibility.core(), progress=report)
             elif core.ambient_aligned:
                 embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
                 result = _core.render_aligned(
@@ -243,6 +245,8 @@ def _bidirectional(
     """A frame of `Bdpt`."""
     if isinstance(visibility, Aqvc):
         return _core.render_bdpt_aqvc(*parts, visibility.core(), progress=report)
+    if isinstance(visibility, NeePlusPlus):
+        return _core.render_bdpt_nee_plus_plus(*parts, visibility.core(), progress=report)
     assert isinstance(visibility, Exact)  # _check_use allows no other
     order, coherent = visibility.core()
     return _core.render_bdpt_exact(*parts, order=order, coherent=coherent, progress=report)
@@ -327,15 +331,15 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
         require(getattr(integrator, "environment", "") != "shared",
                 'environment must not be "shared" with visibility maps', "shared")  # fmt: skip
     if isinstance(integrator, Bdpt):
-        require(isinstance(visibility, Exact | Aqvc),
-                "visibility must be vc.Exact(...) or vc.Aqvc(...) with Bdpt",
+        require(isinstance(visibility, Exact | Aqvc | NeePlusPlus),
+                "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.NeePlusPlus(...) with Bdpt",
                 visibility)  # fmt: skip
     elif isinstance(visibility, Aqvc):
         require(visibility.storage != "shared", 'storage must be "table" or "exact" without Bdpt',
                 visibility.storage)  # fmt: skip
     if isinstance(integrator, Direct) and not both:
         product = integrator.environment == "product"
-        require(not (product and isinstance(visibility, Aqvc)),
+        require(not (product and isinstance(visibility, Aqvc | NeePlusPlus)),
                 'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
                 visibility)  # fmt: skip
         require(product or integrator.passes == 1,

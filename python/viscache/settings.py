@@ -28,6 +28,7 @@ NAMES: dict[Role, dict[str, str]] = {
         "aqvc": "Aqvc",
         "vismap": "VisMaps",
         "shadow_map": "ShadowMap",
+        "nee_plus_plus": "NeePlusPlus",
     },
 }
 ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")

@@ -9,9 +9,10 @@ from typing import Any, Literal, TypeAlias
 
 from viscache import _core
 from viscache.checks import check_types, require
+from viscache.nee_plus_plus import NeePlusPlus
 from viscache.vismap.estimate import VisMaps
 
-__all__ = ["Aqvc", "Exact", "ShadowMap", "VisMaps", "Visibility"]
+__all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]
 
 LIGHT_GROUPS = (
     "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
@@ -321,4 +322,4 @@ class ShadowMap:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
 
-Visibility: TypeAlias = Exact | Aqvc | ShadowMap | VisMaps
+Visibility: TypeAlias = Exact | Aqvc | ShadowMap | NeePlusPlus | VisMaps

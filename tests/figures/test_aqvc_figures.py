@@ -17,6 +17,7 @@ from viscache.figures import (
     aqvc_edges,
     aqvc_flicker,
     aqvc_maps,
+    aqvc_nee,
     aqvc_pictures,
     aqvc_sweeps,
 )
@@ -225,6 +226,11 @@ def test_bidirectional_paths_go_through_both_presets_without_refinement() -> Non
         assert trade.ray_reduction > 1 and trade.rel_l1 > 0
 
 
+def test_equal_time_weighs_squared_errors_by_seconds() -> None:
+    exact, fewer_rays = aqvc_nee.Noise(0.5, 4.0), aqvc_nee.Noise(0.75, 2.0)
+    assert fewer_rays.at_equal_time(exact) == 0.75 and exact.at_equal_time(exact) == 1
+
+
 #: Rows with a band, and files beside table and record, of a quick run.
 QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig2": (8, ["aqvc-fig2.png"]),
@@ -237,6 +243,7 @@ QUICK: dict[str, tuple[int, list[str]]] = {
         ],
     ),
     "aqvc-fig6": (2, ["aqvc-fig6.png", "aqvc-fig6-aa.png"]),
+    "aqvc-nee": (15, ["aqvc-nee.png", "aqvc-nee.csv"]),
     "aqvc-claims": (12, ["aqvc-claims.png", "aqvc-claims.csv"]),
     "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
     "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),

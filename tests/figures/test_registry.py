@@ -35,6 +35,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
 def test_every_figure_of_the_interface_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     expected = {f"aqvc-fig{n}" for n in range(2, 9)} | {f"vlf-fig{n}" for n in range(1, 9)}
     expected |= {f"vlf-x{n}" for n in range(1, 6)} | {"vlf-tab1", "aqvc-claims", "aqvc-quality"}
+    expected |= {"aqvc-nee"}
     expected |= {f"vismap-fig{n}" for n in (1, 3, 4, 5, 8, 10, 11, 12, 13)}
     expected |= {"vismap-tab2", "vismap-tab3", "vismap-sweep", "vismap-temporal"}
     assert set(figures.FIGURES) == expected

@@ -110,6 +110,17 @@ def test_shadow_maps_have_the_names_and_defaults_of_their_struct() -> None:
     assert values(vc.ShadowMap(**changed).core()) == changed  # type: ignore[arg-type]
 
 
+def test_nee_plus_plus_has_the_names_and_defaults_of_its_struct() -> None:
+    struct = values(_core.NeePlusPlusSettings())
+    assert {f.name for f in dataclasses.fields(vc.NeePlusPlus)} == set(struct)
+    assert values(vc.NeePlusPlus().core()) == struct
+    changed = {
+        "n_voxels": 7, "n_directions": 9, "learn_pixels": 3, "min_probability": 0.25,
+        "exponent": 0.5, "symmetric": False, "max_bytes": 9,
+    }  # fmt: skip
+    assert values(vc.NeePlusPlus(**changed).core()) == changed  # type: ignore[arg-type]
+
+
 def test_the_bsp_has_the_names_and_defaults_of_its_struct() -> None:
     struct = values(_core.visibility.BspSettings())
     assert {f.name for f in dataclasses.fields(vc.Bsp)} == set(struct)

@@ -59,8 +59,9 @@ public:
 
 private:
     void add(ItemResult& out) {
+        const std::span<const float> weights = oracle_->pair_weights();
         for_each_bit(answer_, [&](size_t i) {
-            const Rgb value = connections_.contribution[i];
+            const Rgb value = connections_.contribution[i] * (weights.empty() ? 1.f : weights[i]);
             const uint32_t pixel = connections_.pixel[i];
             const uint8_t group = connections_.queries[i].group;
             if (group == uint8_t(LightGroup::kCamera))

@@ -5,6 +5,7 @@
 #include "viscache/render/shared_sky.h"
 #include "viscache/render/stage_clock.h"
 #include "viscache/render/vpl.h"
+#include "viscache/render/weighted_lights.h"
 #include "viscache/scene/check.h"
 
 namespace viscache {
@@ -131,12 +132,14 @@ private:
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         clock.lap(stages.visibility);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
+        WeightedLights weighted(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
             const ShadingPoint& sp = eyes_.shading[i];
+            const SharedLights& counted = weighted.with(oracle_->block_weights(uint32_t(i)));
             const Rgb value = sp.kind == MaterialKind::kGlossy
-                                  ? sum_row_glossy(lights, shade(i), sp, visible_.row(i))
-                                  : sum_row(lights, shade(i), visible_.row(i)) * (sp.base * (1 / kPi));
+                                  ? sum_row_glossy(counted, shade(i), sp, visible_.row(i))
+                                  : sum_row(counted, shade(i), visible_.row(i)) * (sp.base * (1 / kPi));
             sum[eyes_.pixel[i]] += eyes_.throughput[i] * value;
         }
         clock.lap(stages.shading);
@@ -191,9 +194,11 @@ private:
             answer_.assign(words_for(local_.queries.size()), 0);
             oracle_->pairs(eyes_.block, local_.queries, answer_, counters);
             clock.lap(stages.visibility);
+            const std::span<const float> weights = oracle_->pair_weights();
             for_each_bit(answer_, [&](size_t i) {
                 const ShadowQuery& q = local_.queries[i];
-                sums_[q.group][eyes_.pixel[q.eye]] += local_.contribution[i];
+                const Rgb value = local_.contribution[i];
+                sums_[q.group][eyes_.pixel[q.eye]] += weights.empty() ? value : value * weights[i];
             });
             clock.lap(stages.shading);
             first = last;

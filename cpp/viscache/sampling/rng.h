@@ -24,7 +24,8 @@ enum class Purpose : uint32_t {
     kProduct,
     kMapStartup,
     kEyeSubpath,
-    kLightSubpath
+    kLightSubpath,
+    kRoulette
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).

@@ -83,6 +83,12 @@ public:
     /// Any connections of the tile's eye points. Bit i of `visible` (zeroed on entry) answers queries[i].
     virtual void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                        Counters& counters) = 0;
+    /// Of oracles that leave connections out at random: what the seen columns of an eye point count for in
+    /// the block just answered, 1/probability. Empty: 1 each. Where two rows have one address, they are
+    /// equal.
+    virtual std::span<const float> block_weights(uint32_t /*eye*/) const { return {}; }
+    /// The same of the queries of the last `pairs`.
+    virtual std::span<const float> pair_weights() const { return {}; }
 
 protected:
     /// To be called every few milliseconds of work.

@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_bdpt_aqvc', 'render_bdpt_exact', 'render_exact', 'render_given_maps', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'NeePlusPlusSettings', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_bdpt_aqvc', 'render_bdpt_exact', 'render_bdpt_nee_plus_plus', 'render_exact', 'render_given_maps', 'render_nee_plus_plus', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -475,6 +475,51 @@ class BdptSettings:
     @max_depth.setter
     def max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
+class NeePlusPlusSettings:
+    """
+    See viscache.NeePlusPlus.
+    """
+    symmetric: bool
+    def __init__(self) -> None:
+        ...
+    def validate(self) -> None:
+        ...
+    @property
+    def exponent(self) -> float:
+        ...
+    @exponent.setter
+    def exponent(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def learn_pixels(self) -> int:
+        ...
+    @learn_pixels.setter
+    def learn_pixels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_bytes(self) -> int:
+        ...
+    @max_bytes.setter
+    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def min_probability(self) -> float:
+        ...
+    @min_probability.setter
+    def min_probability(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_directions(self) -> int:
+        ...
+    @n_directions.setter
+    def n_directions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def n_voxels(self) -> int:
+        ...
+    @n_voxels.setter
+    def n_voxels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
 class AlphaMode(enum.Enum):
     """
     How the control variate's α is chosen.
@@ -509,6 +554,10 @@ def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals:
     """
     Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).
     """
+def learnt_map(settings: NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
+    """
+    Cells of both ends (N,), then visibility and probability of each connection once all are counted (tests). `far` holds places, or directions towards the light.
+    """
 def lit_by_light(caster: RayCaster, settings: ShadowMapSettings, far: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, direction: bool, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> tuple:
     """
     One light's map asked about points with unit normals: lit (N,), depths (faces, rows, columns). `far` is a place, or a unit direction towards the light (tests).
@@ -535,12 +584,16 @@ def render_bdpt_aqvc(scene: Scene, caster: RayCaster, camera: Camera, settings: 
     ...
 def render_bdpt_exact(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
+def render_bdpt_nee_plus_plus(scene: Scene, caster: RayCaster, camera: Camera, integrator: BdptSettings, frame: FrameSettings, settings: NeePlusPlusSettings, *, weighted: bool = True, progress: typing.Any = None) -> dict:
+    ...
 def render_exact(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:
     ...
 def render_given_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> dict:
     """
     The same with one blend of maps for all points, whatever they see (tests).
     """
+def render_nee_plus_plus(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: NeePlusPlusSettings, *, weighted: bool = True, progress: typing.Any = None) -> dict:
+    ...
 def render_shadow_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: ShadowMapSettings, *, progress: typing.Any = None) -> dict:
     ...
 def render_shared(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: vlf.AlignedBatch, *, choose: bool, order: PacketOrder = PacketOrder.BY_LIGHT, coherent: bool | None = None, progress: typing.Any = None) -> dict:

@@ -127,6 +127,23 @@ MAPS_WORSE_CLOSE_UP = Band(
 #: rel_l1 with maps: smallest resolution over largest.
 MAPS_IMPROVE = Band(1.5, math.inf, "expected: wrong bits fall about as 1/resolution")
 
+# Beside Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): 16³ voxels, Russian roulette alone
+
+#: Share of the connections it leaves out, under lamps most of which are behind walls.
+NEE_DISCARDED = Band(0.4, 0.95, "expected: its abstract's up to 80 % on average; .65 in a trial")
+
+#: Discarded connections over those that are blocked: what is seen is hardly left out.
+NEE_WITHIN_BLOCKED = Band(0.0, 1.2, "expected: q = p leaves out some of what is seen in part")
+
+#: Relative difference of the image's mean to the exact frame's.
+NEE_ENERGY = Band(-0.02, 0.02, "expected: 0, it has no bias; a frame's noise")
+
+#: Its rays over those of the cache at C_E 12.
+NEE_MORE_RAYS = Band(1.0, math.inf, "expected: voxels that see each other are all traced")
+
+#: Squared error against a converged picture over the exact frame's, same samples.
+NEE_ADDS_NOISE = Band(0.98, math.inf, "expected: roulette adds variance, whatever the map says")
+
 # Claims in the text, H1 to H8
 
 #: H1: share of the queries that become rays, the best of the sweeps' settings.

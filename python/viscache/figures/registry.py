@@ -15,6 +15,7 @@ from viscache.figures import (
     aqvc_edges,
     aqvc_hairball,
     aqvc_maps,
+    aqvc_nee,
     aqvc_pictures,
     aqvc_quality,
     aqvc_sweeps,
@@ -99,6 +100,11 @@ FIGURES: dict[str, FigureInfo] = {
     "aqvc-quality": FigureInfo(
         description="quality choices of the quantized cache: normals, grids, jitter, refinement",
         function=aqvc_quality.quality,
+        sized=True,
+    ),
+    "aqvc-nee": FigureInfo(
+        description="rays and error beside Next Event Estimation++",
+        function=aqvc_nee.comparison,
         sized=True,
     ),
     "vlf-fig1": FigureInfo(

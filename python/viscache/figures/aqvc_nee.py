@@ -1,0 +1,166 @@
+"""The quantized cache beside Next Event Estimation++, its closest successor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import scenes
+from viscache.figures import aqvc_bands as bands
+from viscache.figures.aqvc_runs import Shot, Trade
+from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.outcome import Outcome, Row
+from viscache.figures.vlf_pictures import draw_lines
+from viscache.figures.vlf_tracers import write_csv
+from viscache.frame import Frame
+from viscache.integrators import Whitted
+from viscache.nee_plus_plus import NeePlusPlus
+from viscache.visibility import Aqvc, Exact, Visibility
+
+SIZE, QUICK_SIZE = (320, 200), (96, 60)
+#: C_E of the cache, along its curve of error over rays.
+C_E = (4.0, 8.0, 12.0, 24.0)
+#: What the roulette makes of a visibility p: q = p^exponent.
+EXPONENTS = (0.25, 0.5, 1.0)
+#: Frames per method for variance, and eye samples per pixel of the reference.
+SEEDS, REFERENCE_SPP = 5, 64
+
+
+def comparison(
+    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
+) -> Outcome:
+    """Rays and error at the same samples; variance against a converged picture."""
+    outcome, table, lines = Outcome(), [], {}
+    for name, shot in shots(quick, size).items():
+        found = same_samples(shot, quick)
+        table += [{"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
+                  for m, t in found.items()]  # fmt: skip
+        outcome.rows += _same_rows(name, found, quick)
+        for kind in ("NEE++", "AQVC"):
+            mine = [t for m, t in found.items() if m.startswith(kind)]
+            lines[f"{kind}, {name}"] = ([rays_left(t) for t in mine], [t.rel_l1 for t in mine])
+        if not shot.integrator.n_vpls:  # type: ignore[union-attr]
+            outcome.rows += _noise_rows(name, noise(shot, quick))
+    outcome.files += [
+        draw_lines(lines, folder / "aqvc-nee.png", x="rays over queries", y="rel_l1"),
+        write_csv(folder / "aqvc-nee.csv", table),
+    ]
+    outcome.notes.append(
+        "NEE++ is ours, after the paper's idea: Russian roulette alone, its map learnt before the "
+        "frame. Its error is noise and leaves with more samples; the cache's is partly bias."
+    )
+    return outcome
+
+
+def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:
+    """Lamps mostly hidden, many lights in one room, an area light, fine geometry."""
+    pixels = size or (QUICK_SIZE if quick else SIZE)
+    setups = {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
+    hairball = SETUPS["hairball"].shot(quick, pixels)
+    sky = replace(SETUPS["hairball"].integrator(quick), n_vpls=0)
+    room = Whitted(n_vpls=32 if quick else 256, n_area=0)
+    return setups | {
+        "hairball": replace(hairball, integrator=sky),
+        "room": Shot(scene=scenes.room(), integrator=room, size=pixels),
+    }
+
+
+def methods(quick: bool) -> dict[str, Visibility]:
+    """Settings by name."""
+    plain = NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else NeePlusPlus()
+    roulette = {f"NEE++ p^{e:g}": replace(plain, exponent=e) for e in EXPONENTS}
+    return {**roulette, **{f"AQVC C_E {c_e:g}": Aqvc(c_e=c_e) for c_e in C_E}}
+
+
+def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
+    """Frames beside the exact one of the same seed."""
+    exact = shot.frame()
+    return {n: Trade(frame=shot.frame(v), exact=exact) for n, v in methods(quick).items()}
+
+
+def rays_left(trade: Trade) -> float:
+    """Share of the connections that cost a ray, learning included."""
+    return 1 / trade.ray_reduction
+
+
+def discarded(frame: Frame) -> float:
+    """Share of the connections that the roulette left out."""
+    return float(frame.counters["discarded"] / frame.counters["queries"])
+
+
+def _same_rows(name: str, found: Mapping[str, Trade], quick: bool) -> list[Row]:
+    full, cache = found["NEE++ p^1"], found["AQVC C_E 12"]
+    occluded = full.exact.counters["occluded"] / full.exact.counters["queries"]
+    energy = full.frame.image.mean(dtype=float) / full.exact.image.mean(dtype=float) - 1
+    rows = [
+        Row(what=f"{name}, NEE++: visibility tests discarded",
+            printed="up to 0.8", measured=discarded(full.frame),
+            band=bands.NEE_DISCARDED if name == "delta" and not quick else None,
+            note=f"{occluded:.0%} of them are blocked"),
+        Row(what=f"{name}, NEE++: discarded over blocked",
+            measured=discarded(full.frame) / occluded, band=bands.NEE_WITHIN_BLOCKED),
+        Row(what=f"{name}, NEE++: energy against exact", measured=energy,
+            band=bands.NEE_ENERGY),
+        Row(what=f"{name}: rays of NEE++ over those of the cache, C_E 12",
+            measured=rays_left(full) / rays_left(cache), band=bands.NEE_MORE_RAYS),
+    ]  # fmt: skip
+    return rows + [
+        Row(what=f"{name}, {method}: rel_l1", measured=trade.rel_l1,
+            note=f"{rays_left(trade):.1%} of the rays, speed-up {trade.speedup:.2f}")
+        for method, trade in found.items()
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Mean squared error of reflected light against a converged picture, and CPU seconds."""
+
+    mse: float
+    cpu_s: float
+
+    def at_equal_time(self, other: Noise) -> float:
+        """This error over the other's, if both took the same time by more samples per pixel."""
+        return self.mse * self.cpu_s / (other.mse * other.cpu_s)
+
+
+def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
+    """Of each method, over independent frames."""
+    spp = REFERENCE_SPP // 4 if quick else REFERENCE_SPP
+    reference = _double(replace(shot, spp=spp).frame(seed=1000))
+    chosen: dict[str, Visibility] = {"exact": Exact(), **methods(quick)}
+    seeds = range(2 if quick else SEEDS)
+    frames = {n: [shot.frame(v, seed=s) for s in seeds] for n, v in chosen.items()}
+    return {
+        name: Noise(
+            float(np.mean([np.mean((_double(f) - reference) ** 2) for f in made])),
+            median(f.timings["cpu_s"] for f in made),
+        )
+        for name, made in frames.items()
+    }
+
+
+def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
+    exact = found["exact"]
+    rows = []
+    for method, mine in found.items():
+        if method == "exact":
+            continue
+        full = method == "NEE++ p^1"
+        rows.append(
+            Row(what=f"{name}, {method}: squared error at equal samples over the exact frame's",
+                measured=mine.mse / exact.mse,
+                band=bands.NEE_ADDS_NOISE if full else None,
+                note=f"at equal time {mine.at_equal_time(exact):.2f}")
+        )  # fmt: skip
+    return rows
+
+
+def _double(frame: Frame) -> npt.NDArray[Any]:
+    """Reflected light: what the camera sees shine has noise of its own."""
+    return np.asarray(frame.image, np.float64) - frame.layers["emitted"]

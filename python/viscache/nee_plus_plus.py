@@ -1,0 +1,79 @@
+"""Settings of Next Event Estimation++: Russian roulette with voxel-to-voxel visibility."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from viscache import _core
+from viscache.checks import check_types, require
+
+__all__ = ["NeePlusPlus"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NeePlusPlus:
+    """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): shadow rays left out at random.
+
+    A small frame with exact rays learns how often points of one voxel see points of another. Then
+    a connection whose voxels see each other with probability p is traced with probability
+    q = max(min_probability, p^exponent); what is seen counts 1/q, the rest counts nothing. The
+    frame is right in expectation and has noise where voxels see each other in part.
+
+    `frame.counters`: "rays" includes "learning_rays"; "discarded" connections were not traced.
+    Not with environment="product".
+
+    Parameters
+    ----------
+    n_voxels : int in [1, 64]
+        Voxels along an edge of the scene's bounding box.
+    n_directions : int in [1, 256]
+        Cells along an edge of the octahedral square: far ends of light from infinity.
+    learn_pixels : int in [1, 2^30]
+        The map is learnt from a frame of so many pixels, at most those of the frame itself, with
+        one sample per pixel.
+    min_probability : float in [0.001, 1]
+        Every connection is traced at least that often. 1: the exact frame.
+    exponent : float in [0, 4]
+        1: in proportion to the visibility, as the paper does. 0: the exact frame.
+    symmetric : bool
+        V(a, b) and V(b, a) are learnt together.
+    max_bytes : int >= 1
+        Refuse a map that would take more: 8 bytes for each pair of voxels, and for each voxel with
+        a cell of directions.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> frame = vc.render(scene, vc.Direct(), visibility=vc.NeePlusPlus(), size=(64, 40))
+    >>> frame.counters["queries"] - frame.counters["discarded"] < frame.counters["queries"]
+    True
+    """
+
+    n_voxels: int = 16
+    n_directions: int = 16
+    learn_pixels: int = 4096
+    min_probability: float = 0.05
+    exponent: float = 1.0
+    symmetric: bool = True
+    max_bytes: int = 1 << 30
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        for name, most in (("n_voxels", 64), ("n_directions", 256), ("learn_pixels", 1 << 30)):
+            value = getattr(self, name)
+            require(1 <= value <= most, f"{name} must be in [1, {most}]", value)
+        require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
+        self.core().validate()
+
+    def core(self) -> _core.NeePlusPlusSettings:
+        """The C++ struct."""
+        core = _core.NeePlusPlusSettings()
+        for name, value in self.parameters().items():
+            setattr(core, name, value)
+        return core
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}

@@ -1,0 +1,48 @@
+"""Next Event Estimation++ (Guo, Eisemann, Eisemann 2020) in plain NumPy: its map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.floating[Any]]
+Whole = npt.NDArray[np.int64]
+
+
+def voxel(points: Floats, low: Floats, high: Floats, n: int) -> Whole:
+    """Number of the voxel of n³ over the box [low, high], x fastest; outside: the nearest."""
+    p, low, high = (np.asarray(v, np.float32) for v in (points, low, high))
+    size = high - low
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(size > 0, np.float32(n) / size, np.float32(0))
+        t = (p - low) * scale
+    cell = np.clip(np.nan_to_num(t, nan=0.0, posinf=n - 1, neginf=0), 0, n - 1).astype(np.int64)
+    return cell[..., 0] + n * (cell[..., 1] + n * cell[..., 2])
+
+
+def direction_cell(directions: Floats, n: int) -> Whole:
+    """Number of the cell of n² over the octahedral square."""
+    d = np.asarray(directions, np.float64)
+    d = d / np.abs(d).sum(axis=-1, keepdims=True)
+    x, y, z = d[..., 0], d[..., 1], d[..., 2]
+    u = np.where(z < 0, (1 - np.abs(y)) * np.where(x < 0, -1, 1), x)
+    v = np.where(z < 0, (1 - np.abs(x)) * np.where(y < 0, -1, 1), y)
+    column, row = (np.clip(((c + 1) / 2 * n).astype(np.int64), 0, n - 1) for c in (u, v))
+    return column + n * row
+
+
+def visibility(near: Whole, far: Whole, seen: npt.NDArray[np.bool_], symmetric: bool) -> Floats:
+    """(seen + 1) / (tested + 1) of the pair each connection belongs to, once all are counted."""
+    pairs = [(min(p), max(p)) if symmetric else p for p in zip(near, far, strict=True)]
+    out = np.empty(len(pairs))
+    for i, pair in enumerate(pairs):
+        mine = np.array([p == pair for p in pairs])
+        out[i] = (seen[mine].sum() + 1) / (mine.sum() + 1)
+    return out
+
+
+def probability(p: Floats, least: float, exponent: float) -> Floats:
+    """Of tracing a connection."""
+    return np.maximum(least, p**exponent)
