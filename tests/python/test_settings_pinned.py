@@ -155,7 +155,8 @@ def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None
 def test_render_has_the_defaults_of_the_frame_struct() -> None:
     struct = values(_core.FrameSettings())
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
-    assert set(struct) == {"width", "height", "spp", "seed", "threads"}
+    assert set(struct) == {"width", "height", "spp", "seed", "threads", "part", "parts"}
+    assert (struct["part"], struct["parts"]) == (0, 1)  # all of it; `render_part` takes others
     assert (struct["spp"], struct["seed"]) == (defaults["spp"], defaults["seed"])
     assert struct["threads"] == 0 and defaults["threads"] is None  # both mean all
     sweep = inspect.signature(vc.sweep).parameters["size"].default
