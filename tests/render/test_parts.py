@@ -29,9 +29,14 @@ def assert_same(a: vc.Frame, b: vc.Frame) -> None:
     assert a.counters == b.counters and a.parameters == b.parameters
 
 
-@pytest.mark.parametrize("parts", [1, 2, 5, 9])
-@pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=8), vc.Aqvc(form="pairs")],
-                         ids=["exact", "waves", "pairs"])  # fmt: skip
+@pytest.mark.parametrize(
+    ("visibility", "parts"),
+    [
+        *((vc.Exact(), parts) for parts in (1, 2, 5, 9)),
+        *((vc.Aqvc(c_e=8), parts) for parts in (2, 5, 9)),
+        (vc.Aqvc(form="pairs"), 4),
+    ],
+)
 def test_any_number_of_parts_gives_the_same_bytes(
     scene: vc.Scene, visibility: Any, parts: int
 ) -> None:

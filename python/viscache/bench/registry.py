@@ -13,6 +13,7 @@ from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.rays import rays
+from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
@@ -74,7 +75,10 @@ BENCHES: dict[str, BenchInfo] = {
         description="variance with visibility maps against product sampling",
         function=vismap_variance,
     ),
-    "sweep": BenchInfo(description="overhead of a sweep outside rendering and metrics"),
+    "sweep": BenchInfo(
+        description="500 points of a sweep: time outside frames and metrics, kills, dask",
+        function=sweep,
+    ),
     "peers": BenchInfo(description="caches of other renderers at equal time"),
 }
 

@@ -16,6 +16,8 @@ def text(result: dict[str, Any]) -> str:
             line += f"  {f['ratio']:.2f}x [{f['low']:.2f}, {f['high']:.2f}]"
         if f["goal"] is not None:
             line += f"  goal {f['goal']:g}: {'holds' if f['holds'] else 'missed'}"
+        if f.get("at_most") is not None:
+            line += f"  at most {f['at_most']:g}: {'holds' if f['holds'] else 'missed'}"
         if f.get("rel_l1") is not None:
             line += f"  rel_l1 {f['rel_l1']:.4f}"
         lines.append(line)
