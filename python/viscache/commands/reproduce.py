@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from viscache.commands.shared import print_json
 from viscache.commands.shared import size as pixels
@@ -17,29 +18,66 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="small sizes")
     parser.add_argument("--size", metavar="WxH", type=pixels,
                         help="of the pictures of the figures that allow it")  # fmt: skip
+    parser.add_argument("--older", action="store_true",
+                        help="all: take what other versions of the code left in DIR")  # fmt: skip
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Exit status 0: every band holds; 1: one does not."""
+    """Exit status 0: every band holds; 1: one does not, or a figure ended with an error."""
     from viscache import figures
 
     if arguments.name == "list":
         return _list(arguments.json)
-    there = [name for name, info in figures.FIGURES.items() if info.is_there]
-    results = []
-    everything = arguments.name == "all"
-    for name in there if everything else [arguments.name]:
-        size = arguments.size if not everything or figures.FIGURES[name].sized else None
-        results.append(figures.reproduce(name, arguments.output, quick=arguments.quick,
-                                         progress=sys.stderr.isatty(), size=size))  # fmt: skip
-        if not arguments.json:
-            print((Path(arguments.output) / f"{name}.md").read_text("utf-8"))
-            for left in results[-1]["skipped"]:
-                print(f"skipped: {left['what']}: {left['reason']}")
+    if arguments.name == "all":
+        return _all(arguments)
+    result = figures.reproduce(arguments.name, arguments.output, quick=arguments.quick,
+                               progress=sys.stderr.isatty(), size=arguments.size)  # fmt: skip
     if arguments.json:
-        print_json(results[0] if arguments.name != "all" else {"figures": results})
-    return 0 if all(result["holds"] for result in results) else 1
+        print_json(result)
+    else:
+        _print(result, arguments.output)
+    return 0 if result["holds"] else 1
+
+
+def _all(arguments: argparse.Namespace) -> int:
+    from viscache import figures
+
+    def told(result: dict[str, Any], known: bool) -> None:
+        if known:
+            print(f"{result['figure']}: taken from {arguments.output}")
+        else:
+            _print(result, arguments.output)
+        sys.stdout.flush()
+
+    summary = figures.reproduce_all(
+        arguments.output, quick=arguments.quick, size=arguments.size, older=arguments.older,
+        progress=sys.stderr.isatty(), on_result=None if arguments.json else told,
+    )  # fmt: skip
+    if arguments.json:
+        print_json(summary)
+    else:
+        bands = summary["bands"]
+        print(f"{bands['hold']} of {bands['all']} bands hold; {len(summary['failing'])} failures:")
+        for row in summary["failing"]:
+            print(f"  {row['figure']}: {row['error'] if 'error' in row else _missed(row)}")
+        print(summary["page"])
+    return 0 if summary["holds"] else 1
+
+
+def _missed(row: dict[str, Any]) -> str:
+    low, high = (end if end is None else f"{end:.4g}" for end in row["band"])
+    measured = "nothing" if row["measured"] is None else f"{row['measured']:.4g}"
+    return f"{row['what']}: {measured} is not in {low or '-inf'} … {high or 'inf'}"
+
+
+def _print(result: dict[str, Any], folder: str) -> None:
+    if "error" in result:
+        print(f"{result['figure']} ended with an error: {result['error']}")
+        return
+    print((Path(folder) / f"{result['figure']}.md").read_text("utf-8"))
+    for left in result["skipped"]:
+        print(f"skipped: {left['what']}: {left['reason']}")
 
 
 def _list(as_json: bool) -> int:

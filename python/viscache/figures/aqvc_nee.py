@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from viscache import scenes
 from viscache.figures import aqvc_bands as bands
+from viscache.figures import references
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
 from viscache.figures.outcome import Outcome, Row
@@ -132,7 +133,11 @@ class Noise:
 def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
     """Of each method, over independent frames."""
     spp = REFERENCE_SPP // 4 if quick else REFERENCE_SPP
-    reference = _double(replace(shot, spp=spp).frame(seed=1000))
+    reference = _double(
+        references.reference(
+            shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
+        )
+    )
     chosen: dict[str, Visibility] = {"exact": Exact(), **methods(quick)}
     seeds = range(2 if quick else SEEDS)
     frames = {n: [shot.frame(v, seed=s) for s in seeds] for n, v in chosen.items()}

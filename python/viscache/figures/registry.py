@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,7 @@ from viscache.figures import (
     aqvc_pictures,
     aqvc_quality,
     aqvc_sweeps,
+    references,
     vlf_axes,
     vlf_drawings,
     vlf_frames,
@@ -26,6 +28,7 @@ from viscache.figures import (
     vlf_occlusion,
     vlf_sweeps,
 )
+from viscache.figures.code import code_hash
 from viscache.figures.outcome import Outcome, text
 from viscache.figures.vismap_ambient import figure10
 from viscache.figures.vismap_animation import temporal
@@ -235,7 +238,10 @@ def reproduce(
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     given = {} if size is None else {"size": size}
-    outcome = function(folder, quick, progress, **given)
+    began, cpu = time.perf_counter(), time.process_time()
+    with references.kept_in(folder / "references", code_hash()):
+        outcome = function(folder, quick, progress, **given)
+    seconds, cpu = time.perf_counter() - began, time.process_time() - cpu
     table, record = folder / f"{name}.md", folder / f"{name}.json"
     table.write_text(text(name, outcome.rows), encoding="utf-8")
     result = {
@@ -248,6 +254,9 @@ def reproduce(
         "quick": quick,
         "size": None if size is None else list(size),
         "provenance": provenance(),
+        "code": code_hash(),
+        "seconds": seconds,
+        "cpu_s": cpu,
     }
     record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
     return result

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from viscache.figures import references
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.outcome import Outcome, Row
@@ -14,7 +15,6 @@ from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vismap_records import VIEWS
 from viscache.frame import Frame
 from viscache.integrators import Direct
-from viscache.render import render
 from viscache.scenes.garage import sky_image
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.vismap import Relighting, VisibilityMapCache
@@ -36,8 +36,9 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     traced, sky = cache.rays, sky_image()
     previews = [design.under(sky, rotation_deg=turn) for turn in TURNS_DEG]
     rays = sum(frame.counters["rays"] for frame in previews) + cache.rays - traced
-    reference = render(scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4,
-                       progress=progress)  # fmt: skip
+    reference = references.reference(
+        scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
+    )
     outcome.rows += [
         Row(what="records", printed=printed.PREVIEW_RECORDS, measured=len(cache)),
         Row(what="rays traced for lights that are turned", printed="none", measured=rays,

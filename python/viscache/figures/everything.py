@@ -1,0 +1,134 @@
+"""Every figure and table one after the other, resumable, with one page of all of them."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from viscache.figures import page, registry
+from viscache.figures.code import code_hash
+from viscache.json_values import finite
+from viscache.provenance import provenance
+
+__all__ = ["failing", "finished", "reproduce_all"]
+
+Result = dict[str, Any]
+
+
+def reproduce_all(
+    directory: str | os.PathLike[str],
+    *,
+    quick: bool = False,
+    size: tuple[int, int] | None = None,
+    progress: bool = False,
+    older: bool = False,
+    on_result: Callable[[Result, bool], None] | None = None,
+) -> Result:
+    """Reproduce every figure and table that is there.
+
+    What the directory holds already, of the same code, `quick` and size, is taken as it is, so that
+    an interrupted run goes on figure by figure. A figure that raises is recorded with its error and
+    does not hold. `index.html` and `summary.json` are rewritten after each figure.
+
+    Parameters
+    ----------
+    directory : path
+        Made where missing.
+    size : (width, height), optional
+        For the figures that allow it.
+    older : bool
+        Also take results of other versions of the code.
+    on_result : callable, optional
+        Gets each result, and whether it was there already.
+
+    Returns
+    -------
+    dict
+        figures (list of results), page, holds, bands (how many there are, hold and do not), failing
+        (the rows that do not hold and the figures that raised), seconds.
+    """
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    results: list[Result] = []
+    for name, info in registry.FIGURES.items():
+        if not info.is_there:
+            continue
+        wanted = size if info.sized else None
+        known = finished(folder, name, quick=quick, size=wanted, older=older)
+        result = known or _reproduced(name, folder, quick=quick, size=wanted, progress=progress)
+        results.append(result)
+        if on_result is not None:
+            on_result(result, known is not None)
+        _write(folder, results)
+    return _write(folder, results)
+
+
+def finished(
+    folder: Path, name: str, *, quick: bool, size: tuple[int, int] | None, older: bool = False
+) -> Result | None:
+    """A figure's result as the folder has it; None where it is of something else, or not whole."""
+    try:
+        result: Result = json.loads((folder / f"{name}.json").read_text("utf-8"))
+    except (FileNotFoundError, ValueError):
+        return None
+    same = result.get("quick") == quick and result.get("size") == (list(size) if size else None)
+    of_code = older or result.get("code") == code_hash()
+    there = all(Path(file).is_file() for file in result.get("files", []))
+    return result if same and of_code and there and "error" not in result else None
+
+
+def _reproduced(
+    name: str, folder: Path, *, quick: bool, size: tuple[int, int] | None, progress: bool
+) -> Result:
+    began = time.perf_counter()
+    try:
+        return registry.reproduce(name, folder, quick=quick, size=size, progress=progress)
+    except Exception as error:
+        result: Result = {
+            "figure": name, "rows": [], "files": [], "holds": False, "skipped": [],
+            "notes": [], "quick": quick, "size": None if size is None else list(size),
+            "provenance": provenance(), "code": code_hash(),
+            "seconds": time.perf_counter() - began,
+            "error": f"{type(error).__name__}: {error}", "traceback": traceback.format_exc(),
+        }  # fmt: skip
+        record = folder / f"{name}.json"
+        record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
+        return result
+
+
+def _write(folder: Path, results: list[Result]) -> Result:
+    """The page and the summary of the results so far."""
+    banded = [row for result in results for row in result["rows"] if row["holds"] is not None]
+    missed = [row for row in banded if not row["holds"]]
+    summary: Result = {
+        "figures": results,
+        "page": str(folder / "index.html"),
+        "holds": all(result["holds"] for result in results),
+        "bands": {"all": len(banded), "hold": len(banded) - len(missed), "fail": len(missed)},
+        "failing": list(failing(results)),
+        "seconds": sum(result.get("seconds", 0.0) for result in results),
+    }
+    _whole(folder / "summary.json", json.dumps(finite(summary), indent=2))
+    _whole(folder / "index.html", page.html(summary))
+    return summary
+
+
+def failing(results: list[Result]) -> Iterator[dict[str, Any]]:
+    """What does not hold: figure, what, printed, measured, band; error where a figure raised."""
+    for result in results:
+        if "error" in result:
+            yield {"figure": result["figure"], "error": result["error"]}
+        for row in result["rows"]:
+            if row["holds"] is False:
+                yield {"figure": result["figure"], **row}
+
+
+def _whole(path: Path, text: str) -> None:
+    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)

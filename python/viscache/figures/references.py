@@ -1,0 +1,53 @@
+"""Converged pictures that figures are held against: rendered once, kept by content hash."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+from viscache import settings
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.store import Store, content_key
+
+__all__ = ["kept_in", "reference"]
+
+_FOLDER: ContextVar[tuple[Path, str] | None] = ContextVar("references", default=None)
+
+
+@contextmanager
+def kept_in(folder: Path, code: str) -> Iterator[None]:
+    """Within it, `reference` keeps what it renders in a folder, apart for every `code`."""
+    token = _FOLDER.set((folder, code))
+    try:
+        yield
+    finally:
+        _FOLDER.reset(token)
+
+
+def reference(
+    scene: Scene, integrator: Any, *, size: tuple[int, int], spp: int = 1, seed: int = 0,
+    camera: Any = None, progress: bool = False,
+) -> Frame:  # fmt: skip
+    """An exact frame, taken from the folder where it is there; its timings are then of that time.
+
+    Not for what is timed.
+    """
+    options: dict[str, Any] = {"size": size, "spp": spp, "seed": seed, "camera": camera}
+    where = _FOLDER.get()
+    if where is None or not isinstance(camera, str | int | None):
+        return render(scene, integrator, progress=progress, **options)
+    folder, code = where
+    spec = {
+        "code": code, "scene": scene.content_hash,
+        "integrator": settings.described("integrator", integrator), **options,
+    }  # fmt: skip
+    key = content_key(spec)
+    with Store(folder) as store:
+        if store.get(key) is None:
+            store.put(key, spec, render(scene, integrator, progress=progress, **options))
+        return store.frame(key)
