@@ -12,6 +12,7 @@ namespace viscache::bindings {
 
 void bind_aqvc_keys(py::module_& m);
 void bind_aqvc_run(py::module_& m);
+void bind_aqvc_samples(py::module_& m);
 
 namespace {
 
@@ -89,6 +90,7 @@ void bind_aqvc(py::module_& m) {
     named_field(c, "res_rule", &AqvcParameters::res_rule, std::array{"eq7", "eq6"});
     named_field(c, "env_rule", &AqvcParameters::env_rule, std::array{"derived", "printed"});
     c.def_readwrite("jitter", &AqvcParameters::jitter);
+    named_field(c, "cell_density", &AqvcParameters::cell_density, std::array{"light", "mixture"});
     named_field(c, "vpl_key", &AqvcParameters::vpl_key, std::array{"point", "surface"});
     named_field(c, "refinement", &AqvcParameters::refinement, kRefinements);
     bind_refinement_group(c);
@@ -112,6 +114,7 @@ void bind_aqvc(py::module_& m) {
         "C_E of every level of a light group, coarse to fine.");
     bind_aqvc_keys(a);
     bind_aqvc_run(a);
+    bind_aqvc_samples(a);
 }
 
 }  // namespace viscache::bindings

@@ -120,15 +120,37 @@ public:
         }
         return py::make_tuple(out, counters_dict(counters));
     }
+    /// Samples of each eye point's own: those of one eye point follow each other.
+    py::tuple samples(const std::vector<uint32_t>& eye, int semantic, int group, const FloatArray& far,
+                      const FloatArray& normal, const std::vector<float>& density,
+                      const std::vector<float>& light_density) {
+        const auto y = vec3s(far, "far"), n = vec3s(normal, "normal");
+        LocalSamples s;
+        s.semantic = Semantic(semantic), s.group = group;
+        for (size_t i = 0; i < eye.size(); ++i) {
+            if (eye[i] >= eyes_.size()) throw py::value_error("eye must be an eye point of the tile");
+            s.add(y.at(i), density.at(i), light_density.at(i));
+            if (!s.is_direction())
+                s.normal.push_back(n.at(i)), s.ray_end.push_back(spawn(y[i], n[i], extent_));
+            if (i + 1 == eye.size() || eye[i + 1] != eye[i]) s.close(eye[i]);
+        }
+        std::vector<Word> visible(words_for(s.size()));
+        Counters counters;
+        cache_.samples(eyes_, s, visible, counters);
+        std::vector<bool> out;
+        for (size_t i = 0; i < s.size(); ++i) out.push_back(get_bit(visible.data(), i));
+        return py::make_tuple(out, counters_dict(counters));
+    }
+    py::tuple sample_order(int group) { return order_of(cache_.sample_order(eyes_, group)); }
     /// Forgets everything and starts the same tile again.
     void begin_tile() { cache_.begin_tile(eyes_); }
-    py::tuple pair_order() {
-        const PairOrder o = cache_.pair_order(eyes_);
+    py::tuple pair_order() { return order_of(cache_.pair_order(eyes_)); }
+
+private:
+    static py::tuple order_of(const PairOrder& o) {
         return py::make_tuple(std::vector<uint32_t>(o.eye.begin(), o.eye.end()),
                               std::vector<uint32_t>(o.run_end.begin(), o.run_end.end()));
     }
-
-private:
     void exact_block(const FarEnds& far, const BitMatrix& asked, BitMatrix& visible) {
         for (uint32_t i = 0; i < eyes_.size(); ++i)
             for_each_bit(asked.row_span(i), [&](size_t k) {
@@ -170,6 +192,10 @@ void bind_aqvc_run(py::module_& m) {
              py::arg("exact") = false)
         .def("pairs", &TileRun::pairs, py::arg("eye"), py::kw_only(), py::arg("semantic"), py::arg("group"),
              py::arg("far"), py::arg("normal"), py::arg("density"), py::arg("exact") = false)
+        .def("samples", &TileRun::samples, py::arg("eye"), py::kw_only(), py::arg("semantic"),
+             py::arg("group"), py::arg("far"), py::arg("normal"), py::arg("density"),
+             py::arg("light_density"))
+        .def("sample_order", &TileRun::sample_order, py::arg("group"))
         .def("begin_tile", &TileRun::begin_tile)
         .def("pair_order", &TileRun::pair_order);
 }

@@ -119,6 +119,10 @@ class Aqvc:
         Cells of surface–surface connections: Eq. 7; with `Bdpt` Eq. 6.
     env_rule : {"derived", "printed"}
         Eq. 9 with 4π on the right side, or as printed.
+    cell_density : {"mixture", "light"}
+        Density that the light cells of samples of each pixel's own follow: of all techniques
+        together, which differs between pixels where the BRDF is sampled too, or of light sampling
+        alone, so that all pixels have the same cells: fewer rays, more error.
     vpl_key : {"point", "surface"}
         One column per VPL, or VPLs quantised as surface points.
     refinement : {"auto", "on", "off"}
@@ -139,13 +143,16 @@ class Aqvc:
     digest_bits : int in [1, 31]
         Bits of the digest beside the visibility bit.
     table_bytes : int
-        Size of the table: of one tile, 4 MiB; with `Bdpt` of the frame, 256 MiB.
+        Size of the table: of one tile, 4 MiB; with `Bdpt` of the frame, 256 MiB. Bit rows of
+        samples of each pixel's own take up to 16 times that before the table steps in.
     order : {"hm", "scanline", "random"}
         Processing order of `pairs` and rows: Halton–Morton (Sec. 4.3) or comparisons.
     c_pg : float
         C_PG: growth of the order's segments. 3.7.
     form : {"waves", "rows", "pairs"}
         How groups of shared lights run: level waves, rows in pixel order, one query at a time.
+        Samples of each pixel's own go through rows of bits by light cell, or with "pairs" through
+        the table.
     storage : {"table", "exact", "shared"}
         The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one, which
         takes up what was traced between rounds of work: the same values for any number of threads.
@@ -174,6 +181,7 @@ class Aqvc:
     jitter: bool | None = None
     res_rule: Literal["eq7", "eq6"] | None = None
     env_rule: Literal["derived", "printed"] | None = None
+    cell_density: Literal["mixture", "light"] | None = None
     vpl_key: Literal["point", "surface"] | None = None
     refinement: Literal["auto", "on", "off"] | None = None
     refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)

@@ -17,6 +17,9 @@ namespace viscache {
 enum class NormalMode { kRound, kFloor, kOctahedral, kSingle };
 enum class ResolutionRule { kEq7, kEq6 };           ///< cells of surface-surface connections
 enum class EnvironmentRule { kDerived, kPrinted };  ///< Eq. 9
+/// D_l that the light cells of an eye point's own samples follow: of light sampling alone, the same for all
+/// eye points, or of all techniques together (Σ M_t p_t), which with the BRDF among them differs.
+enum class CellDensity { kLight, kMixture };
 enum class VplKey { kPoint, kSurface };
 enum class Refinement { kAuto, kOn, kOff };
 enum class LevelRule { kFinest, kLog2 };
@@ -40,6 +43,7 @@ struct AqvcParameters {
     bool jitter = false;             ///< move points by up to half a cell along the surface before quantizing
     ResolutionRule res_rule = ResolutionRule::kEq7;
     EnvironmentRule env_rule = EnvironmentRule::kDerived;
+    CellDensity cell_density = CellDensity::kMixture;
     VplKey vpl_key = VplKey::kPoint;
     Refinement refinement = Refinement::kAuto;
     std::array<std::optional<Refinement>, kLightGroups> refinement_group{};  ///< of single light groups

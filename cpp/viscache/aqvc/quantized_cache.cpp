@@ -1,6 +1,9 @@
 #include "viscache/aqvc/quantized_cache.h"
 
+#include <bit>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "viscache/aqvc/row_kernels.h"
 
@@ -32,13 +35,14 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
       extent_(offset_extent),
       shares_(frame_table != nullptr),
       tracer_(caster, offset_extent),
-      pairs_(parameters_, frame_table) {
+      pairs_(parameters_, frame_table),
+      sample_rows_(caster, offset_extent) {
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
 
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
-    tracer_.watch(control), pairs_.watch(control);
+    tracer_.watch(control), pairs_.watch(control), sample_rows_.watch(control);
 }
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
@@ -47,6 +51,7 @@ void QuantizedCache::begin_tile(const EyeBlock& eyes) {
         for (const auto& levels : levels_) tile_.allow_jitter(levels, parameters_.grid_seed);
     pairs_.begin_tile();
     has_order_ = false;
+    sample_group_ = -1;
 }
 
 void QuantizedCache::make_order(const EyeBlock& eyes) {
@@ -153,28 +158,94 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
                                    .density = lights.density[k]});
             });
         answer.assign(words_for(queries.size()), 0);
-        ask_pairs(eyes, queries, answer, counters);
+        ask_pairs(eyes, queries, answer, run_of_eye_, counters);
         for (size_t i = 0; i < queries.size(); ++i)
             if (get_bit(answer.data(), i)) visible.set(queries[i].eye, light[i]);
     }
 }
 
 void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                               std::span<Word> visible, Counters& counters) {
+                               std::span<Word> visible, const std::vector<uint32_t>& run_of_eye,
+                               Counters& counters) {
     if (!shares_) make_order(eyes);
     ClampCounts clamps;
-    const PairContext context{tile_, parameters_, levels_, run_of_eye_, caster_, extent_};
+    const PairContext context{tile_, parameters_, levels_, run_of_eye, caster_, extent_};
     pairs_.run(context, queries, visible, counters, clamps);
     add_clamps(clamps, counters);
 }
 
 void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                            std::span<Word> visible, Counters& counters) {
-    ask_pairs(eyes, queries, visible, counters);
+    ask_pairs(eyes, queries, visible, run_of_eye_, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         ++counters.groups[queries[i].group].queries;
         counters.groups[queries[i].group].occluded += !get_bit(visible.data(), i);
     }
+}
+
+/// True unless the table answers: where it is asked for, one table serves the frame, or Eq. 6 couples both
+/// ends.
+bool QuantizedCache::has_sample_rows(int group) const {
+    const bool coupled =
+        LightGroup(group) == LightGroup::kArea && parameters_.res_rule == ResolutionRule::kEq6;
+    return parameters_.form != Form::kPairs && !shares_ && !coupled;
+}
+
+void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
+    if (sample_group_ == group) return;
+    ClampCounts clamps;
+    // Rows are emptier than a table: most cells meet few of the columns
+    sample_rows_.begin(tile_, levels_[size_t(group)], batch(1024), 16 * parameters_.table_bytes, counters,
+                       clamps);
+    add_clamps(clamps, counters);
+    sample_group_ = group;
+}
+
+PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
+    if (!has_sample_rows(group)) return pair_order(eyes);
+    sample_counters_ = {};
+    begin_sample_rows(group, sample_counters_);
+    return {sample_rows_.order(), sample_rows_.run_end()};
+}
+
+void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                             Counters& counters) {
+    GroupCounters& group = counters.groups[size_t(samples.group)];
+    if (has_sample_rows(samples.group)) {
+        begin_sample_rows(samples.group, counters);
+        counters.merge(std::exchange(sample_counters_, {}));
+        ClampCounts clamps;
+        group.rays += sample_rows_.run(samples, parameters_, visible, left_, counters, clamps);
+        add_clamps(clamps, counters);
+        samples_by_pairs(eyes, samples, left_, sample_rows_.run_of_eye(), visible, counters);
+    } else {
+        left_.resize(samples.size());
+        std::iota(left_.begin(), left_.end(), 0u);
+        if (!shares_) make_order(eyes);
+        samples_by_pairs(eyes, samples, left_, run_of_eye_, visible, counters);
+    }
+    group.queries += samples.size();
+    for (Word w : visible) group.occluded -= uint64_t(std::popcount(w));
+    group.occluded += samples.size();
+}
+
+/// Asks the table about the numbered samples.
+void QuantizedCache::samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
+                                      std::span<const uint32_t> numbers,
+                                      const std::vector<uint32_t>& run_of_eye, std::span<Word> visible,
+                                      Counters& counters) {
+    if (numbers.empty()) return;
+    const bool light = parameters_.cell_density == CellDensity::kLight;
+    std::vector<ShadowQuery> queries;
+    size_t row = 0;
+    for (uint32_t i : numbers) {
+        while (samples.end[row] <= i) ++row;
+        queries.push_back(samples.query(samples.eye[row], i));
+        if (light) queries.back().density = samples.light_density[i];
+    }
+    std::vector<Word> answer(words_for(queries.size()));
+    ask_pairs(eyes, queries, answer, run_of_eye, counters);
+    for_each_bit(answer, [&](size_t k) { set_bit(visible.data(), numbers[k]); });
 }
 
 }  // namespace viscache

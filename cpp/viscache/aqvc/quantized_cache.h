@@ -2,7 +2,8 @@
 // The quantized visibility cache as an oracle (AQVC Sec. 3–4).
 //
 // Groups of shared lights go through level waves (or rows in pixel order, or the hash table, by parameter);
-// connections of one eye point each go through the tile's table. Nothing outlives the tile.
+// samples that belong to one eye point each go through rows of their light cells' bits (or the table);
+// other connections of single eye points through the tile's table. Nothing outlives the tile.
 //
 // How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell
 // in waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest
@@ -16,6 +17,7 @@
 #include "viscache/aqvc/parameters.h"
 #include "viscache/aqvc/pixel_order.h"
 #include "viscache/aqvc/rows.h"
+#include "viscache/aqvc/sample_rows.h"
 #include "viscache/aqvc/tile_anchors.h"
 #include "viscache/aqvc/waves.h"
 #include "viscache/visibility/oracle.h"
@@ -37,6 +39,9 @@ public:
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters) override;
     PairOrder pair_order(const EyeBlock& eyes) override;
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override;
+    PairOrder sample_order(const EyeBlock& eyes, int group) override;
 
     /// What waits to be written into the frame's table.
     std::vector<TableWrite>& writes() { return pairs_.writes(); }
@@ -44,7 +49,12 @@ public:
 
 private:
     void ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
-                   Counters& counters);
+                   const std::vector<uint32_t>& run_of_eye, Counters& counters);
+    bool has_sample_rows(int group) const;
+    void begin_sample_rows(int group, Counters& counters);
+    void samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
+                          std::span<const uint32_t> numbers, const std::vector<uint32_t>& run_of_eye,
+                          std::span<Word> visible, Counters& counters);
     void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters);
     void block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -73,6 +83,10 @@ private:
     Rows rows_;
     Pairs pairs_;
     BitMatrix by_column_;
+    SampleRows sample_rows_;
+    int sample_group_ = -1;     ///< the group that sample_rows_ is about
+    Counters sample_counters_;  ///< of preparing it, until it is asked
+    std::vector<uint32_t> left_;
 };
 
 }  // namespace viscache

@@ -162,47 +162,59 @@ private:
         const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0 &&
                                  s.environment == EnvironmentSampling::kMis;
         if (area)
-            add_batches(s.n_area, counters, stages, clock, control, [&](uint32_t eye) {
-                if (!is_black(eyes_.shading[eye]))
-                    add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
-            });
+            add_batches(Semantic::kSurface, LightGroup::kArea, s.n_area, counters, stages, clock, control,
+                        [&](uint32_t eye) {
+                            if (!is_black(eyes_.shading[eye]))
+                                add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
+                        });
         if (environment)
-            add_batches(s.n_environment + s.n_brdf, counters, stages, clock, control, [&](uint32_t eye) {
-                if (!is_black(eyes_.shading[eye]))
-                    add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
-            });
+            add_batches(Semantic::kSolidAngle, LightGroup::kEnvironment, s.n_environment + s.n_brdf, counters,
+                        stages, clock, control, [&](uint32_t eye) {
+                            if (!is_black(eyes_.shading[eye]))
+                                add_environment_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_,
+                                                        counters);
+                        });
         if (s.ambient && !s.ambient_aligned)
-            add_batches(s.n_ambient, counters, stages, clock, control,
+            add_batches(Semantic::kSolidAngle, LightGroup::kAmbient, s.n_ambient, counters, stages, clock,
+                        control,
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
     }
 
     /// Runs of eye points in the oracle's order: make their samples (at most `samples` each), ask, add up.
     template <class MakeSamples>
-    void add_batches(int samples, Counters& counters, StageSeconds& stages, StageClock& clock,
-                     const Control& control, MakeSamples make_samples) {
-        const PairOrder order = oracle_->pair_order(eyes_.block);
+    void add_batches(Semantic semantic, LightGroup group, int samples, Counters& counters,
+                     StageSeconds& stages, StageClock& clock, const Control& control,
+                     MakeSamples make_samples) {
+        const PairOrder order = oracle_->sample_order(eyes_.block, int(group));
+        std::vector<Rgb>& sum = sums_[size_t(group)];
         const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
         size_t run = 0;
         for (size_t first = 0; first < eyes_.size();) {
             control.check();
             const size_t last =
                 run < order.run_end.size() ? order.run_end[run++] : std::min(first + eyes, eyes_.size());
-            local_.clear();
+            local_.begin(semantic, group);
             for (size_t i = first; i < last; ++i)
                 make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
             clock.lap(stages.contributions);
-            answer_.assign(words_for(local_.queries.size()), 0);
-            oracle_->pairs(eyes_.block, local_.queries, answer_, counters);
+            answer_.assign(words_for(local_.at.size()), 0);
+            oracle_->samples(eyes_.block, local_.at, answer_, counters);
             clock.lap(stages.visibility);
-            const std::span<const float> weights = oracle_->pair_weights();
-            for_each_bit(answer_, [&](size_t i) {
-                const ShadowQuery& q = local_.queries[i];
-                const Rgb value = local_.contribution[i];
-                sums_[q.group][eyes_.pixel[q.eye]] += weights.empty() ? value : value * weights[i];
-            });
+            add_seen(sum);
             clock.lap(stages.shading);
             first = last;
         }
+    }
+
+    /// Adds the visible samples' contributions to their pixels.
+    void add_seen(std::vector<Rgb>& sum) const {
+        const std::span<const float> weights = oracle_->pair_weights();
+        size_t row = 0;
+        for_each_bit(answer_, [&](size_t i) {
+            while (local_.at.end[row] <= i) ++row;
+            const Rgb value = local_.contribution[i];
+            sum[eyes_.pixel[local_.at.eye[row]]] += weights.empty() ? value : value * weights[i];
+        });
     }
 
     /// Ambient occlusion by shared directions; `first`: number of the tile's first eye point.
@@ -241,7 +253,7 @@ private:
     std::unique_ptr<VisibilityOracle> oracle_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
-    LocalQueries local_;
+    WeightedSamples local_;
     std::vector<Word> answer_;
     std::array<std::vector<Rgb>, kLightGroups> sums_;
     std::optional<EnvironmentProduct> product_;

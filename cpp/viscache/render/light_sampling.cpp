@@ -127,13 +127,19 @@ std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float
         const bool behind = dot(t.normal, from - p) <= 0;
         if (behind && !t.two_sided) return std::nullopt;
         const Vec3 n = behind ? -t.normal : t.normal;
-        return AreaSample{p, n, spawn(p, n, extent), t.radiance, float(pick.pmf) / t.area};
+        const float pdf = float(pick.pmf) / t.area;
+        return AreaSample{p, n, spawn(p, n, extent), t.radiance, pdf, pdf};
     }
     const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
     const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);
     if (!on_sphere) return std::nullopt;
-    return AreaSample{on_sphere->p, on_sphere->n, spawn(on_sphere->p, on_sphere->n, extent), s.radiance,
-                      float(pick.pmf) * on_sphere->pdf_area};
+    // At most half of a sphere is seen
+    return AreaSample{on_sphere->p,
+                      on_sphere->n,
+                      spawn(on_sphere->p, on_sphere->n, extent),
+                      s.radiance,
+                      float(pick.pmf) * on_sphere->pdf_area,
+                      float(pick.pmf) / (2 * kPi * s.radius * s.radius)};
 }
 
 }  // namespace viscache

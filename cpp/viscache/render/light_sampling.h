@@ -62,6 +62,7 @@ struct AreaSample {
     Vec3 ray_end;  ///< spawned off the light's own surface
     Rgb radiance;
     float pdf_area;  ///< probability density per m² of light, light choice included
+    float pdf_even;  ///< the same, were all of a light that a point can see sampled evenly: of no eye point
 };
 /// Chooses by power; triangles uniformly, spheres in the cone they span. Empty when the light turns its back.
 std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u);

@@ -7,13 +7,14 @@
 
 namespace viscache {
 
-void LocalQueries::add(const ShadowQuery& query, Rgb value, Counters& counters) {
+bool WeightedSamples::add(Vec3 to, Rgb value, float density, float light_density, Counters& counters) {
     if (!is_finite(value)) {
         ++counters.non_finite;
-        return;
+        return false;
     }
-    if (!(max_component(value) > 0)) return;
-    queries.push_back(query), contribution.push_back(value);
+    if (!(max_component(value) > 0)) return false;
+    at.add(to, density, light_density), contribution.push_back(value);
+    return true;
 }
 
 ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max) {
@@ -44,7 +45,7 @@ struct EyeSamples {
 }  // namespace
 
 void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, LocalQueries& out,
+                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                       Counters& counters) {
     const EyeSamples samples(seed, Purpose::kAreaLight, eyes.stream[eye]);
     const ShadingPoint& sp = eyes.shading[eye];
@@ -60,29 +61,27 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
         if (!(cos_x > 0 && dot(sp.ng, wi) > 0 && cos_y > 0)) continue;
         const Rgb value = eyes.throughput[eye] * eval_bsdf(sp, wi) * y->radiance *
                           (cos_x * cos_y / (d2 * y->pdf_area * float(n)));
-        ShadowQuery q;
-        q.eye = eye, q.semantic = Semantic::kSurface, q.group = uint8_t(LightGroup::kArea);
-        q.far = y->point, q.far_normal = y->normal, q.ray_end = y->ray_end,
-        q.density = y->pdf_area * float(n);
-        out.add(q, value, counters);
+        if (out.add(y->point, value, float(n) * y->pdf_area, float(n) * y->pdf_even, counters))
+            out.at.normal.push_back(y->normal), out.at.ray_end.push_back(y->ray_end);
     }
+    out.at.close(eye);
 }
 
 void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                             const IntegratorSettings& settings, uint64_t seed, LocalQueries& out,
+                             const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                              Counters& counters) {
     const EnvironmentMap& env = *scene.environment();
     const ShadingPoint& sp = eyes.shading[eye];
     const Rgb throughput = eyes.throughput[eye];
     const float n_light = float(settings.n_environment), n_brdf = float(settings.n_brdf);
-    // Balance heuristic: both techniques share f·cos·L / Σ_t n_t p_t, which is also the density of the light
-    // cells of the quantized cache (AQVC spec, section 5).
-    auto add = [&](Vec3 wi, Rgb radiance, float pdf_light, float pdf_brdf) {
+    const float n_cells = n_light > 0 ? n_light : n_brdf;
+    // Balance heuristic: both techniques share f·cos·L / Σ_t n_t p_t.
+    auto add = [&](Vec3 wi, Rgb radiance, float pdf_light, float pdf_brdf, float p_even) {
         const float cos = dot(sp.ns, wi);
         if (!(cos > 0 && dot(sp.ng, wi) > 0)) return;
         const float density = n_light * pdf_light + n_brdf * pdf_brdf;
-        out.add(query_towards(eye, wi, LightGroup::kEnvironment, density),
-                throughput * eval_bsdf(sp, wi) * radiance * (cos / density), counters);
+        out.add(wi, throughput * eval_bsdf(sp, wi) * radiance * (cos / density), density, n_cells * p_even,
+                counters);
     };
     const EyeSamples light(seed, Purpose::kEnvironmentLight, eyes.stream[eye]);
     constexpr int kBatch = 32;
@@ -93,7 +92,7 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
         for (size_t i = 0; i < count; ++i) points[i] = light.position(first + int(i));
         env.sample({points, count}, {drawn, count});
         for (const auto& s : std::span(drawn, count))
-            if (s.pdf > 0) add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f);
+            if (s.pdf > 0) add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f, s.pdf);
     }
     const EyeSamples brdf(seed, Purpose::kBrdf, eyes.stream[eye]);
     Vec3 wi[kBatch];
@@ -106,17 +105,18 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
         }
         env.look_up({wi, count}, {drawn, count});
         for (size_t i = 0; i < count; ++i)
-            add(wi[i], drawn[i].radiance, n_light > 0 ? drawn[i].pdf : 0.f, pdf[i]);
+            add(wi[i], drawn[i].radiance, n_light > 0 ? drawn[i].pdf : 0.f, pdf[i], drawn[i].pdf);
     }
+    out.at.close(eye);
 }
 
 void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings, uint64_t seed,
-                         LocalQueries& out) {
+                         WeightedSamples& out) {
     const EyeSamples samples(seed, Purpose::kAmbient, eyes.stream[eye]);
     const HemisphereSequence sequence{samples.sx, samples.sy, frame_around(eyes.block.normal[eye]),
                                       settings.ambient_cosine};
     const float n = float(settings.n_ambient);
-    const float t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
+    out.at.t_max = settings.ambient_max_distance > 0 ? settings.ambient_max_distance : kInfinity;
     HemisphereBatch batch;
     for (uint32_t i = 0; i < uint32_t(settings.n_ambient); ++i) {
         const uint32_t k = i % HemisphereBatch::kSize;
@@ -126,9 +126,10 @@ void add_ambient_samples(const EyeTile& eyes, uint32_t eye, const IntegratorSett
         const float pdf = settings.ambient_cosine ? cosine / kPi : 0.5f / kPi;
         const float weight = settings.ambient_cosine ? 1.f : 2 * cosine;
         const Vec3 wi{batch.x[k], batch.y[k], batch.z[k]};
-        out.queries.push_back(query_towards(eye, wi, LightGroup::kAmbient, n * pdf, t_max));
+        out.at.add(wi, n * pdf, n * (0.5f / kPi));
         out.contribution.push_back(eyes.throughput[eye] * (weight / n));
     }
+    out.at.close(eye);
 }
 
 }  // namespace viscache

@@ -5,15 +5,44 @@
 #include <cstring>
 
 #include "viscache/visibility/direction_bins.h"
-#include "viscache/visibility/shadow_ray.h"
+#include "viscache/visibility/local_samples.h"
 
 namespace viscache {
 
+void VisibilityOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                               Counters& counters) {
+    std::vector<ShadowQuery> queries;
+    queries.reserve(samples.size());
+    for_each_sample(samples, [&](uint32_t eye, size_t i) { queries.push_back(samples.query(eye, i)); });
+    pairs(eyes, queries, visible, counters);
+}
+
+uint64_t count_bits(std::span<const Word> words) {
+    uint64_t n = 0;
+    for (Word w : words) n += uint64_t(std::popcount(w));
+    return n;
+}
+
 uint64_t count_bits(const BitMatrix& m) {
     uint64_t n = 0;
-    for (size_t r = 0; r < m.rows(); ++r)
-        for (Word w : m.row_span(r)) n += uint64_t(std::popcount(w));
+    for (size_t r = 0; r < m.rows(); ++r) n += count_bits(m.row_span(r));
     return n;
+}
+
+/// Traces the connections numbered in `order` and sets the bits of the visible ones.
+template <class RayOf>
+static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> order, RayOf ray_of,
+                         std::span<Word> visible, Coherence flag) {
+    for (size_t at = 0; at < order.size(); at += 16) {
+        const int n = int(std::min<size_t>(16, order.size() - at));
+        RayPacket16 packet;
+        for (int i = 0; i < n; ++i) set_lane(packet, i, ray_of(order[at + size_t(i)]));
+        pad_lanes(packet, n);
+        const uint32_t mask = (1u << n) - 1;
+        for (uint32_t seen = mask & ~uint32_t(caster.occluded16(uint16_t(mask), packet, flag)); seen;
+             seen &= seen - 1)
+            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
+    }
 }
 
 void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -103,64 +132,91 @@ size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds
     return rays;
 }
 
-/// Numbers of the traceable queries, by direction and then in the order asked: neighbours towards the same
-/// side.
-void ExactOracle::sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
-                                    Counters& counters) {
+namespace {
+
+/// Connections as they are handed to `pairs`.
+struct QuerySource {
+    std::span<const ShadowQuery> queries;
+    size_t size() const { return queries.size(); }
+    uint32_t eye(size_t i) const { return queries[i].eye; }
+    bool is_direction(size_t i) const { return viscache::is_direction(queries[i].semantic); }
+    Vec3 target(size_t i) const { return is_direction(i) ? queries[i].far : queries[i].ray_end; }
+    Ray ray(const EyeBlock& eyes, size_t i, float extent) const {
+        return shadow_ray(eyes, queries[i], extent);
+    }
+};
+
+struct SampleSource {
+    const LocalSamples& samples;
+    std::span<const uint32_t> eye_of;
+    size_t size() const { return samples.size(); }
+    uint32_t eye(size_t i) const { return eye_of[i]; }
+    bool is_direction(size_t) const { return samples.is_direction(); }
+    Vec3 target(size_t i) const { return samples.target(i); }
+    Ray ray(const EyeBlock& eyes, size_t i, float extent) const {
+        return samples.ray(eyes, eye_of[i], i, extent);
+    }
+};
+
+}  // namespace
+
+/// Numbers of the traceable connections, by direction and then in the order asked: neighbours towards the
+/// same side.
+template <class Source>
+void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, Counters& counters) {
     constexpr uint32_t kBinEdge = 16, kBins = kBinEdge * kBinEdge;
     constexpr uint16_t kLeftOut = 0xffff;
-    bin_.resize(queries.size());
+    bin_.resize(source.size());
     begin_.assign(kBins + 1, 0);
-    for (size_t i = 0; i < queries.size(); ++i) {
-        const ShadowQuery& q = queries[i];
-        const Vec3 far = is_direction(q.semantic) ? q.far : q.ray_end;
-        if (!is_traceable(eyes.origin[q.eye]) || !is_traceable(far)) {
+    for (size_t i = 0; i < source.size(); ++i) {
+        const Vec3 origin = eyes.origin[source.eye(i)], target = source.target(i);
+        if (!is_traceable(origin) || !is_traceable(target)) {
             bin_[i] = kLeftOut, ++counters.bypassed;
             continue;
         }
-        bin_[i] =
-            uint16_t(direction_bin<kBinEdge>(is_direction(q.semantic) ? far : far - eyes.origin[q.eye]));
+        bin_[i] = uint16_t(direction_bin<kBinEdge>(source.is_direction(i) ? target : target - origin));
         ++begin_[bin_[i] + 1u];
     }
     for (size_t b = 0; b < kBins; ++b) begin_[b + 1] += begin_[b];
     order_by_direction_.resize(begin_.back());
-    for (size_t i = 0; i < queries.size(); ++i)
+    for (size_t i = 0; i < source.size(); ++i)
         if (bin_[i] != kLeftOut) order_by_direction_[begin_[bin_[i]]++] = uint32_t(i);
 }
 
-void ExactOracle::trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
-                               std::span<const ShadowQuery> queries, std::span<Word> visible,
-                               Coherence flag) {
-    for (size_t at = 0; at < order.size(); at += 16) {
-        const int n = int(std::min<size_t>(16, order.size() - at));
-        RayPacket16 packet;
-        for (int i = 0; i < n; ++i)
-            set_lane(packet, i, shadow_ray(eyes, queries[order[at + size_t(i)]], extent_));
-        pad_lanes(packet, n);
-        const uint32_t mask = (1u << n) - 1;
-        for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
-             seen &= seen - 1)
-            set_bit(visible.data(), order[at + size_t(std::countr_zero(seen))]);
+template <class Source>
+void ExactOracle::trace_all(const Source& source, const EyeBlock& eyes, std::span<Word> visible,
+                            Counters& counters) {
+    constexpr size_t kPiece = 1024;
+    sort_by_direction(source, eyes, counters);
+    const std::span<const uint32_t> all(order_by_direction_);
+    for (size_t first = 0; first < all.size(); first += kPiece) {
+        check_cancelled();
+        pairs_flag_.piece([&](Coherence flag) {
+            const auto piece = all.subspan(first, std::min(kPiece, all.size() - first));
+            trace_sorted(
+                caster_, piece, [&](uint32_t i) { return source.ray(eyes, i, extent_); }, visible, flag);
+            return piece.size();
+        });
     }
 }
 
 void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                         Counters& counters) {
-    constexpr size_t kPiece = 1024;
-    sort_by_direction(eyes, queries, counters);
-    const std::span<const uint32_t> order(order_by_direction_);
-    for (size_t first = 0; first < order.size(); first += kPiece) {
-        check_cancelled();
-        pairs_flag_.piece([&](Coherence flag) {
-            const auto piece = order.subspan(first, std::min(kPiece, order.size() - first));
-            trace_sorted(piece, eyes, queries, visible, flag);
-            return piece.size();
-        });
-    }
+    trace_all(QuerySource{queries}, eyes, visible, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         GroupCounters& group = counters.group(queries[i].group);
         group.queries += 1, group.rays += 1, group.occluded += !get_bit(visible.data(), i);
     }
+}
+
+void ExactOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                          Counters& counters) {
+    eye_of_sample_.resize(samples.size());
+    for_each_sample(samples, [&](uint32_t eye, size_t i) { eye_of_sample_[i] = eye; });
+    trace_all(SampleSource{samples, eye_of_sample_}, eyes, visible, counters);
+    GroupCounters& group = counters.group(samples.group);
+    group.queries += samples.size(), group.rays += samples.size();
+    group.occluded += samples.size() - count_bits(visible);
 }
 
 }  // namespace viscache

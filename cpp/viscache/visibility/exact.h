@@ -28,6 +28,8 @@ public:
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters) override;
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override;
 
 private:
     void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -39,21 +41,25 @@ private:
     size_t row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Coherence flag);
 
-    void sort_by_direction(const EyeBlock& eyes, std::span<const ShadowQuery> queries, Counters& counters);
-    void trace_sorted(std::span<const uint32_t> order, const EyeBlock& eyes,
-                      std::span<const ShadowQuery> queries, std::span<Word> visible, Coherence flag);
+    /// Connections i = 0 … size − 1 of any source: its eye(i), target(i), ray(i) and is_direction(i).
+    template <class Source>
+    void trace_all(const Source& source, const EyeBlock& eyes, std::span<Word> visible, Counters& counters);
+    template <class Source>
+    void sort_by_direction(const Source& source, const EyeBlock& eyes, Counters& counters);
 
     const RayCaster& caster_;
     float extent_;
     PacketOrder order_;
     CoherenceTrial block_flag_, pairs_flag_;
-    // Of `pairs`: the queries' direction bins, and their numbers sorted by bin
+    // Of `pairs` and `samples`: the connections' direction bins, and their numbers sorted by bin
     std::vector<uint16_t> bin_;
     std::vector<uint32_t> order_by_direction_;
     std::vector<uint32_t> begin_;
+    std::vector<uint32_t> eye_of_sample_;
 };
 
-/// Number of set bits of a matrix.
+/// Number of set bits.
+uint64_t count_bits(std::span<const Word> words);
 uint64_t count_bits(const BitMatrix& m);
 
 }  // namespace viscache

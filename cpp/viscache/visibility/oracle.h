@@ -67,6 +67,8 @@ struct PairOrder {
         run_end;  ///< ends of runs in `eye`: the queries of one run belong into one call of `pairs`
 };
 
+struct LocalSamples;
+
 class VisibilityOracle {
 public:
     virtual ~VisibilityOracle() = default;
@@ -87,8 +89,17 @@ public:
     /// the block just answered, 1/probability. Empty: 1 each. Where two rows have one address, they are
     /// equal.
     virtual std::span<const float> block_weights(uint32_t /*eye*/) const { return {}; }
-    /// The same of the queries of the last `pairs`.
+    /// The same of the queries of the last `pairs`, or of `samples` by way of it.
     virtual std::span<const float> pair_weights() const { return {}; }
+    /// The order in which `samples` should be asked about this tile and light group; valid until the next
+    /// call of it and until the next begin_tile.
+    virtual PairOrder sample_order(const EyeBlock& eyes, [[maybe_unused]] int group) {
+        return pair_order(eyes);
+    }
+    /// Samples of a run of the tile's eye points, each eye point's own. Bit i of `visible` (zeroed on entry)
+    /// answers sample i. Unless an oracle knows better, they are `pairs`.
+    virtual void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                         Counters& counters);
 
 protected:
     /// To be called every few milliseconds of work.

@@ -23,6 +23,10 @@ public:
                Counters& counters) override {
         exact_.pairs(eyes, queries, visible, counters);
     }
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override {
+        exact_.samples(eyes, samples, visible, counters);
+    }
 
 private:
     bool by_batch(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,

@@ -7,11 +7,12 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
 class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
     """
+    cell_density: str
     env_rule: str
     form: str
     grid_offset: bool
@@ -161,6 +162,10 @@ class TileRun:
         ...
     def pairs(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], exact: bool = False) -> tuple:
         ...
+    def sample_order(self, group: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+        ...
+    def samples(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], light_density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> tuple:
+        ...
 def expected_paths(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg4: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     AQVC Eq. 2.
@@ -179,6 +184,14 @@ def ladder(r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c_r: typi
     """
 def largest_prime(arg0: typing.SupportsInt | typing.SupportsIndex) -> int:
     ...
+def light_cells(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], limit: typing.SupportsInt | typing.SupportsIndex = 1073741824) -> tuple:
+    """
+    Columns of samples by light cell, and clamps.
+    """
+def octahedral_batch(w: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, isa: str | None = None) -> tuple:
+    """
+    Octahedral map of many directions by one instruction set.
+    """
 def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float64]:
     """
     Octahedral map of directions to the unit square.

@@ -1,0 +1,44 @@
+#include "viscache/aqvc/octahedral_batch.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace viscache {
+namespace {
+
+/// Without branches: directions of samples would mispredict them, and the loop runs in SIMD.
+inline __attribute__((always_inline)) void fill(const float* x, const float* y, const float* z, double* u,
+                                                double* v, size_t n) {
+    for (size_t i = 0; i < n; ++i) {
+        const double dx = double(x[i]), dy = double(y[i]), dz = double(z[i]);
+        const double l = std::fabs(dx) + std::fabs(dy) + std::fabs(dz);
+        const double a = dx / l + (l - l), b = dy / l;  // not a number where l is infinite
+        const double sa = a < 0 ? -1.0 : 1.0, sb = b < 0 ? -1.0 : 1.0;
+        const double fa = (1 - std::fabs(b)) * sa, fb = (1 - std::fabs(a)) * sb;
+        u[i] = 0.5 * (dz < 0 ? fa : a) + 0.5, v[i] = 0.5 * (dz < 0 ? fb : b) + 0.5;
+    }
+}
+
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX512 void fill_avx512(const float* x, const float* y, const float* z, double* u, double* v,
+                                        size_t n) {
+    fill(x, y, z, u, v, n);
+}
+VISCACHE_TARGET_AVX2 void fill_avx2(const float* x, const float* y, const float* z, double* u, double* v,
+                                    size_t n) {
+    fill(x, y, z, u, v, n);
+}
+#endif
+
+}  // namespace
+
+void octahedral_batch(std::span<const float> x, std::span<const float> y, std::span<const float> z,
+                      std::span<double> u, std::span<double> v, [[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return fill_avx512(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
+    if (isa == Isa::kAvx2) return fill_avx2(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
+#endif
+    fill(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
+}
+
+}  // namespace viscache
