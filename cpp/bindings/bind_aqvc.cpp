@@ -85,6 +85,7 @@ void bind_aqvc(py::module_& m) {
     named_field(c, "normal_mode", &AqvcParameters::normal_mode,
                 std::array{"round", "floor", "octahedral", "single"});
     c.def_readwrite("grid_offset", &AqvcParameters::grid_offset);
+    c.def_readwrite("scale_free", &AqvcParameters::scale_free);
     c.def_readwrite("grid_seed", &AqvcParameters::grid_seed);
     c.def_readwrite("tangent_neighbours", &AqvcParameters::tangent_neighbours);
     named_field(c, "res_rule", &AqvcParameters::res_rule, std::array{"eq7", "eq6"});

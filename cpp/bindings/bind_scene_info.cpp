@@ -77,6 +77,14 @@ void bind_scene_info(py::module_& m) {
         },
         py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
+    m.def(
+        "scene_sphere",
+        [](const Scene& s) {
+            const Vec3 c = s.center();
+            return std::array<float, 4>{c.x, c.y, c.z, s.radius()};
+        },
+        py::arg("scene"), "Bounding sphere: centre and radius.");
+    m.def("geometry_hash", [](const Scene& s) { return geometry_hash(s.description()); }, py::arg("scene"));
 }
 
 }  // namespace viscache::bindings

@@ -11,6 +11,7 @@ void bind_correlation_pairs(py::module_& m);
 void bind_correlation_rows(py::module_& m);
 void bind_description(py::module_& m);
 void bind_eye_paths(py::module_& m);
+void bind_kept_table(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
@@ -53,6 +54,7 @@ PYBIND11_MODULE(_core, m) {
     bind_bsp(m);
     bind_render(m);
     bind_shadow_map(m);
+    bind_kept_table(m);
     bind_bdpt(m);
     bind_nee_plus_plus(m);
     bind_eye_paths(m);

@@ -2,6 +2,7 @@
 
 from viscache import correlation, designs, metrics, plots, report, scenes, tiles, vlf
 from viscache._core import SceneDescription
+from viscache.aqvc_table import AqvcTable
 from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
@@ -26,6 +27,7 @@ __version__ = "0.1.0"
 __all__ = [
     "AmbientOcclusion",
     "Aqvc",
+    "AqvcTable",
     "Bdpt",
     "Bsp",
     "Direct",

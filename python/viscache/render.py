@@ -10,6 +10,7 @@ from dataclasses import asdict
 from typing import Literal, TypeAlias
 
 from viscache import _core
+from viscache.aqvc_table import AqvcTable
 from viscache.cameras import find_camera
 from viscache.checks import is_whole, require
 from viscache.frame import Frame
@@ -42,6 +43,7 @@ def render(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
+    keep: AqvcTable | None = None,
     progress: Progress = False,
 ) -> Frame:
     """Render a frame.
@@ -70,6 +72,9 @@ def render(
         camera is seen whole from a corner above.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
+    keep : AqvcTable, optional
+        Of `Aqvc` with Direct or Whitted: the table whose bits this frame reuses and adds to. The
+        cache then runs in form "pairs" with `scale_free` cells unless that is given.
     progress : bool or callable
         True shows a bar; a callable gets (done, total).
 
@@ -103,7 +108,7 @@ def render(
     """
     return render_part(
         scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
-        seed=seed, threads=threads, camera=camera, env=env, progress=progress,
+        seed=seed, threads=threads, camera=camera, env=env, keep=keep, progress=progress,
     )  # fmt: skip
 
 
@@ -121,6 +126,7 @@ def render_part(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
+    keep: AqvcTable | None = None,
     progress: Progress = False,
 ) -> Frame:
     """Part i of n of a frame: a run of its tiles, black elsewhere; the rest as `render`.
@@ -141,6 +147,10 @@ def render_part(
     _check_shared(integrator, rays, visibility)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
+    if keep is not None:
+        _check_keep(keep, integrator, visibility)
+        require(tuple(part) == (0, 1), "keep must be left out for parts of a frame", keep)
+        visibility = typing.cast(Aqvc, visibility).for_kept_table()
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
@@ -159,7 +169,13 @@ def render_part(
         else:
             core = core_settings(integrator)
             parts = (scene._core, caster, view, core, frame)
-            if isinstance(visibility, Aqvc):
+            if isinstance(visibility, Aqvc) and keep is not None:
+                with keep._frame(scene, visibility) as table:
+                    result = _core.render_aqvc_kept(
+                        *parts, visibility.core(), table, check=keep.check, repair=keep.repair,
+                        progress=report,
+                    )  # fmt: skip
+            elif isinstance(visibility, Aqvc):
                 result = _core.render_aqvc(*parts, visibility.core(), progress=report)
             elif isinstance(visibility, ShadowMap):
                 result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
@@ -206,6 +222,7 @@ def render_part(
             "camera": view.name,
             "tile_edge_px": result["tile_edge_px"],
             **({"engine": result["engine"]} if "engine" in result else {}),
+            **({"keep": keep.parameters()} if keep is not None else {}),
         },
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator, visibility),
@@ -318,6 +335,14 @@ def _check_shared(integrator: Integrator, rays: Rays, visibility: Visibility) ->
             "integrator must be vc.Direct(...) or vc.Whitted(...) with sky_engine",
             integrator,
         )
+
+
+def _check_keep(keep: AqvcTable, integrator: Integrator, visibility: Visibility) -> None:
+    require(isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
+    require(isinstance(visibility, Aqvc), "visibility must be vc.Aqvc(...) with keep", visibility)
+    require(isinstance(integrator, Direct | Whitted),
+            "integrator must be vc.Direct(...) or vc.Whitted(...) with keep",
+            integrator)  # fmt: skip
 
 
 def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) -> None:

@@ -192,6 +192,11 @@ class Scene:
         """Hash of everything that decides how the scene looks."""
         return _core.scene_hash(self._core)
 
+    @cached_property
+    def geometry_hash(self) -> str:
+        """Hash of what decides who sees whom: shapes, where they are, and holes cut by alpha."""
+        return _core.geometry_hash(self._core)
+
     def meshes(self) -> list[dict[str, Any]]:
         """Arrays of every mesh: vertices, triangles, normals, material, emission."""
         return [_core.scene_mesh(self._core, i) for i in range(_core.scene_mesh_count(self._core))]

@@ -107,6 +107,9 @@ class Aqvc:
         the octahedral map; or one grid for all normals, which lets light through thin walls.
     grid_offset : bool
         Shift the grids by irrational amounts, so that no plane lies on a cell face.
+    scale_free : bool
+        Cells are C_R^k units of length wide and count from the origin, instead of dividing the
+        scene's bounding sphere: they stay the same when the scene grows or moves.
     grid_seed : int >= 0
         Another shift per number, and another random order.
     tangent_neighbours : bool
@@ -176,6 +179,7 @@ class Aqvc:
     c_r: float | None = None
     normal_mode: Literal["round", "floor", "octahedral", "single"] | None = None
     grid_offset: bool | None = None
+    scale_free: bool | None = None
     grid_seed: int | None = None
     tangent_neighbours: bool | None = None
     jitter: bool | None = None
@@ -260,6 +264,14 @@ class Aqvc:
             refinement=self.refinement or "off",
             table_bytes=256 << 20 if self.table_bytes is None else self.table_bytes,
         )
+
+    def for_kept_table(self) -> Aqvc:
+        """With what a table kept over frames needs: one query at a time, scale-free cells."""
+        form, storage = self.form or "pairs", self.storage or "table"
+        require(form == "pairs", 'form must be "pairs" with keep', form)
+        require(storage == "table", 'storage must be "table" with keep', storage)
+        free = True if self.scale_free is None else self.scale_free
+        return replace(self, form="pairs", storage="table", scale_free=free)
 
     def resolved(self) -> dict[str, Any]:
         """Every parameter's value, the preset's filled in."""

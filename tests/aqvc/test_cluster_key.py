@@ -50,6 +50,51 @@ def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
     assert valid.all()
 
 
+def test_scale_free_keys_equal_the_transcription_at_any_size():
+    """Rungs C_R^k of any whole k, coordinates from the origin, folded where they need 64 bits."""
+    x, n = surface_points()
+    r = np.exp(np.random.default_rng(3).uniform(-12, 20, len(x)))
+    got, place, valid, clamps = keys(x, n, r, scale_free=True, c_z=3.0)
+    grid = reference.Grid(CENTER, RADIUS, c_z=3.0, scale_free=True)
+    folded = 0
+    for i in range(len(x)):
+        eye = grid.place(x[i], n[i], r[i])
+        fits = [abs(v) < 2**31 for v in eye.v]
+        own = [v if fit else reference.fold(v) for v, fit in zip(eye.v, fits, strict=True)]
+        assert tuple(got[i][1:8]) == (*eye.bins, *own, eye.resolution)
+        assert tuple(place[i]) == eye.f
+        folded += not all(fits)
+    assert valid.all() and not any(clamps.values()) and 0 < folded < len(x)
+    assert got[:, 7].min() < -50 and got[:, 7].max() > 50
+
+
+def test_scale_free_keys_do_not_depend_on_the_scenes_bounding_sphere():
+    """Both ends of surface keys; ordinary keys do depend on it."""
+    x, n = surface_points(200)
+    y, m = surface_points(200, seed=2)
+    spheres = ((CENTER, RADIUS), (CENTER + np.float32(1.5), 3.3 * RADIUS))
+    for free in (True, False):
+        both = [
+            aqvc.full_keys(aqvc.AqvcParameters(scale_free=free), c, b, x, n, np.full(200, 7.3), 2,
+                           y, m, np.full(200, 2.1))[0]
+            for c, b in spheres
+        ]  # fmt: skip
+        assert (both[0] == both[1]).all() == free
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize(
+    ("r", "clamp"),
+    [(0.0, "low"), (1e-30, "low"), (1e30, "high"), (np.inf, "high"), (np.nan, "nan")],
+)
+def test_scale_free_resolutions_out_of_range_are_clamped_and_counted(r, clamp):
+    """Finite keys, one count per point."""
+    x, n = surface_points(20)
+    got, place, valid, clamps = keys(x, n, r, scale_free=True)
+    assert valid.all() and np.isfinite(place).all() and len(np.unique(got[:, 7])) == 1
+    assert clamps == {name: 20 if name == clamp else 0 for name in ("low", "high", "nan")}
+
+
 @pytest.mark.parametrize("semantic", [0, 1])
 def test_points_and_directions_are_keyed_by_their_bits(semantic):
     """Sec. 3.5: reinterpreted floats, zero padded, semantic index first."""

@@ -45,6 +45,27 @@ def test_tiny_clusters_give_the_exact_bits_with_one_ray_per_query(form, kind, c_
     assert (counters["clamped_high"] > 0) == (c_e < 1e-6)
 
 
+@pytest.mark.parametrize("form", FORMS, ids=str)
+@pytest.mark.parametrize("c_e", [1e-3, 1e-9])
+def test_tiny_clusters_are_exact_where_cells_are_scale_free(form, c_e):
+    """T1, and no clamp: R has no upper end there."""
+    visible, counters, wanted = block("point", c_e=c_e, scale_free=True, **form)
+    np.testing.assert_array_equal(visible, block("point", exact=True)[0])
+    assert counters["rays"] == wanted.sum() and counters["clamped_high"] == 0
+
+
+@pytest.mark.parametrize("form", FORMS[:1] + FORMS[3:4], ids=str)
+def test_scale_free_cells_answer_as_well_as_those_of_the_sphere(form):
+    """Rays within 15 % and errors within 40 %: other cells of the same size."""
+    eyes = tiles.eye_points(64, 64)
+    exact = block("point", eyes=eyes, exact=True)[0]
+    found = [block("point", eyes=eyes, c_e=8, scale_free=f, **form) for f in (False, True)]
+    rays = [c["rays"] for _, c, _ in found]
+    errors = [(v != exact).sum() for v, _, _ in found]
+    assert rays[1] == pytest.approx(rays[0], rel=0.15)
+    assert errors[1] == pytest.approx(errors[0], rel=0.4)
+
+
 @pytest.mark.parametrize("form", FORMS[:1] + FORMS[3:4], ids=str)
 def test_c_e_of_one_is_not_exact(form):
     """T19: a cell of one expected sample holds two at times."""

@@ -124,6 +124,19 @@ def test_samples_equal_single_queries_against_full_keys(kind, refinement, table_
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_scale_free_samples_equal_single_queries_against_full_keys(kind):
+    """Cells of solid angle have no length: they are those of Eq. 9 either way."""
+    eyes = tiles.eye_points()
+    options = {"c_e": 10, "refinement": "off", "storage": "exact", "scale_free": True}
+    rows = tiles.tile_run(eyes, **options)
+    queries, order, ends = ordered(rows, area_queries(eyes, per_eye=20, kind=kind))
+    visible, counters = ask_samples(rows, queries, order, ends)
+    want, c = ask(tiles.tile_run(eyes, form="pairs", batch=1, **options), queries)
+    np.testing.assert_array_equal(visible, want)
+    assert counters["rays"] == c["rays"] < len(queries["eye"])
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_without_refinement_it_does_not_matter_how_samples_are_cut_into_calls(kind):
     """The first in the order is traced, whatever the calls."""
     eyes = tiles.eye_points()

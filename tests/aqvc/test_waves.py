@@ -20,6 +20,7 @@ OPTIONS = [
     {"c_e": 16, "jitter": True},
     {"c_e": 16, "jitter": True, "grid_seed": 3, "nil_refine": 0.3, "level_step": 2},
     {"c_e": 12, "nil_refine": 1.0},
+    {"c_e": 12, "scale_free": True, "jitter": True, "nil_refine": 0.2},
 ]
 
 
@@ -36,6 +37,7 @@ def grid_of(options):
         jitter=options.get("jitter", False),
         nil_refine=options.get("nil_refine", 0.0),
         seed=options.get("grid_seed", 0),
+        scale_free=options.get("scale_free", False),
     )
 
 

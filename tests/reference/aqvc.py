@@ -159,6 +159,23 @@ class Grid:
     jitter: bool = False
     nil_refine: float = 0.0
     seed: int = 0
+    scale_free: bool = False
+
+    @property
+    def half(self) -> float:
+        """Half of what one is divided by: B_R, or half a unit of length."""
+        return 0.5 if self.scale_free else self.radius
+
+    def rung(self, r: float) -> tuple[float, int]:
+        """R on the ladder and what stands for it in the key."""
+        if not self.scale_free:
+            big = float(ladder(np.array(r), self.c_r))
+            return big, int(big)
+        k = int(np.floor(np.log(r) / np.log(self.c_r) + 0.5))
+        power = 1.0
+        for _ in range(abs(k)):
+            power = power * self.c_r if k > 0 else power / self.c_r
+        return power, k
 
     def bins(self, n: Array) -> tuple[int, ...]:
         """Bin of a normal."""
@@ -195,23 +212,24 @@ class Grid:
         bins = self.bins(n)
         c_z = 1.0 if self.mode == "single" else self.c_z
         ex, ey, ez = self.frame(bins)
-        q = p - np.asarray(self.center, np.float64)
+        origin = (0, 0, 0) if self.scale_free else self.center
+        q = p - np.asarray(origin, np.float64)
 
         def along(e: Array, v: Array) -> float:
             return float(e[0] * v[0] + e[1] * v[1] + e[2] * v[2])
 
-        big = float(ladder(np.array(r), self.c_r))
-        s = big / (2 * self.radius)
+        big, slot = self.rung(r)
+        s = big / (2 * self.half)
         f = (
-            (along(ex, q) + self.radius) * s + self.offset[0],
-            (along(ey, q) + self.radius) * s + self.offset[1],
-            (along(ez, q) + self.radius) * s * c_z + self.offset[2],
+            (along(ex, q) + self.half) * s + self.offset[0],
+            (along(ey, q) + self.half) * s + self.offset[1],
+            (along(ez, q) + self.half) * s * c_z + self.offset[2],
         )
         nz = along(ez, n)
         steep = abs(nz) <= 0.01
         slope = (0.0, 0.0) if steep else tuple(c_z * along(e, n) / nz for e in (ex, ey))
         v = tuple(int(np.floor(c)) for c in f)
-        return Placed(bins, int(big), v, f, slope)
+        return Placed(bins, slot, v, f, slope)
 
     def doubts(self, cell: Key) -> bool:
         """Whether the cell refines where two of four neighbours are unknown."""
@@ -266,7 +284,7 @@ def place_all(grid: Grid, eyes: dict, levels: Sequence[float]) -> list[list[Plac
     d = np.asarray(eyes["density"], np.float64)
     placed = [
         [
-            grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.radius))
+            grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.half))
             for c in levels
         ]
         for i in range(len(d))

@@ -64,18 +64,29 @@ public:
     BasicBitTable(uint64_t slots, int digest_bits, HashScheme scheme)
         : words_(size_t(std::clamp<uint64_t>(slots, 1, 0xffffffffu))),
           scheme_(scheme),
+          seed_(hash_seed(scheme)),
           digest_bits_(digest_bits),
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
 
+    /// Keys of another epoch are other keys: what was written in those before is not found again, and is
+    /// overwritten by and by. Not while other threads read or write.
+    void set_epoch(uint64_t epoch) {
+        seed_ = hash_seed(scheme_);
+        if (epoch) seed_.bits ^= murmur64(epoch);
+    }
     KeyHead head(const std::array<int32_t, 8>& slots) const {
-        return {slots, hash_slots(hash_seed(scheme_), slots, scheme_)};
+        return {slots, hash_slots(seed_, slots, scheme_)};
     }
+    KeyHash hash(const KeyHead& head, const FarKey& far) const {
+        return hash_end(hash_slots(head.state, far.slots, scheme_), scheme_);
+    }
+    KeyHash hash(const FullKey& key) const { return hash_end(hash_slots(seed_, key, scheme_), scheme_); }
     std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
-        return get_hashed(hash_end(hash_slots(head.state, far.slots, scheme_), scheme_));
+        return get_hashed(hash(head, far));
     }
-    std::optional<bool> get(const FullKey& key) const { return get_hashed(hash_key(key, scheme_)); }
+    std::optional<bool> get(const FullKey& key) const { return get_hashed(hash(key)); }
     void put(const FullKey& key, bool visible, TableCounts& counts) {
-        put_hashed(hash_key(key, scheme_), visible, counts);
+        put_hashed(hash(key), visible, counts);
     }
 
     std::optional<bool> get_hashed(KeyHash h) const {
@@ -111,6 +122,7 @@ private:
     }
     std::vector<Cell<uint32_t>> words_;
     HashScheme scheme_;
+    HashState seed_;
     int digest_bits_;
     double
         false_rate_;  ///< chance that a new key finds its digest in one occupied slot, per slot of the table

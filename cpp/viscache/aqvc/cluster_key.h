@@ -76,11 +76,13 @@ constexpr std::array<std::array<int, 2>, 4> kNeighbourOffsets = {{{1, 0}, {0, 1}
 class CellGrid {
 public:
     CellGrid(const AqvcParameters& p, Vec3 center, double radius)
-        : ladder(p.c_r, p.c_z),
+        : ladder(p.c_r, p.c_z, p.scale_free),
+          direction_ladder(p.c_r, p.c_z),
           parameters_(p),
           bins_(p.normal_mode, p.c_n),
-          center_(center),
-          radius_(radius),
+          center_(p.scale_free ? Vec3{} : center),
+          // 2 B_R = 1: resolutions are cells per unit of length
+          radius_(p.scale_free ? 0.5 : radius),
           // One grid for all normals has no direction to be thinner along
           c_z_(p.normal_mode == NormalMode::kSingle ? 1 : p.c_z) {
         if (!p.grid_offset) return;
@@ -90,6 +92,8 @@ public:
                 offset_[a] += double(murmur64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
     }
     const Ladder ladder;
+    const Ladder direction_ladder;  ///< of solid angles, which have no length
+    /// B_R for the equations of resolutions; ½ where grids are scale-free.
     double radius() const { return radius_; }
 
     Anchor anchor(Vec3 p, Vec3 n) const;
@@ -168,7 +172,7 @@ inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
 }
 
 inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
-    const bool folded = c.slot < 0;
+    const bool folded = c.slot < 0 && !parameters_.scale_free;
     const auto [i, j, k] = bins_.slots(c.bin);
     slots[0] = i, slots[1] = j, slots[2] = k;
     slots[3] = fold_coordinate(c.x, folded), slots[4] = fold_coordinate(c.y, folded);
@@ -200,7 +204,7 @@ inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resoluti
         }
         case Semantic::kSolidAngle: {
             if (far == Vec3{}) return false;
-            const Rung& r = ladder.rung(resolution, clamps);
+            const Rung& r = direction_ladder.rung(resolution, clamps);
             const auto [u, v] = octahedral_square<double>(far);
             const double last = r.resolution - 1;
             key.slots = {fold_coordinate(int64_t(std::min(last, std::floor(u * r.resolution))), r.folded),

@@ -52,7 +52,8 @@ void LightCells::number_directions(const LocalSamples& s, const CellGrid& grid, 
     for (size_t i = 0; i < s.size(); ++i) {
         if (!(double(density[i]) == last_density)) {
             last_density = density[i], once = {};
-            rung = &grid.ladder.rung(far_resolution(s.semantic, last_density, grid.radius(), p), once);
+            rung =
+                &grid.direction_ladder.rung(far_resolution(s.semantic, last_density, grid.radius(), p), once);
         }
         met.low += once.low, met.high += once.high, met.nan += once.nan;
         // Not a number: the direction is zero or not finite

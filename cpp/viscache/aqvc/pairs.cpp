@@ -20,7 +20,8 @@ void Pairs::begin_tile() {
     if (table_) table_->clear();
     if (exact_) exact_->clear();
     for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
-    slots_counted_ = frame_table_ != nullptr;
+    slots_counted_ = frame_table_ || kept_;
+    kept_writes_.clear();
 }
 
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
@@ -28,7 +29,10 @@ void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std:
     const auto run = [&](auto& table) { run_batches(table, c, queries, visible, counters, clamps); };
     if (frame_table_)
         frame_table_->ask(writes_, run);
-    else if (table_)
+    else if (kept_) {
+        LayeredTable layers(*table_, kept_->bits(), kept_writes_);
+        run(layers);
+    } else if (table_)
         run(*table_);
     else
         run(*exact_);
@@ -52,7 +56,7 @@ void Pairs::run_batches(Table& table, const PairContext& c, std::span<const Shad
 template <class Table>
 void Pairs::run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
                       size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
-    rays_.clear(), dependants_.clear();
+    rays_.clear(), dependants_.clear(), checks_.clear();
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // Look up everything before anything is written.
@@ -73,6 +77,7 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
         if (ray_visible_[ray]) set_bit(visible.data(), query);
     if (counts.writes && !slots_counted_) counters.table_slots += table.slots(), slots_counted_ = true;
     counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
+    if (!checks_.empty()) trace_checks(table, c, queries, visible, counters);
 }
 
 template <class Table>
@@ -90,6 +95,7 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
     const Walk walk = walk_levels(table, *c.tile.grid, *cells_, fars_, counters);
     if (walk.known) {
         if (walk.visible) set_bit(visible.data(), index);
+        if (kept_) note_reuse(c, q, index, walk, counters);
         return;
     }
     const uint32_t ray = pending_with(walk.key);
@@ -155,19 +161,60 @@ uint32_t Pairs::pending_with(const FullKey& key) {
     return uint32_t(rays_.size());
 }
 
-void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
-    ray_visible_.assign(rays_.size(), 0);
-    for (size_t first = 0; first < rays_.size(); first += 16) {
+/// Counts a bit that was reused, and draws whether it is traced as well: by frame and query alone.
+void Pairs::note_reuse(const PairContext& c, const ShadowQuery& q, uint32_t index, const Walk& walk,
+                       Counters& counters) {
+    ++(walk.kept ? counters.reused_kept : counters.reused_fresh);
+    if (checking_.share <= 0 || (checking_.repair && !walk.kept)) return;
+    const Vec3 x = c.tile.eyes->position[q.eye];
+    uint64_t h = kept_->frames();
+    for (float v : {x.x, x.y, x.z, q.far.x, q.far.y, q.far.z})
+        h = murmur64(h + uint32_t(float_bits(v)) + 0x9e3779b97f4a7c15ull);
+    if (double(h >> 11) * 0x1p-53 < checking_.share)
+        checks_.push_back({index, walk.kept, walk.visible, walk.key});
+}
+
+template <class Table>
+void Pairs::trace_checks(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                         std::span<Word> visible, Counters& counters) {
+    TableCounts counts;
+    trace_numbered(
+        c, queries, checks_.size(), [&](size_t i) { return checks_[i].query; },
+        [&](size_t i, bool seen) {
+            const Check& check = checks_[i];
+            const bool wrong = seen != check.visible;
+            ++(check.kept ? counters.checked_kept : counters.checked_fresh);
+            (check.kept ? counters.wrong_kept : counters.wrong_fresh) += wrong;
+            if (!checking_.repair) return;
+            ++counters.groups[queries[check.query].group].rays;
+            if (!wrong) return;
+            table.put(check.key, seen, counts);
+            Word& word = visible[check.query / 64];
+            word ^= Word{1} << (check.query % 64);
+        });
+}
+
+template <class Number, class Answer>
+void Pairs::trace_numbered(const PairContext& c, std::span<const ShadowQuery> queries, size_t count,
+                           Number number, Answer answer) const {
+    for (size_t first = 0; first < count; first += 16) {
         check_cancelled(first);
-        const int n = int(std::min<size_t>(16, rays_.size() - first));
+        const int n = int(std::min<size_t>(16, count - first));
         RayPacket16 packet;
         for (int i = 0; i < n; ++i)
-            set_lane(packet, i, shadow_ray(*c.tile.eyes, queries[rays_[first + size_t(i)].query], c.extent));
+            set_lane(packet, i, shadow_ray(*c.tile.eyes, queries[number(first + size_t(i))], c.extent));
         pad_lanes(packet, n);
         const uint32_t mask = (1u << n) - 1;
         const uint32_t occluded = c.caster.occluded16(uint16_t(mask), packet, Coherence::kIncoherent);
-        for (int i = 0; i < n; ++i) ray_visible_[first + size_t(i)] = !(occluded >> i & 1);
+        for (int i = 0; i < n; ++i) answer(first + size_t(i), !(occluded >> i & 1));
     }
+}
+
+void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
+    ray_visible_.assign(rays_.size(), 0);
+    trace_numbered(
+        c, queries, rays_.size(), [&](size_t r) { return rays_[r].query; },
+        [&](size_t r, bool seen) { ray_visible_[r] = seen; });
 }
 
 }  // namespace viscache

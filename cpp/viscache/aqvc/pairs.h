@@ -10,6 +10,7 @@
 #include "viscache/aqvc/bit_table.h"
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/frame_table.h"
+#include "viscache/aqvc/kept_table.h"
 #include "viscache/aqvc/refinement.h"
 #include "viscache/aqvc/tile_anchors.h"
 #include "viscache/visibility/ray_caster.h"
@@ -30,6 +31,8 @@ class Pairs {
 public:
     /// With a table of the frame: its own is not made, and every call of `run` is an item of a round.
     explicit Pairs(const AqvcParameters& p, FrameTable* frame_table = nullptr);
+    /// From now on the tile's own table lies over one that is kept.
+    void use_kept(const KeptTable& table, KeptChecks checks) { kept_ = &table, checking_ = checks; }
     /// `run` ends with `Cancelled` soon after `control` says so.
     void watch(const Control& control) { control_ = &control; }
     void begin_tile();
@@ -38,6 +41,8 @@ public:
              Counters& counters, ClampCounts& clamps);
     /// What waits to be written into the frame's table.
     std::vector<TableWrite>& writes() { return writes_; }
+    /// What waits to be written into the kept table.
+    std::vector<PackedWrite>& kept_writes() { return kept_writes_; }
 
 private:
     /// A ray of the batch: for the first query with its key, or for a query that bypasses the cache.
@@ -48,6 +53,12 @@ private:
     };
     struct Dependant {
         uint32_t query, ray;
+    };
+    /// A reused bit that is traced as well.
+    struct Check {
+        uint32_t query;
+        bool kept, visible;
+        FullKey key;
     };
     /// Cells of the last eye point of a group.
     struct EyeCells {
@@ -68,6 +79,15 @@ private:
     template <class Table>
     bool key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
     void trace(const PairContext& c, std::span<const ShadowQuery> queries);
+    /// Traces the queries numbered by `number(i)` for i < count; calls `answer(i, visible)`.
+    template <class Number, class Answer>
+    void trace_numbered(const PairContext& c, std::span<const ShadowQuery> queries, size_t count,
+                        Number number, Answer answer) const;
+    void note_reuse(const PairContext& c, const ShadowQuery& q, uint32_t index, const Walk& walk,
+                    Counters& counters);
+    template <class Table>
+    void trace_checks(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                      std::span<Word> visible, Counters& counters);
     void check_cancelled(size_t step) const {
         if (control_ && step % 4096 == 0) control_->check();
     }
@@ -78,6 +98,10 @@ private:
     std::optional<ExactTable> exact_;
     FrameTable* frame_table_;
     std::vector<TableWrite> writes_;
+    const KeptTable* kept_ = nullptr;
+    KeptChecks checking_;
+    std::vector<PackedWrite> kept_writes_;
+    std::vector<Check> checks_;
     std::array<EyeCells, kLightGroups> eye_cells_;
     CellLevels paired_cells_;  ///< Eq. 6: cells of one query
     CellLevels* cells_ = nullptr;

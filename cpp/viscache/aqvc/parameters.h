@@ -37,8 +37,9 @@ struct AqvcParameters {
     double c_z = 4;                                ///< cells are this much thinner along the normal
     double c_r = 1.2;                              ///< ratio of the ladder of resolutions
     NormalMode normal_mode = NormalMode::kRound;
-    bool grid_offset = true;         ///< shift the grids, so that no plane of a scene lies on a cell face
-    uint32_t grid_seed = 0;          ///< another shift, and another random order, per number
+    bool grid_offset = true;  ///< shift the grids, so that no plane of a scene lies on a cell face
+    bool scale_free = false;  ///< cells of C_R^k units, from the origin: they do not depend on the scene
+    uint32_t grid_seed = 0;   ///< another shift, and another random order, per number
     bool tangent_neighbours = true;  ///< neighbour cells follow the tangent plane
     bool jitter = false;             ///< move points by up to half a cell along the surface before quantizing
     ResolutionRule res_rule = ResolutionRule::kEq7;

@@ -40,6 +40,13 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
     for (int g = 0; g < kLightGroups; ++g) levels_[size_t(g)] = level_list(parameters_, g, spp);
 }
 
+void QuantizedCache::use_kept(const KeptTable& table, KeptChecks checks) {
+    if (parameters_.form != Form::kPairs || parameters_.storage != Storage::kTable || shares_)
+        throw std::invalid_argument("form must be pairs and storage table with a kept table");
+    detail::require(checks.share >= 0 && checks.share <= 1, "check must be in [0, 1]", checks.share);
+    pairs_.use_kept(table, checks);
+}
+
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
     tracer_.watch(control), pairs_.watch(control), sample_rows_.watch(control);

@@ -32,6 +32,10 @@ public:
     QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
                    float scene_radius, float offset_extent, int spp, FrameTable* frame_table = nullptr);
 
+    /// Tiles of this cache read and extend a table that outlives frames; it must outlive the cache. Only with
+    /// Form::kPairs and Storage::kTable.
+    void use_kept(const KeptTable& table, KeptChecks checks);
+
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
@@ -45,6 +49,8 @@ public:
 
     /// What waits to be written into the frame's table.
     std::vector<TableWrite>& writes() { return pairs_.writes(); }
+    /// What the tile wrote, for the kept table.
+    std::vector<PackedWrite>& kept_writes() { return pairs_.kept_writes(); }
     const std::vector<double>& levels(int group) const { return levels_[size_t(group)]; }
 
 private:

@@ -47,7 +47,8 @@ struct Walk {
     bool known = false;
     bool visible = false;  ///< if known
     int level = 0;         ///< where the walk ended: a new ray belongs to this level
-    FullKey key{};         ///< of that cell, if not known
+    bool kept = false;     ///< the value is from a frame before
+    FullKey key{};         ///< of that cell, if not known or from a frame before
 };
 
 /// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is
@@ -72,6 +73,10 @@ Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std:
         }
         ++counters.hits;
         walk.visible = *value;
+        if constexpr (requires { table.last_is_kept(); }) {
+            walk.kept = table.last_is_kept();
+            if (walk.kept) walk.key = CellGrid::full_key(at.own.slots, far);
+        }
         if (d + 1 == eye.levels.size()) return walk;
         if (!at.probed) eye.make_neighbours(table, grid, at);
         bool agree = true;

@@ -61,18 +61,23 @@ struct ClampCounts {
 
 /// A resolution on the ladder.
 struct Rung {
-    double resolution = 1;  ///< cells across, an integer
-    int32_t slot = 1;       ///< what stands in the key: R, or −k for the folded rungs beyond R_max
-    bool folded = false;    ///< R > R_max: coordinates do not fit 32 bits and are mixed down
+    double resolution = 1;  ///< cells across, an integer; scale-free: cells per unit of length
+    int32_t slot = 1;  ///< what stands in the key: R, or −k for the folded rungs beyond R_max; scale-free: k
+    bool folded = false;  ///< R > R_max: coordinates do not fit 32 bits and are mixed down
 };
 
 /// [AQVC Eq. 8] R ← ⌊C_R^⌊log_{C_R} R + 0.5⌋⌋ as a table of thresholds C_R^(k − ½): no pow or log per query
 /// and the same integers on every machine.
 // Differs: R < 1 becomes 1 (the printed form gives 0 below C_R^(−½)); not-a-number and infinite R become the
-// finest 32-bit rung, all of them counted.
+// finest 32-bit rung, all of them counted. Scale-free: C_R^k itself, of any whole k, and k is the slot.
 class Ladder {
 public:
-    Ladder(double c_r, double c_z) : r_max_(std::floor(0x1p30 / std::max(1.0, c_z))) {
+    Ladder(double c_r, double c_z, bool scale_free = false)
+        : scale_free_(scale_free), r_max_(std::floor(0x1p30 / std::max(1.0, c_z))) {
+        if (scale_free) {
+            make_scale_free(c_r);
+            return;
+        }
         const double half = std::sqrt(c_r), end = 0x1p50 / std::max(1.0, c_z);
         for (double power = 1; power <= end; power *= c_r) {
             thresholds_.push_back(power / half);
@@ -86,9 +91,11 @@ public:
     }
     double r_max() const { return r_max_; }
     size_t size() const { return rungs_.size(); }
+    bool scale_free() const { return scale_free_; }
     const Rung& operator[](size_t k) const { return rungs_[k]; }
 
     const Rung& rung(double r, ClampCounts& clamps) const {
+        if (scale_free_) return scale_free_rung(r, clamps);
         if (!(r >= 1)) {
             if (r < 1) return ++clamps.low, rungs_.front();
             return ++clamps.nan, rungs_[finest_];
@@ -103,6 +110,8 @@ public:
     }
 
 private:
+    static constexpr double kLargest = 0x1p60;  ///< of scale-free resolutions, and over 1 the smallest
+
     /// Last k in [lo, hi) with thresholds[k] <= r; thresholds[lo] <= r holds.
     size_t index_from(size_t lo, size_t hi, double r) const {
         return size_t(std::upper_bound(thresholds_.begin() + std::ptrdiff_t(lo),
@@ -110,6 +119,24 @@ private:
                       thresholds_.begin()) -
                1;
     }
+    void make_scale_free(double c_r) {
+        // From 1 by quotients down and by products up: no rung depends on where the table ends
+        std::vector<double> below;
+        for (double power = 1 / c_r; power >= 1 / kLargest; power /= c_r) below.push_back(power);
+        for (size_t k = below.size(); k > 0; --k) rungs_.push_back({below[k - 1], -int32_t(k), false});
+        int32_t k = 0;
+        for (double power = 1; power <= kLargest; power *= c_r) rungs_.push_back({power, k++, false});
+        for (const Rung& r : rungs_) thresholds_.push_back(r.resolution / std::sqrt(c_r));
+        finest_ = rungs_.size() - 1, r_max_ = rungs_.back().resolution;
+    }
+    const Rung& scale_free_rung(double r, ClampCounts& clamps) const {
+        if (r < thresholds_.front()) return ++clamps.low, rungs_.front();
+        if (r > r_max_) return ++clamps.high, rungs_.back();
+        if (!(r <= r_max_)) return ++clamps.nan, rungs_.back();
+        return rungs_[index_from(0, thresholds_.size(), r)];
+    }
+
+    bool scale_free_;
     double r_max_;
     size_t finest_ = 0;
     std::vector<double> thresholds_;

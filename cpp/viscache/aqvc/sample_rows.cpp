@@ -161,9 +161,8 @@ bool SampleRows::miss_at(const Step& step, bool last, size_t slab, size_t asker,
     if (!last && tile_->grid->doubts(numbers_[step.row])) doubt_unknown(own, neighbours, kSlabWords, doubt_);
     alignas(64) Word miss[kSlabWords];
     const size_t at = slab * kSlabWords;
-    const int left =
-        kernels_.step(asked_.row(asker) + at, own,
-                      neighbours, last, miss, seen_.row(asker) + at, kSlabWords, counts);
+    const int left = kernels_.step(asked_.row(asker) + at, own, neighbours, last, miss, seen_.row(asker) + at,
+                                   kSlabWords, counts);
     going_ |= (left & 2) != 0;
     Word* fresh = fresh_.row(0) + at;
     if (!(left & 1)) {

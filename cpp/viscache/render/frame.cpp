@@ -117,6 +117,7 @@ public:
         clock.lap(stages.shading);
     }
 
+    VisibilityOracle& oracle() { return *oracle_; }
     const RecordTally* tally() const { return product_ ? &product_->tally() : nullptr; }
 
 private:
@@ -293,7 +294,7 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, const O
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          const OracleFactory& make_oracle, Control& control, const EnvironmentMaps* maps,
-                         const AlignedEngines* aligned) {
+                         const AlignedEngines* aligned, const TileDone& tile_done) {
     check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
@@ -348,6 +349,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
         mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
+        if (tile_done) tile_done(mine->oracle(), i);
         control.done.fetch_add(1);
     });
     if (frame.parts > 1)

@@ -14,6 +14,9 @@ namespace viscache {
 /// Makes the oracle of one worker thread.
 using OracleFactory = std::function<std::unique_ptr<VisibilityOracle>()>;
 
+/// Called after each tile, from its thread, with the tile's oracle and number.
+using TileDone = std::function<void(VisibilityOracle&, size_t)>;
+
 /// CPU seconds of the stages, summed over threads.
 struct StageSeconds {
     double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
@@ -65,6 +68,7 @@ struct EnvironmentMaps {
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          const OracleFactory& make_oracle, Control& control,
-                         const EnvironmentMaps* maps = nullptr, const AlignedEngines* aligned = nullptr);
+                         const EnvironmentMaps* maps = nullptr, const AlignedEngines* aligned = nullptr,
+                         const TileDone& tile_done = {});
 
 }  // namespace viscache

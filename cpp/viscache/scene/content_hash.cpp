@@ -72,4 +72,21 @@ std::string content_hash(const SceneDescription& d) {
     return h.hex();
 }
 
+std::string geometry_hash(const SceneDescription& d) {
+    Hasher h;
+    for (const Mesh& m : d.meshes) {
+        h.array(m.vertices), h.array(m.triangles), h.word(m.in_world);
+        const Material& material = d.materials[size_t(m.material)];
+        if (material.alpha_texture < 0) continue;
+        const Image& alpha = d.images[size_t(material.alpha_texture)];
+        h.floats({material.alpha_cutoff}), h.array(m.uvs);
+        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.channels)), h.array(alpha.pixels);
+    }
+    h.word(d.instances.size());
+    for (const Instance& i : d.instances)
+        h.array(i.meshes), h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
+    for (const SphereLight& l : d.sphere_lights) h.vec(l.center), h.floats({l.radius});
+    return h.hex();
+}
+
 }  // namespace viscache

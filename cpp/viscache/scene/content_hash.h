@@ -1,5 +1,6 @@
 #pragma once
-// A hash of everything that decides how a scene looks: caches and sweep stores are keyed by it.
+// Hashes of everything that decides how a scene looks, or what hides what: caches and sweep stores are keyed
+// by them.
 #include <string>
 
 #include "viscache/scene/description.h"
@@ -8,5 +9,7 @@ namespace viscache {
 
 /// 32 hexadecimal digits; equal for equal content, names and file paths not counted.
 std::string content_hash(const SceneDescription& d);
+/// The same of what decides who sees whom alone: shapes, where they are, and holes cut by alpha.
+std::string geometry_hash(const SceneDescription& d);
 
 }  // namespace viscache

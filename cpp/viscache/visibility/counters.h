@@ -51,6 +51,10 @@ struct Counters {
     uint64_t table_occupied = 0;  ///< slots in use at the end; of a table that all of the frame shares
     uint64_t duplicates = 0;      ///< rays for a cluster that another thread or item traced as well
     double expected_false_hits = 0;
+    // A table kept over frames: answers without a ray of their own, by where the bit came from; of these,
+    // those traced as well, and those that the ray contradicts
+    uint64_t reused_kept = 0, reused_fresh = 0, checked_kept = 0, checked_fresh = 0, wrong_kept = 0,
+             wrong_fresh = 0;
     // Product sampling of the environment
     uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
     uint64_t product_guided = 0, product_unserved = 0;  ///< of these, with guided density; without a record
@@ -97,6 +101,9 @@ inline void Counters::merge(const Counters& b) {
     table_writes += b.table_writes, table_slots += b.table_slots;
     table_occupied += b.table_occupied, duplicates += b.duplicates;
     expected_false_hits += b.expected_false_hits, non_finite += b.non_finite;
+    reused_kept += b.reused_kept, reused_fresh += b.reused_fresh;
+    checked_kept += b.checked_kept, checked_fresh += b.checked_fresh;
+    wrong_kept += b.wrong_kept, wrong_fresh += b.wrong_fresh;
     product_points += b.product_points, product_dark += b.product_dark;
     product_guided += b.product_guided, product_unserved += b.product_unserved;
     pilot_rays += b.pilot_rays;

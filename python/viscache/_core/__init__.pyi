@@ -14,7 +14,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'MaterialKind', 'NeePlusPlusSettings', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_bdpt_aqvc', 'render_bdpt_exact', 'render_bdpt_nee_plus_plus', 'render_exact', 'render_given_maps', 'render_nee_plus_plus', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'KeptTable', 'MaterialKind', 'NeePlusPlusSettings', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_aqvc_kept', 'render_bdpt_aqvc', 'render_bdpt_exact', 'render_bdpt_nee_plus_plus', 'render_exact', 'render_given_maps', 'render_nee_plus_plus', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -449,6 +449,26 @@ class ShadowMapSettings:
     @slope_bias.setter
     def slope_bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class KeptTable:
+    """
+    See viscache.AqvcTable.
+    """
+    def __init__(self, table_bytes: typing.SupportsInt | typing.SupportsIndex, parameters: aqvc.AqvcParameters) -> None:
+        ...
+    def next_epoch(self) -> None:
+        ...
+    @property
+    def epoch(self) -> int:
+        ...
+    @property
+    def frames(self) -> int:
+        ...
+    @property
+    def occupied(self) -> int:
+        ...
+    @property
+    def slots(self) -> int:
+        ...
 class CameraConnections(enum.Enum):
     """
     Light paths that are connected to the camera.
@@ -554,6 +574,8 @@ def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals:
     """
     Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).
     """
+def geometry_hash(scene: Scene) -> str:
+    ...
 def learnt_map(settings: NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
     """
     Cells of both ends (N,), then visibility and probability of each connection once all are counted (tests). `far` holds places, or directions towards the light.
@@ -579,6 +601,8 @@ def render_aligned(scene: Scene, caster: EmbreeCaster, camera: Camera, integrato
     Ambient occlusion along shared directions; `batch` and `field` are one or none.
     """
 def render_aqvc(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
+    ...
+def render_aqvc_kept(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, table: KeptTable, *, check: typing.SupportsFloat | typing.SupportsIndex = 0.0, repair: bool = False, progress: typing.Any = None) -> dict:
     ...
 def render_bdpt_aqvc(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
     ...
@@ -622,6 +646,10 @@ def scene_mesh(scene: Scene, index: typing.SupportsInt | typing.SupportsIndex) -
     """
 def scene_mesh_count(scene: Scene) -> int:
     ...
+def scene_sphere(scene: Scene) -> typing.Annotated[list[float], "FixedSize(4)"]:
+    """
+    Bounding sphere: centre and radius.
+    """
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
 def trace_eye_points(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> dict:

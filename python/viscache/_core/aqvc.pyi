@@ -23,6 +23,7 @@ class AqvcParameters:
     order: str
     refinement: str
     res_rule: str
+    scale_free: bool
     storage: str
     tangent_neighbours: bool
     vpl_key: str

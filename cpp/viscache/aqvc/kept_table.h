@@ -1,0 +1,91 @@
+#pragma once
+// A table that outlives frames.
+//
+// A frame reads it as the frames before left it. Every tile has its own table over it, as tiles without a
+// kept table have; what a tile traced waits and is written at the end of the frame, tile by tile. So values
+// do not depend on threads. Epochs forget everything at once.
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "viscache/aqvc/bit_table.h"
+#include "viscache/visibility/counters.h"
+
+namespace viscache {
+
+/// A write as 64 bits: the slot's number, the digest and the bit of visibility.
+using PackedWrite = uint64_t;
+inline PackedWrite pack_write(KeyHash h, bool visible) {
+    return uint64_t{h.kappa} << 32 | uint64_t{h.digest} << 1 | uint64_t{visible};
+}
+
+/// Which reused bits are traced as well.
+struct KeptChecks {
+    double share = 0;     ///< of the reused bits
+    bool repair = false;  ///< of those from frames before alone: the ray is the answer, and is written down
+};
+
+class KeptTable {
+public:
+    KeptTable(uint64_t bytes, int digest_bits, HashScheme scheme)
+        : bits_(largest_prime(bytes / 4), digest_bits, scheme) {}
+
+    const BitTable& bits() const { return bits_; }
+    uint64_t epoch() const { return epoch_; }
+    uint64_t frames() const { return frames_; }  ///< finished since it was made
+    void next_epoch() { bits_.set_epoch(++epoch_); }
+
+    void begin_frame() { waiting_.clear(); }
+    /// What a tile wrote; of different tiles from any threads.
+    void keep(size_t tile, std::vector<PackedWrite>& writes) {
+        const std::lock_guard lock(mutex_);
+        waiting_[tile].swap(writes);
+    }
+    void end_frame(Counters& counters) {
+        TableCounts counts;
+        for (const auto& [tile, writes] : waiting_)
+            for (PackedWrite w : writes)
+                bits_.put_hashed({uint32_t(w >> 32), uint32_t(w) >> 1}, w & 1, counts);
+        waiting_.clear(), ++frames_;
+        counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
+        counters.table_slots = bits_.slots(), counters.table_occupied = bits_.occupied();
+    }
+
+private:
+    BitTable bits_;
+    uint64_t epoch_ = 0, frames_ = 0;
+    std::mutex mutex_;
+    std::map<size_t, std::vector<PackedWrite>> waiting_;
+};
+
+/// A tile's own table over the kept one.
+class LayeredTable {
+public:
+    LayeredTable(BitTable& own, const BitTable& kept, std::vector<PackedWrite>& writes)
+        : own_(own), kept_(kept), writes_(writes) {}
+    KeyHead head(const std::array<int32_t, 8>& slots) const { return kept_.head(slots); }
+    std::optional<bool> get(const KeyHead& head, const FarKey& far) const {
+        const KeyHash h = kept_.hash(head, far);
+        const auto own = own_.get_hashed(h);
+        last_is_kept_ = !own;
+        return own ? own : kept_.get_hashed(h);
+    }
+    void put(const FullKey& key, bool visible, TableCounts&) {
+        const KeyHash h = kept_.hash(key);
+        TableCounts of_the_tile;  // what ends with the tile is not the kept table's
+        own_.put_hashed(h, visible, of_the_tile), writes_.push_back(pack_write(h, visible));
+    }
+    uint64_t slots() const { return 0; }
+    /// True if the last answer of `get` came from a frame before.
+    bool last_is_kept() const { return last_is_kept_; }
+
+private:
+    BitTable& own_;
+    const BitTable& kept_;
+    std::vector<PackedWrite>& writes_;
+    mutable bool last_is_kept_ = false;
+};
+
+}  // namespace viscache

@@ -1,0 +1,210 @@
+"""A table kept over frames: what it hands on, forgets and refuses, and how stale bits are told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import _core
+
+SIZE = (72, 48)
+#: Without shared cells: every eye sample has its own bit.
+ALONE = vc.Aqvc(c_e=1e-3)
+#: Eye samples of several tiles.
+TILED = {"size": (560, 40), "spp": 1}
+
+
+def scene(*, blocker: bool = False, intensity: float = 3.0, far: bool = False) -> vc.Scene:
+    """A floor under a lamp, with a plate between them that the camera does not see."""
+    d = _core.SceneDescription()
+    d.name = "floor and lamp"
+    floor = np.float32([[-2, 0, 2], [2, 0, 2], [2, 0, -2], [-2, 0, -2]])
+    faces = np.uint32([[0, 1, 2], [0, 2, 3]])
+    grey = d.add_material(base_color=(0.5, 0.5, 0.5))
+    d.add_mesh(floor, faces, material=grey)
+    if blocker:
+        d.add_mesh(floor * np.float32(0.1) + np.float32([0.3, 1.8, 0]), faces, material=grey)
+    if far:
+        d.add_mesh(floor * np.float32(0.1) + np.float32([0, -30, 0]), faces, material=grey)
+    d.add_point_light((0.3, 2.0, 0.1), (intensity,) * 3)
+    return vc.Scene.from_description(d)
+
+
+def camera() -> _core.Camera:
+    return vc.look_at((0, 1.5, 3.5), (0, 0, 0), (0, 1, 0), 45)
+
+
+def frame(
+    of: vc.Scene, table: vc.AqvcTable | None = None, cache: vc.Aqvc = ALONE, **given: object
+) -> vc.Frame:
+    passed = {"size": SIZE, "camera": camera()} | given
+    return vc.render(of, vc.Direct(), visibility=cache, keep=table, **passed)  # type: ignore[arg-type]
+
+
+def exact(of: vc.Scene) -> vc.Frame:
+    return vc.render(of, vc.Direct(), size=SIZE, camera=camera())
+
+
+def test_a_frame_that_was_seen_before_needs_no_ray() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 25)
+    first, second = (frame(scene(), table) for _ in range(2))
+    assert first.counters["rays"] == first.counters["queries"] > 1000
+    assert second.counters["rays"] == 0 and second.sha256 == first.sha256
+    assert second.counters["reused_kept"] == second.counters["queries"]
+    assert first.counters["reused_kept"] == 0
+    assert first.counters["table_writes"] == first.counters["rays"]
+    assert table.frames == 2 and table.occupancy == pytest.approx(
+        1 - np.exp(-first.counters["rays"] / (1 << 23)), rel=0.05
+    )
+    assert first.parameters["keep"]["frames"] == 1 and second.parameters["keep"]["frames"] == 2
+
+
+def test_the_first_frame_is_that_of_tiles_without_a_kept_table() -> None:
+    cache = vc.Aqvc(c_e=8)
+    kept = frame(vc.scenes.stairs(), vc.AqvcTable(), cache, camera=None)
+    plain = frame(vc.scenes.stairs(), None, vc.Aqvc(c_e=8, form="pairs", scale_free=True),
+                  camera=None)  # fmt: skip
+    assert kept.sha256 == plain.sha256 and kept.counters["rays"] == plain.counters["rays"]
+
+
+def test_kept_frames_are_the_same_for_any_number_of_threads() -> None:
+    found = []
+    for threads in (1, 2, 3):
+        table = vc.AqvcTable(table_bytes=1 << 16, check=0.3)
+        frames = [
+            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c), camera=None, threads=threads,
+                  size=TILED["size"])
+            for c in (8, 6, 8)
+        ]  # fmt: skip
+        assert frames[1].counters["reused_kept"] > 0
+        found.append([(f.sha256, f.counters) for f in frames])
+    assert found[0] == found[1] == found[2]
+    # A table too small forgets, so that the third frame traces again what the first had traced
+    assert frames[2].counters["rays"] > 0 and frames[2].counters["evictions"] > 0
+
+
+def test_a_new_epoch_forgets_everything_at_once() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 25)
+    first = frame(scene(), table)
+    table.forget()
+    after = frame(scene(), table)
+    assert after.counters["reused_kept"] == 0 and table.epoch == 1
+    assert after.counters["rays"] == first.counters["rays"] and after.sha256 == first.sha256
+    assert frame(scene(), table).counters["rays"] == 0
+    # Words of the epoch before still take slots
+    assert after.counters["table_occupied"] > 1.9 * first.counters["table_occupied"]
+
+
+def test_stale_bits_are_exactly_those_whose_visibility_changed() -> None:
+    before, after = exact(scene()), exact(scene(blocker=True))
+    changed = after.counters["occluded"] - before.counters["occluded"]
+    assert changed > 100 and after.counters["queries"] == before.counters["queries"]
+    table = vc.AqvcTable(table_bytes=1 << 24, check=1.0)
+    assert frame(scene(), table).sha256 == before.sha256
+    table.moved(scene(blocker=True), forget=False)
+    stale = frame(scene(blocker=True), table)
+    assert stale.sha256 == before.sha256 and stale.counters["rays"] == 0
+    assert stale.counters["wrong_kept"] == changed
+    assert stale.counters["checked_kept"] == stale.counters["queries"]
+    table.moved(scene(blocker=True))
+    fresh = frame(scene(blocker=True), table)
+    assert fresh.sha256 == after.sha256 and fresh.counters["reused_kept"] == 0
+
+
+def test_repair_answers_with_the_ray_and_writes_it_down() -> None:
+    after = exact(scene(blocker=True))
+    table = vc.AqvcTable(table_bytes=1 << 24, check=1.0, repair=True)
+    frame(scene(), table)
+    table.moved(scene(blocker=True), forget=False)
+    repaired, again = (frame(scene(blocker=True), table) for _ in range(2))
+    assert repaired.sha256 == again.sha256 == after.sha256
+    assert repaired.counters["rays"] == repaired.counters["queries"]
+    assert repaired.counters["wrong_kept"] == repaired.counters["table_writes"] > 100
+    assert again.counters["wrong_kept"] == 0
+
+
+def test_a_share_of_the_reused_bits_is_checked_by_frame() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 24, check=0.25)
+    frame(scene(), table)
+    table.moved(scene(blocker=True), forget=False)
+    counts = [frame(scene(blocker=True), table).counters for _ in range(3)]
+    for c in counts:
+        n = c["reused_kept"]
+        assert abs(c["checked_kept"] - 0.25 * n) < 4 * np.sqrt(0.25 * 0.75 * n)
+    assert len({c["wrong_kept"] for c in counts}) > 1
+
+
+def test_bits_outlive_the_growth_of_the_scene_where_cells_are_scale_free() -> None:
+    for free in (True, False):
+        table = vc.AqvcTable(table_bytes=1 << 22)
+        cache = vc.Aqvc(c_e=6, scale_free=free)
+        first = frame(scene(), table, cache)
+        table.moved(scene(far=True), forget=False)
+        if not free:
+            with pytest.raises(ValueError, match=r"bounding sphere must be .* frames before"):
+                frame(scene(far=True), table, cache)
+            continue
+        grown = frame(scene(far=True), table, cache)
+        assert first.counters["rays"] > 50 and grown.counters["rays"] < 0.1 * first.counters["rays"]
+        assert grown.counters["reused_kept"] > 0.9 * grown.counters["queries"]
+
+
+def test_light_and_camera_may_change_and_geometry_may_not() -> None:
+    assert scene().geometry_hash == scene(intensity=5.0).geometry_hash
+    assert scene().content_hash != scene(intensity=5.0).content_hash
+    assert scene().geometry_hash != scene(blocker=True).geometry_hash
+    table = vc.AqvcTable(table_bytes=1 << 25)
+    frame(scene(), table)
+    brighter = frame(scene(intensity=6.0), table)
+    assert brighter.counters["rays"] == 0
+    frame(scene(), table, camera=vc.look_at((0, 1.6, 3.5), (0, 0, 0), (0, 1, 0), 45))
+    with pytest.raises(ValueError, match="geometry of the table's frames before"):
+        frame(scene(blocker=True), table)
+    # Refused frames leave the table as it was
+    assert frame(scene(), table).counters["rays"] == 0
+
+
+def test_what_a_kept_table_cannot_do_is_refused() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 20)
+    frame(scene(), table)
+    for other in (vc.Aqvc(c_n=6), vc.Aqvc(normal_mode="floor"), vc.Aqvc(grid_seed=1)):
+        with pytest.raises(ValueError, match=r"must be .* as in the table's frames before"):
+            frame(scene(), table, other)
+    for cache, message in (
+        (vc.Aqvc(form="waves"), 'form must be "pairs" with keep'),
+        (vc.Aqvc(storage="exact"), 'storage must be "table" with keep'),
+        (vc.Exact(), "visibility must be vc.Aqvc"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            frame(scene(), table, cache)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"integrator must be vc.Direct"):
+        vc.render(scene(), vc.Bdpt(), visibility=vc.Aqvc(), size=(8, 8), keep=table)
+    with pytest.raises(ValueError, match=r"keep must be vc.AqvcTable"):
+        frame(scene(), "table")  # type: ignore[arg-type]
+    for wrong in ({"table_bytes": 3}, {"check": 1.5}, {"repair": 1}, {"check": True}):
+        with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be"):
+            vc.AqvcTable(**wrong)  # type: ignore[arg-type]
+
+
+def test_a_table_serves_one_frame_at_a_time() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 20)
+
+    def ask_again(done: int, total: int) -> None:
+        with pytest.raises(ValueError, match="must not be in use by another frame"):
+            frame(scene(), table)
+
+    frame(scene(), table, progress=ask_again)
+    assert table.frames == 1
+
+
+def test_an_interrupted_frame_writes_nothing() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 20)
+
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        frame(scene(), table, progress=stop, size=(512, 384))
+    assert table.frames == 0
+    assert frame(scene(), table).counters["reused_kept"] == 0
