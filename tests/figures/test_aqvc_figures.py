@@ -248,6 +248,7 @@ QUICK: dict[str, tuple[int, list[str]]] = {
     "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
     "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),
     "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
+    "aqvc-temporal": (0, ["aqvc-temporal.png", "aqvc-temporal.csv"]),
     "aqvc-quality": (5, ["aqvc-quality.png", "aqvc-quality.csv", "aqvc-quality-bias.csv"]),
 }
 

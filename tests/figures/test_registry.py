@@ -38,6 +38,7 @@ def test_every_figure_of_the_interface_is_listed(capsys: pytest.CaptureFixture[s
     expected |= {"aqvc-nee"}
     expected |= {f"vismap-fig{n}" for n in (1, 3, 4, 5, 8, 10, 11, 12, 13)}
     expected |= {"vismap-tab2", "vismap-tab3", "vismap-sweep", "vismap-temporal"}
+    expected |= {"aqvc-temporal"}
     assert set(figures.FIGURES) == expected
     assert cli.main(["reproduce", "list", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["figures"]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from viscache import _core, tonemap
 from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, presets
 from viscache.figures.aqvc_setups import SETUPS
 from viscache.figures.outcome import Row
-from viscache.frame import Frame
 from viscache.integrators import Direct
+from viscache.temporal import mean_temporal_variance, seen
 
 #: C_E, and frames of the path.
 C_E = 16.0
@@ -20,8 +19,6 @@ SIZE, QUICK_SIZE = (640, 400), (200, 125)
 #: The camera goes from one place to the other, looking at the living room's far corner.
 PATH = ((-0.1, 1.65, 0.35), (-0.4, 1.6, 0.15))
 TARGET, FOV_DEG = (-4.6, 0.85, -3.2), 56.0
-
-Plane = npt.NDArray[np.float64]
 
 
 def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
@@ -61,14 +58,3 @@ def cameras(frames: int) -> list[_core.Camera]:
         _core.look_at((start + t * (end - start)).tolist(), TARGET, (0.0, 1.0, 0.0), FOV_DEG)
         for t in np.linspace(0, 1, frames)
     ]
-
-
-def seen(frame: Frame, exposure: float) -> Plane:
-    """Luminance as a screen shows it, before its curve: exposed, white clipped."""
-    shown: Plane = np.clip(exposure * tonemap.luminance(frame.image), 0, 1)
-    return shown
-
-
-def mean_temporal_variance(planes: list[Plane]) -> float:
-    """Mean over pixels of the unbiased variance over frames."""
-    return float(np.var(np.stack(planes), axis=0, ddof=1).mean())

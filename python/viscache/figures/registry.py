@@ -20,6 +20,7 @@ from viscache.figures import (
     aqvc_pictures,
     aqvc_quality,
     aqvc_sweeps,
+    aqvc_temporal,
     references,
     vlf_axes,
     vlf_drawings,
@@ -108,6 +109,11 @@ FIGURES: dict[str, FigureInfo] = {
     "aqvc-nee": FigureInfo(
         description="rays and error beside Next Event Estimation++",
         function=aqvc_nee.comparison,
+        sized=True,
+    ),
+    "aqvc-temporal": FigureInfo(
+        description="tables kept over frames or dropped: rays, flicker and stale bits",
+        function=aqvc_temporal.temporal,
         sized=True,
     ),
     "vlf-fig1": FigureInfo(

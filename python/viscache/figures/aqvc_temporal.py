@@ -1,0 +1,215 @@
+"""The quantized cache over frames: a camera's path, a moving ball, tables kept or dropped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscache import _core, metrics
+from viscache.aqvc_table import AqvcTable
+from viscache.figures import aqvc_temporal_bands as bands
+from viscache.figures.aqvc_flicker import cameras
+from viscache.figures.aqvc_setups import delta
+from viscache.figures.outcome import Band, Outcome, Row
+from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.vlf_tracers import write_csv
+from viscache.frame import Frame
+from viscache.integrators import Direct
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.scenes.shapes import bumpy_sphere
+from viscache.temporal import flicker
+from viscache.visibility import Aqvc, Exact
+
+C_E = 12.0
+FRAMES, QUICK_FRAMES = 32, 4
+SIZE, QUICK_SIZE = (320, 200), (80, 50)
+TRIANGLES, QUICK_TRIANGLES = 100_000, 20_000
+#: A ball crosses the living room between camera and corner.
+BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
+#: Share of the reused bits that are traced to be counted; that are repaired.
+CHECK, REPAIR = 0.1, 0.1
+WAYS = ("dropped", "kept", "epochs", "repaired")
+
+
+@dataclass(slots=True)
+class Sequence:
+    """Frames of one way over one path."""
+
+    frames: list[Frame] = field(default_factory=list)
+
+    def total(self, name: str) -> int:
+        """A counter over all frames; 0 where there is none."""
+        return sum(int(f.counters.get(name, 0)) for f in self.frames)
+
+    @property
+    def ray_reduction(self) -> float:
+        """Queries over rays, those of repair among them."""
+        return self.total("queries") / max(1, self.total("rays"))
+
+    def wrong(self, where: str) -> float:
+        """Share of the checked bits that their ray contradicts; NaN where none was checked."""
+        n = self.total(f"checked_{where}")
+        return self.total(f"wrong_{where}") / n if n else float("nan")
+
+
+@cache
+def _apartment(triangles: int) -> Scene:
+    return delta(triangles)
+
+
+@cache
+def with_ball(triangles: int, x: float, y: float, z: float) -> Scene:
+    """The apartment with a ball in its air."""
+    d = _core.description_of(_apartment(triangles)._core)
+    vertices, faces = bumpy_sphere(BALL_RADIUS, 12).mesh(1.0)
+    ball = np.asarray(vertices, np.float32) + np.array([x, y, z], np.float32)
+    d.add_mesh(ball, np.asarray(faces, np.uint32), material=0, name="ball")
+    return Scene.from_description(d)
+
+
+def views(path: str, quick: bool) -> list[tuple[Scene, _core.Camera]]:
+    """Scene and camera of every frame: "camera" moves the camera, "ball" the ball."""
+    n = QUICK_FRAMES if quick else FRAMES
+    triangles = QUICK_TRIANGLES if quick else TRIANGLES
+    # The path is sampled as densely in quick runs: its first frames
+    steps = np.linspace(0, 1, FRAMES)[:n]
+    along = cameras(FRAMES)[:n]
+    if path == "camera":
+        return [(_apartment(triangles), view) for view in along]
+    start, end = (np.array(place) for place in BALL_PATH)
+    places = [(start + t * (end - start)).round(4).tolist() for t in steps]
+    return [(with_ball(triangles, *place), along[0]) for place in places]
+
+
+def run(
+    shots: list[tuple[Scene, _core.Camera]], way: str, refinement: str, size: tuple[int, int]
+) -> Sequence:
+    """All frames of a path in one way."""
+    settings = Aqvc(c_e=C_E, form="pairs", scale_free=True,
+                    refinement="on" if refinement == "on" else "off")  # fmt: skip
+    table = None
+    if way != "dropped":
+        repair = way == "repaired"
+        table = AqvcTable(table_bytes=64 << 20, check=REPAIR if repair else CHECK, repair=repair)
+    made = Sequence()
+    for scene, view in shots:
+        if table is not None:
+            table.moved(scene, forget=way == "epochs")
+        made.frames.append(render(scene, Direct(), visibility=settings, size=size, camera=view,
+                                  keep=table))  # fmt: skip
+    return made
+
+
+def temporal(
+    folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
+) -> Outcome:
+    """Both paths, refinement on and off, tables dropped, kept, forgotten and repaired."""
+    pixels = size or (QUICK_SIZE if quick else SIZE)
+    outcome, table = Outcome(), []
+    curves: dict[str, Mapping[str, Sequence]] = {}
+    for path in ("camera", "ball"):
+        shots = views(path, quick)
+        exact = [
+            render(scene, Direct(), visibility=Exact(), size=pixels, camera=view)
+            for scene, view in shots
+        ]
+        for refinement in ("off", "on"):
+            ways = WAYS if path == "ball" else WAYS[:2]
+            found = {way: run(shots, way, refinement, pixels) for way in ways}
+            label = f"{path}, refinement {refinement}"
+            outcome.rows += _rows(path, label, found, exact, quick)
+            table += _table(path, refinement, found, exact)
+            curves[label] = found
+    outcome.files += [_draw(curves, folder / "aqvc-temporal.png"),
+                      write_csv(folder / "aqvc-temporal.csv", table)]  # fmt: skip
+    outcome.notes.append(
+        f"{pixels[0]}x{pixels[1]}, {len(exact)} frames, the apartment's living room under 24 lamps "
+        f"and a sun, C_E {C_E:g}, scale-free cells, one query at a time. Rays that only check are "
+        "not counted, those that repair are."
+    )
+    return outcome
+
+
+def _rows(
+    path: str, label: str, found: Mapping[str, Sequence], exact: list[Frame], quick: bool
+) -> list[Row]:
+    rows = []
+    variance = {way: flicker(s.frames, exact) for way, s in found.items()}
+    for way, s in found.items():
+        f = variance[way]
+        rows.append(Row(what=f"{label}, {way}: RR over the path", measured=s.ray_reduction))
+        rows.append(Row(what=f"{label}, {way}: deviation of the error over time, of white",
+                        measured=float(np.sqrt(f.error)),
+                        note=f"pictures' variance {f.above:+.2e} above the exact one's "
+                             f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}"))  # fmt: skip
+        if s.total("checked_kept"):
+            rows.append(Row(what=f"{label}, {way}: share of wrong bits from frames before",
+                            measured=s.wrong("kept"),
+                            note=f"of the frame's own {s.wrong('fresh'):.4f}; "
+                                 f"{s.total('checked_kept')} checked"))  # fmt: skip
+
+    def banded(what: str, value: float, band: Band) -> None:
+        rows.append(Row(what=f"{label}: {what}", measured=value, band=None if quick else band))
+
+    kept, dropped = found["kept"], found["dropped"]
+    banded("RR kept over dropped", kept.ray_reduction / dropped.ray_reduction, bands.KEPT_REDUCTION)
+    ratio = kept.wrong("kept") / kept.wrong("fresh") if kept.wrong("fresh") else float("inf")
+    banded("wrong bits from frames before, over the frame's own", ratio,
+           bands.NOTHING_STALE if path == "camera" else bands.STALE)  # fmt: skip
+    if path == "camera":
+        banded("variance of the error, kept over dropped",
+               variance["kept"].error / variance["dropped"].error,
+               bands.KEPT_FLICKER)  # fmt: skip
+    else:
+        banded("rays with epochs over dropped",
+               found["epochs"].total("rays") / dropped.total("rays"),
+               bands.EPOCHS_FORGET)  # fmt: skip
+        banded("wrong bits from frames before, repaired over kept",
+               found["repaired"].wrong("kept") / kept.wrong("kept"), bands.REPAIR)  # fmt: skip
+    return rows
+
+
+def _mean_error(s: Sequence, exact: list[Frame]) -> float:
+    return float(np.mean([_error(a, b) for a, b in zip(s.frames, exact, strict=True)]))
+
+
+def _error(frame: Frame, exact: Frame) -> float:
+    cached, truth = (np.asarray(f.image, np.float64) for f in (frame, exact))
+    return metrics.rel_l1(cached, truth) or 0.0
+
+
+def _table(
+    path: str, refinement: str, found: Mapping[str, Sequence], exact: list[Frame]
+) -> list[dict[str, Any]]:
+    names = ("queries", "rays", "reused_kept", "checked_kept", "wrong_kept", "checked_fresh",
+             "wrong_fresh")  # fmt: skip
+    return [
+        {"path": path, "refinement": refinement, "table": way, "frame": i,
+         **{name: frame.counters.get(name, 0) for name in names},
+         "rel_l1": _error(frame, exact[i])}
+        for way, s in found.items() for i, frame in enumerate(s.frames)
+    ]  # fmt: skip
+
+
+def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
+    figure = new_figure((11.0, 5.5))
+    for column, (label, found) in enumerate(curves.items()):
+        rays = figure.add_subplot(2, len(curves), 1 + column)
+        wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)
+        for way, s in found.items():
+            counters = [f.counters for f in s.frames]
+            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, label=way)
+            if way != "dropped":
+                share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
+                wrong.plot(share, lw=1.2, label=way)
+        rays.set_title(label, fontsize=9)
+        rays.set(ylabel="rays over queries", ylim=(0, None))
+        wrong.set(xlabel="frame", ylabel="wrong of kept bits", ylim=(0, None))
+        rays.legend(fontsize=7)
+    return save_figure(figure, path)

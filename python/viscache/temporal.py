@@ -1,0 +1,75 @@
+"""How frames change over time, and how much of that is a cache's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import tonemap
+from viscache.checks import require
+from viscache.frame import Frame
+
+__all__ = ["Flicker", "flicker", "mean_temporal_variance", "seen"]
+
+Plane = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Flicker:
+    """Variances over the frames of a sequence, means over pixels; in squares of white."""
+
+    cached: float
+    """Of the pictures."""
+    exact: float
+    """Of the reference's: what moves moves."""
+    error: float
+    """Of the difference between both: 0 for an error that stands still."""
+
+    @property
+    def above(self) -> float:
+        """Temporal variance above the reference's. Less than 0 where the cache misses motion."""
+        return self.cached - self.exact
+
+
+def flicker(
+    frames: Sequence[Frame], references: Sequence[Frame], *, exposure: float | None = None
+) -> Flicker:
+    """Temporal variance of cached frames beside that of exact ones.
+
+    Parameters
+    ----------
+    frames, references : sequences of Frame, of one length >= 2
+        The same views in the same order, with a cache and without.
+    exposure : float, optional
+        Times luminance, clipped at 1; by default the first reference's, whose 95th percentile is
+        then white.
+
+    Returns
+    -------
+    Flicker
+    """
+    equal = len(frames) == len(references) >= 2
+    require(equal, "frames and references must be equally many, at least 2",
+            (len(frames), len(references)))  # fmt: skip
+    if exposure is None:
+        exposure = tonemap.auto_exposure(references[0].image, 95.0)
+    cached, exact = ([seen(f, exposure) for f in some] for some in (frames, references))
+    return Flicker(
+        mean_temporal_variance(cached),
+        mean_temporal_variance(exact),
+        mean_temporal_variance([a - b for a, b in zip(cached, exact, strict=True)]),
+    )
+
+
+def seen(frame: Frame, exposure: float) -> Plane:
+    """Luminance as a screen shows it, before its curve: exposed, white clipped."""
+    shown: Plane = np.clip(exposure * tonemap.luminance(frame.image), 0, 1)
+    return shown
+
+
+def mean_temporal_variance(planes: list[Plane]) -> float:
+    """Mean over pixels of the unbiased variance over frames."""
+    return float(np.var(np.stack(planes), axis=0, ddof=1).mean())
