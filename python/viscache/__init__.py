@@ -11,6 +11,7 @@ from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.sweep import sweep
+from viscache.tune import tune
 from viscache.visibility import Aqvc, Exact, ShadowMap
 from viscache.vismap import (
     MapSettings,
@@ -61,5 +62,6 @@ __all__ = [
     "scenes",
     "sweep",
     "tiles",
+    "tune",
     "vlf",
 ]

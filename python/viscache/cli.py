@@ -22,14 +22,11 @@ COMMANDS = {
     "diff": "compare an image with a reference",
     "correlate": "Section 4 statistics of a scene's visibility",
     "sweep": "run or resume a sweep",
+    "tune": "the quantized cache's C_E for an error target",
     "report": "write the HTML report of a sweep",
     "reproduce": "figures and tables of the papers",
     "bench": "benchmarks: ratios against a named baseline of the same run",
     "doctor": "versions, and a self-test",
-}
-#: Named by the interface, not there yet.
-LATER = {
-    "tune": "parameters that meet an error target",
 }
 OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130
 
@@ -37,8 +34,6 @@ OK, FAILED, BAD_USAGE, INTERRUPTED = 0, 1, 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line; returns the exit status and never raises for bad input."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    if given and given[0] in LATER:
-        return _complain(f"{given[0]} is not there yet in this version of viscache")
     debug = "--debug" in given
     try:
         parser = _parser(given)
@@ -70,16 +65,13 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     subs = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     wanted = next((word for word in given if not word.startswith("-")), None)
     if wanted is not None and wanted not in COMMANDS:
-        known = [*COMMANDS, *LATER]
-        raise ValueError(f"unknown command {wanted!r}{nearest(wanted, known)}")
+        raise ValueError(f"unknown command {wanted!r}{nearest(wanted, COMMANDS)}")
     for name, text in COMMANDS.items():
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         sub.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
                          help="tracebacks instead of one line")  # fmt: skip
         if name == wanted:
             importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
-    for name, text in LATER.items():
-        subs.add_parser(name, help=f"{text} (not there yet)")
     return parser
 
 

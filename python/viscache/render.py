@@ -129,7 +129,7 @@ def render_part(
     keep: AqvcTable | None = None,
     progress: Progress = False,
 ) -> Frame:
-    """Part i of n of a frame: a run of its tiles, black elsewhere; the rest as `render`.
+    """Part i of n of a frame: every n-th tile from number i on; black elsewhere, else as `render`.
 
     `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
     """

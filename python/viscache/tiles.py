@@ -22,7 +22,7 @@ from viscache.newest import Newest
 from viscache.render import render_part
 from viscache.scene import Scene
 
-__all__ = ["Part", "merge", "render", "tile_boxes"]
+__all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 
 #: Parts of a frame where nobody renders beside us: as often as the picture is shown.
 PARTS_HERE = 16
@@ -30,20 +30,27 @@ PARTS_HERE = 16
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Part:
-    """A run of a frame's tiles.
+    """Every `parts`-th tile of a frame, from `number` on.
 
     Attributes
     ----------
+    cuts : list of dict of str to (H, W, C) float32
+        The layers of each tile.
     frame : Frame
-        Its layers are the rows [top, bottom) of the whole frame's, black outside its tiles.
+        Without pixels.
     """
 
     number: int
     parts: int
     size: tuple[int, int]
-    top: int
-    bottom: int
+    cuts: list[dict[str, Layer]]
     frame: Frame
+
+    @property
+    def boxes(self) -> list[tuple[int, int, int, int]]:
+        """(x0, y0, x1, y1) of each tile, in pixels."""
+        edge = int(self.frame.parameters["tile_edge_px"])
+        return tile_boxes(self.size, edge, self.number, self.parts)
 
 
 def render(
@@ -121,28 +128,27 @@ def merge(parts: list[Part], *, partial: bool = False) -> Frame:
     require(whole, f"parts must be all of {len(wanted)}, each once", numbers)
     first = ordered[0]
     width, height = first.size
-    edge = int(first.frame.parameters["tile_edge_px"])
     layers = {
         name: np.zeros((height, width, pixels.shape[2]), np.float32)
         for name, pixels in first.frame.layers.items()
     }
     for part in ordered:
-        for x0, y0, x1, y1 in tile_boxes(part.size, edge, part.number, part.parts):
-            for name, pixels in part.frame.layers.items():
-                layers[name][y0:y1, x0:x1] = pixels[y0 - part.top : y1 - part.top, x0:x1]
+        for (x0, y0, x1, y1), pieces in zip(part.boxes, part.cuts, strict=True):
+            for name, pixels in pieces.items():
+                layers[name][y0:y1, x0:x1] = pixels
     return _joined(ordered, layers)
 
 
 def tile_boxes(
     size: tuple[int, int], edge: int, number: int, parts: int
 ) -> list[tuple[int, int, int, int]]:
-    """(x0, y0, x1, y1) of the tiles of a part, in pixels (`run_of_tiles` of the core)."""
+    """(x0, y0, x1, y1) of the tiles of a part, in pixels (`tiles_of_part` of the core)."""
     width, height = size
     columns = math.ceil(width / edge)
     total = columns * math.ceil(height / edge)
     return [
         (x, y, min(x + edge, width), min(y + edge, height))
-        for i in range(total * number // parts, total * (number + 1) // parts)
+        for i in range(number, total, parts)
         for x, y in [(i % columns * edge, i // columns * edge)]
     ]
 
@@ -154,7 +160,7 @@ def _parts_here(
     env = options.pop("env", None)
     lit = opened if env is None else opened.with_environment(env)
     for number, parts in tasks:
-        yield _cut(render_part(lit, integrator, (number, parts), **options), number, parts)
+        yield cut(render_part(lit, integrator, (number, parts), **options), number, parts)
 
 
 def _parts_there(
@@ -180,19 +186,19 @@ def render_in_worker(
 ) -> Part:
     """One part; the worker keeps its newest scene."""
     opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
-    return _cut(render_part(opened, integrator, task, **options), *task)
+    return cut(render_part(opened, integrator, task, **options), *task)
 
 
-def _cut(frame: Frame, number: int, parts: int) -> Part:
-    """The rows that a part's tiles touch."""
+def cut(frame: Frame, number: int, parts: int) -> Part:
+    """A part's tiles out of a frame that is black elsewhere."""
     size = frame.size
     boxes = tile_boxes(size, int(frame.parameters["tile_edge_px"]), number, parts)
-    top = min((box[1] for box in boxes), default=0)
-    bottom = max((box[3] for box in boxes), default=1)
-    frame.layers = {
-        name: np.ascontiguousarray(pixels[top:bottom]) for name, pixels in frame.layers.items()
-    }
-    return Part(number=number, parts=parts, size=size, top=top, bottom=bottom, frame=frame)
+    cuts = [
+        {n: np.ascontiguousarray(p[y0:y1, x0:x1]) for n, p in frame.layers.items()}
+        for x0, y0, x1, y1 in boxes
+    ]
+    frame.layers = {n: np.zeros((1, 1, p.shape[2]), np.float32) for n, p in frame.layers.items()}
+    return Part(number=number, parts=parts, size=size, cuts=cuts, frame=frame)
 
 
 def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
@@ -200,7 +206,12 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
     counters: dict[str, Any] = {}
     for part in parts:
         _add(counters, part.frame.counters)
-    sums = [tile for part in parts for tile in part.frame.counters.get("tile_sums", [])]
+    numbered = [
+        (part.number + i * part.parts, tile)
+        for part in parts
+        for i, tile in enumerate(part.frame.counters.get("tile_sums", []))
+    ]
+    sums = [tile for _, tile in sorted(numbered)]
     counters.pop("tile_sums", None)
     counters["vpls"] = first.counters["vpls"]
     rays = counters["rays"]

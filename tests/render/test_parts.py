@@ -61,7 +61,7 @@ def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
 def test_parts_in_any_order_make_the_frame_and_a_missing_or_double_one_is_refused(
     scene: vc.Scene,
 ) -> None:
-    cut = [tiles._cut(render_part(scene, vc.Direct(), (i, 4), **SIZE), i, 4) for i in range(4)]
+    cut = [tiles.cut(render_part(scene, vc.Direct(), (i, 4), **SIZE), i, 4) for i in range(4)]
     assert_same(tiles.merge(cut), tiles.merge(cut[::-1]))
     assert_same(tiles.merge(cut), vc.render(scene, vc.Direct(), **SIZE))
     for wrong in (cut[:3], [*cut[:3], cut[2]], []):

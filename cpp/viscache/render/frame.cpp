@@ -325,7 +325,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     }
     out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
     const auto tiles =
-        run_of_tiles(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
+        tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
     if (frame.part > 0) counters = {};  // the first part counts what all of them do
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;

@@ -66,8 +66,9 @@ struct FrameSettings {
     int spp = 1;
     uint64_t seed = 0;
     int threads = 0;  ///< 0 = all
-    /// Of `parts` runs of tiles, the one to render; pixels elsewhere stay 0. For frames whose tiles depend on
-    /// nothing but themselves and the lights: not for visibility maps, aligned rays or bidirectional paths.
+    /// Every `parts`-th tile from number `part` on is rendered; pixels elsewhere stay 0. For frames whose
+    /// tiles depend on nothing but themselves and the lights: not for visibility maps, aligned rays or
+    /// bidirectional paths.
     int part = 0, parts = 1;
 };
 

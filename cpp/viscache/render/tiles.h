@@ -28,11 +28,11 @@ inline std::vector<Tile> cut_tiles(int width, int height, int edge) {
     return tiles;
 }
 
-/// Run `part` of `parts` runs of tiles in order, nearly equal in number; some are empty where there are more
-/// runs than tiles.
-inline std::vector<Tile> run_of_tiles(const std::vector<Tile>& tiles, int part, int parts) {
-    const auto end = [&](int i) { return std::ptrdiff_t(tiles.size() * size_t(i) / size_t(parts)); };
-    return {tiles.begin() + end(part), tiles.begin() + end(part + 1)};
+/// Every `parts`-th tile from number `part` on: part of a frame that is spread over all of it.
+inline std::vector<Tile> tiles_of_part(const std::vector<Tile>& tiles, int part, int parts) {
+    std::vector<Tile> own;
+    for (size_t i = size_t(part); i < tiles.size(); i += size_t(parts)) own.push_back(tiles[i]);
+    return own;
 }
 
 /// Pixels of a tile along a Morton curve, as (x, y) relative to its corner.

@@ -1,0 +1,134 @@
+"""C_E from an error target: the search, the interval, and the error that frames then have."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import viscache as vc
+from viscache import cli
+from viscache.tune import HIGHEST_C_E, LOWEST_C_E, MOST_PILOTS, Pilot, Tuned, ratio, search
+
+
+@given(scale=st.floats(1e-4, 1e-2), power=st.floats(0.3, 2.0), target=st.floats(2e-3, 0.1))
+def test_the_search_finds_the_c_e_of_any_power_law(
+    scale: float, power: float, target: float
+) -> None:
+    def error(c_e: float) -> Pilot:
+        return Pilot(c_e, scale * c_e**power, 1.0)
+
+    tried = search(error, target)
+    wanted = (target / scale) ** (1 / power)
+    best = min(tried, key=lambda p: abs(math.log(p.rel_l1 / target)))
+    assert len(tried) <= MOST_PILOTS
+    if LOWEST_C_E <= wanted <= HIGHEST_C_E:
+        assert best.rel_l1 == pytest.approx(target, rel=0.05)
+    else:
+        assert best.c_e == (LOWEST_C_E if wanted < LOWEST_C_E else HIGHEST_C_E)
+
+
+def test_the_search_follows_a_curve_that_is_no_power_and_jumps() -> None:
+    tried = search(lambda c: Pilot(c, 0.002 * c**1.6 if c < 6 else 0.03 + 0.01 * c, 1.0), 0.03)
+    below = [p for p in tried if p.rel_l1 <= 0.03]
+    assert max(p.rel_l1 for p in below) > 0.025
+
+
+def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(4)
+    covered, total = 0, 400
+    for _ in range(total):
+        light = rng.uniform(0.5, 2.0, 24)
+        wrong = light * 0.02 * rng.gamma(4.0, 0.25, 24)
+        found, (low, high) = ratio(wrong, light)
+        assert low <= found <= high
+        covered += low <= 0.02 <= high
+    assert 0.90 <= covered / total <= 0.99
+    assert ratio([1.0], [4.0]) == (0.25, (0.0, math.inf))
+
+
+def error_of(scene: vc.Scene, integrator: Any, found: Tuned, **frame: Any) -> float:
+    exact = vc.render(scene, integrator, **frame)
+    cached = vc.render(scene, integrator, visibility=found.visibility, **frame)
+    return float(vc.metrics.compare(cached, exact, metrics=["rel_l1"])["rel_l1"])
+
+
+def test_a_small_frame_is_tuned_by_frames_of_other_seeds() -> None:
+    scene, whitted = vc.scenes.room(triangles=3000), vc.Whitted(n_vpls=32)
+    found = vc.tune(scene, whitted, rel_l1=0.02, size=(96, 60), seed=5)
+    assert found.samples == 4 and found.visibility.c_e == found.c_e and found.reached
+    assert found.interval[0] <= found.rel_l1 <= found.interval[1]
+    got = error_of(scene, whitted, found, size=(96, 60), seed=5)
+    assert 0.02 / 1.3 <= got <= 0.02 * 1.3
+    assert "queries per ray" in found._repr_html_() and "c_e=" in repr(found)
+
+
+def test_other_parameters_stay_and_an_easier_target_takes_fewer_rays() -> None:
+    scene, direct = vc.scenes.room(triangles=3000), vc.Direct()
+    base = vc.Aqvc(c_n=4, c_z=2)
+    easy, hard = (
+        vc.tune(scene, direct, rel_l1=e, visibility=base, size=(96, 60)) for e in (0.05, 0.01)
+    )
+    assert (easy.visibility.c_n, easy.visibility.c_z) == (4, 2)
+    assert easy.c_e > hard.c_e and easy.ray_reduction > hard.ray_reduction
+
+
+def test_a_target_out_of_reach_is_told() -> None:
+    scene = vc.scenes.room(triangles=3000)
+    found = vc.tune(scene, vc.Direct(), rel_l1=1e-7, size=(48, 30))
+    assert found.c_e < 1.1 * LOWEST_C_E and not found.reached
+    assert found.pilots[0].c_e == LOWEST_C_E
+
+
+def test_a_dark_picture_and_bad_arguments_are_refused() -> None:
+    dark = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    with pytest.raises(ValueError, match="picture must have light"):
+        vc.tune(dark, vc.Direct(), size=(16, 16))
+    scene = vc.scenes.cube_on_plane()
+    for arguments, says in (
+        ({"rel_l1": 0}, r"rel_l1 must lie in \(0, 1\), got 0"),
+        ({"rel_l1": math.nan}, "rel_l1 must lie in"),
+        ({"visibility": vc.Exact()}, r"visibility must be vc.Aqvc"),
+        ({"seed": -1}, "seed must be in"),
+        ({"size": (0, 4)}, "size must be in"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            vc.tune(scene, vc.Direct(), **arguments)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="integrator must be"):
+        vc.tune(scene, vc.Bdpt())
+
+
+def test_the_command_prints_what_was_found(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40"]
+    assert cli.main([*words, "--error", "0.03", "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    assert got["reached"] is True and got["target"] == 0.03
+    assert cli.main([*words, "--error", "0.00000001"]) == 1
+    assert "reached" in capsys.readouterr().out
+
+
+SCENES = {
+    "room": (lambda: vc.scenes.room(triangles=20_000), vc.Whitted(n_vpls=300)),
+    "apartment": (lambda: vc.scenes.apartment(triangles=20_000), vc.Whitted(n_vpls=300)),
+    "courtyard": (lambda: vc.scenes.courtyard(triangles=60_000), vc.Whitted(n_vpls=300)),
+    "conference": (lambda: vc.scenes.conference(triangles=20_000), vc.Whitted(n_vpls=300)),
+    "points": (lambda: vc.scenes.room(triangles=20_000), vc.Direct()),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_the_frame_has_the_error_that_was_asked_for_within_30_percent(name: str) -> None:
+    """From tiles of the frame itself: a third for the pilots, another to check."""
+    make, integrator = SCENES[name]
+    scene, frame = make(), {"size": (320, 240), "spp": 16}
+    found = vc.tune(scene, integrator, rel_l1=0.01, **frame)  # type: ignore[arg-type]
+    assert found.samples >= 24
+    got = error_of(scene, integrator, found, **frame)
+    print(name, found, f"whole frame {got:.4f}")
+    assert 0.01 / 1.3 <= got <= 0.01 * 1.3
