@@ -1,6 +1,6 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import correlation, designs, metrics, plots, report, scenes, tiles, vlf
+from viscache import correlation, designs, metrics, notebook, plots, report, scenes, tiles, vlf
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
 from viscache.cameras import look_at
@@ -56,6 +56,7 @@ __all__ = [
     "load_scene",
     "look_at",
     "metrics",
+    "notebook",
     "plots",
     "render",
     "report",

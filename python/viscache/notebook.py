@@ -1,0 +1,146 @@
+"""For notebooks: a film that shows a frame while it is rendered, and sliders that render again.
+
+Needs `viscache[notebook]` for sliders; without ipywidgets they draw once.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import tonemap
+from viscache.checks import require
+from viscache.frame import Frame
+
+__all__ = ["Film", "Sliders", "is_quick", "sliders"]
+
+#: Seconds between two looks at a frame that is being rendered.
+REFRESH_S = 0.2
+
+
+def is_quick() -> bool:
+    """Whether notebooks run in their small form: VISCACHE_QUICK is set."""
+    return bool(os.environ.get("VISCACHE_QUICK"))
+
+
+class Film:
+    """Shows a frame as it grows: `vc.tiles.render(..., show=vc.notebook.Film())`.
+
+    Parameters
+    ----------
+    exposure : float, optional
+        Linear factor; by the picture's 99th percentile by default.
+    refresh_s : float
+        Seconds between two views, at least; the last one is always shown.
+    """
+
+    def __init__(self, exposure: float | None = None, refresh_s: float = REFRESH_S) -> None:
+        require(refresh_s >= 0, "refresh_s must be >= 0", refresh_s)
+        self.exposure, self.refresh_s = exposure, refresh_s
+        #: Views shown so far.
+        self.views = 0
+        self._handle: Any = None
+        self._next = 0.0
+
+    def __call__(self, frame: Frame, done: int, total: int) -> None:
+        now = time.perf_counter()
+        if done < total and now < self._next:
+            return
+        self._next = now + self.refresh_s
+        self.views += 1
+        display: Any = importlib.import_module("IPython.display")
+        shown = display.Image(data=png(frame.image, self.exposure))
+        if self.views == 1:
+            self._handle = display.display(shown, display_id=True)
+        else:
+            self._handle.update(shown)
+
+
+def png(image: npt.NDArray[np.floating[Any]], exposure: float | None = None) -> bytes:
+    """A scene-linear picture as PNG."""
+    return tonemap.encode(tonemap.to_srgb8(np.asarray(image), exposure), max_width=1280)
+
+
+class Sliders:
+    """Sliders above a picture; moving one renders again.
+
+    Attributes
+    ----------
+    widgets : dict of str to the slider
+    milliseconds : list of float
+        What each picture took, rendering, encoding and all.
+    text : str
+        What is written below the picture.
+    """
+
+    def __init__(
+        self, render: Callable[..., tuple[Any, str]], values: Mapping[str, Sequence[Any]],
+        first: Mapping[str, Any], exposure: float | None,
+    ) -> None:  # fmt: skip
+        import ipywidgets
+
+        self._render, self.exposure = render, exposure
+        self.milliseconds: list[float] = []
+        self.text = ""
+        self.widgets: dict[str, Any] = {
+            name: ipywidgets.SelectionSlider(
+                options=list(options), value=first.get(name, options[0]), description=name,
+                continuous_update=False,
+            )
+            for name, options in values.items()
+        }  # fmt: skip
+        self.picture = ipywidgets.Image(format="png")
+        self._label = ipywidgets.HTML()
+        self.box = ipywidgets.VBox([*self.widgets.values(), self.picture, self._label])
+        for widget in self.widgets.values():
+            widget.observe(lambda _: self.draw(), names="value")
+        self.draw()
+
+    def draw(self) -> None:
+        """Render with the sliders as they stand."""
+        began = time.perf_counter()
+        image, text = self._render(**{n: w.value for n, w in self.widgets.items()})
+        self.picture.value = png(getattr(image, "image", image), self.exposure)
+        self.milliseconds.append(1000 * (time.perf_counter() - began))
+        self.text = text
+        self._label.value = f"{text} ({self.milliseconds[-1]:.0f} ms)"
+
+    def _ipython_display_(self) -> None:
+        importlib.import_module("IPython.display").display(self.box)
+
+
+def sliders(
+    render: Callable[..., tuple[Any, str]], *, first: Mapping[str, Any] | None = None,
+    exposure: float | None = None, **values: Sequence[Any],
+) -> Sliders:  # fmt: skip
+    """Sliders whose picture `render` makes.
+
+    Parameters
+    ----------
+    render : callable
+        Takes the sliders' values by name; returns a frame (or a picture, scene-linear) and a line.
+    first : mapping, optional
+        Where sliders stand at first.
+    exposure : float, optional
+        Linear factor; give one, so that pictures can be told apart by more than their exposure.
+    **values
+        The values of each slider.
+
+    Raises
+    ------
+    ValueError
+        No slider, one without values, or a first value that is none of them.
+    """
+    require(bool(values), "there must be a slider", values)
+    start = dict(first or {})
+    for name, options in values.items():
+        require(len(options) > 0, f"{name} must have values", options)
+        require(start.get(name, options[0]) in list(options), f"first of {name} must be one of"
+                f" {list(options)}", start.get(name))  # fmt: skip
+    return Sliders(render, values, start, exposure)

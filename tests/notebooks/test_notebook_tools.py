@@ -1,0 +1,102 @@
+"""The live film and the sliders of notebooks."""
+
+from __future__ import annotations
+
+import statistics
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache.notebook import Film, sliders
+
+pytest.importorskip("ipywidgets", reason="ipywidgets comes with the test extra")
+
+
+class Handle:
+    """Stands in for a cell's output."""
+
+    def __init__(self) -> None:
+        self.shown: list[bytes] = []
+
+    def update(self, picture: Any) -> None:
+        self.shown.append(picture.data)
+
+
+@pytest.fixture
+def output(monkeypatch: pytest.MonkeyPatch) -> Handle:
+    display = pytest.importorskip("IPython.display", reason="IPython comes with the test extra")
+    handle = Handle()
+
+    def shows(picture: Any, display_id: bool) -> Handle:
+        assert display_id
+        handle.update(picture)
+        return handle
+
+    monkeypatch.setattr(display, "display", shows)
+    return handle
+
+
+def test_a_film_shows_a_frame_grow_and_ends_with_the_whole_of_it(output: Handle) -> None:
+    scene = vc.scenes.room(triangles=2000)
+    film = Film(exposure=1.0, refresh_s=0.0)
+    frame = vc.tiles.render(scene, vc.Direct(), size=(140, 70), spp=16, parts=3, show=film)
+    assert film.views == 3 == len(output.shown)
+    assert len(set(output.shown)) == 3
+    assert output.shown[-1] == vc.notebook.png(frame.image, 1.0)
+    assert all(data[:4] == b"\x89PNG" for data in output.shown)
+
+
+def test_a_film_that_is_not_to_refresh_often_shows_the_first_and_the_last(output: Handle) -> None:
+    film = Film(refresh_s=60.0)
+    frame = vc.Frame(layers={"color": np.ones((4, 4, 3))})
+    for done in range(1, 9):
+        film(frame, done, 8)
+    assert film.views == 2
+    with pytest.raises(ValueError, match="refresh_s must be >= 0, got -1"):
+        Film(refresh_s=-1)
+
+
+def test_a_slider_that_moves_renders_again() -> None:
+    asked: list[tuple[int, str]] = []
+
+    def render(level: int, kind: str) -> tuple[Any, str]:
+        asked.append((level, kind))
+        return np.full((4, 6, 3), level / 10), f"{kind} {level}"
+
+    view = sliders(render, level=[1, 2, 3], kind=["a", "b"], first={"level": 2}, exposure=1.0)
+    before = view.picture.value
+    view.widgets["level"].value = 3
+    assert view.text == "a 3" and view.picture.value != before
+    view.widgets["kind"].value = "b"
+    assert asked == [(2, "a"), (3, "a"), (3, "b")] and len(view.milliseconds) == 3
+
+
+@pytest.mark.parametrize(
+    ("values", "first", "says"),
+    [
+        ({}, None, "there must be a slider"),
+        ({"a": []}, None, "a must have values"),
+        ({"a": [1]}, {"a": 2}, r"first of a must be one of \[1\], got 2"),
+    ],
+)
+def test_sliders_without_values_are_refused(values: Any, first: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        sliders(lambda **_: (np.ones((2, 2, 3)), ""), first=first, **values)
+
+
+@pytest.mark.slow
+def test_the_c_e_slider_of_the_room_answers_within_0_3_seconds_of_two_cores() -> None:
+    """64 lights at 480×270, 1 sample; by CPU seconds, which other load disturbs less."""
+    scene = vc.scenes.room(triangles=200_000, lights=64)
+    direct, size = vc.Direct(), (480, 270)
+
+    def cpu_s(c_e: float) -> float:
+        frames = (vc.render(scene, direct, visibility=vc.Aqvc(c_e=c_e), size=size, threads=2)
+                  for _ in range(3))  # fmt: skip
+        return statistics.median(f.timings["cpu_s"] for f in frames)
+
+    cpu_s(8)
+    for c_e in (4, 8, 16, 32):
+        assert cpu_s(c_e) / 2 < 0.3, c_e
