@@ -204,10 +204,12 @@ def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
         wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)
         for way, s in found.items():
             counters = [f.counters for f in s.frames]
-            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, label=way)
+            color = f"C{WAYS.index(way)}"
+            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color,
+                      label=way)  # fmt: skip
             if way != "dropped":
                 share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
-                wrong.plot(share, lw=1.2, label=way)
+                wrong.plot(share, lw=1.2, color=color, label=way)
         rays.set_title(label, fontsize=9)
         rays.set(ylabel="rays over queries", ylim=(0, None))
         wrong.set(xlabel="frame", ylabel="wrong of kept bits", ylim=(0, None))
