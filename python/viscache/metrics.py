@@ -246,8 +246,8 @@ def compare(
     Examples
     --------
     >>> import numpy as np
-    >>> compare(np.full((16, 16, 3), 1.1), np.ones((16, 16, 3)), metrics=["rmse"]).as_dict()
-    {'rmse': 0.10000000000000009}
+    >>> compare(np.full((16, 16, 3), 1.5), np.ones((16, 16, 3)), metrics=["rmse"]).as_dict()
+    {'rmse': 0.5}
     """
     names = check_names(metrics)
     images: list[Any] = list(a) if isinstance(a, (list, tuple)) else [a]

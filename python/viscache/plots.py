@@ -89,8 +89,7 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
     axes.plot([p[0] for p in front], [p[1] for p in front], color="0.6", lw=1, zorder=1)
     for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
         axis.set_label_text(label(name))
-        values = [s[name][0] for s in settings]
-        if values and min(values) > 0 and max(values) > 3 * min(values):
+        if _spans([s[name][0] for s in settings]):
             _logarithmic(axes, axis)
     _legend(axes, names, levels, colors)
     axes.grid(True, which="major", color="0.9")
@@ -123,6 +122,60 @@ def heatmap(
     axes.set(xlabel=label(x), ylabel=label(y))
     axes.set_xticks(range(cells.shape[1]), [f"{v}" for v in ds[x].values])
     axes.set_yticks(range(cells.shape[0]), [f"{v}" for v in ds[y].values])
+    return figure
+
+
+def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
+    """One variable over every pair of many swept parameters, as after a random design.
+
+    Parameters
+    ----------
+    ds : Dataset of `viscache.sweep`
+        Two or more swept parameters of numbers; others are left out.
+    value : str
+        Variable of the dataset.
+
+    Returns
+    -------
+    Figure
+        Below the diagonal a point per setting, coloured by its mean over repeats; on the diagonal
+        the value over one parameter. Axes and colours are logarithmic where values are positive
+        and span more than a factor of 3.
+    """
+    _require(ds, value)
+    from matplotlib.figure import Figure
+
+    settings = settings_of(ds, value)
+    names = [
+        n
+        for n in (settings[0]["values"] if settings else {})
+        if all(isinstance(s["values"][n], (int, float)) for s in settings)
+    ]
+    if len(names) < 2:
+        raise ValueError(f"pairs needs two swept parameters of numbers, got {names}")
+    means = np.array([s[value][0] for s in settings])
+    columns = {n: np.array([s["values"][n] for s in settings], dtype=float) for n in names}
+    k = len(names)
+    figure = Figure(figsize=(1.2 + 1.9 * k, 0.8 + 1.7 * k), layout="constrained")
+    grid = figure.subplots(k, k, squeeze=False)
+    norm = "log" if _spans(means) else "linear"
+    shown: Any = None
+    for (row, column), axes in np.ndenumerate(grid):
+        if column > row:
+            axes.set_axis_off()
+            continue
+        over = means if row == column else columns[names[row]]
+        style: dict[str, Any] = {"c": means, "cmap": "cividis", "norm": norm, "s": 18}
+        shown = axes.scatter(columns[names[column]], over, **style)
+        for axis, values in ((axes.xaxis, columns[names[column]]), (axes.yaxis, over)):
+            if _spans(values):
+                _logarithmic(axes, axis)
+        axes.tick_params(labelsize=7)
+        if row == k - 1:
+            axes.set_xlabel(label(names[column]))
+        if column == 0:
+            axes.set_ylabel(label(names[row]) if row else label(value))
+    figure.colorbar(shown, ax=grid[0, 1:].tolist(), label=label(value), location="top")
     return figure
 
 
@@ -177,6 +230,11 @@ def _require(ds: xarray.Dataset, *names: str) -> None:
         if name not in ds.data_vars:
             known = [str(v) for v in ds.data_vars]
             raise ValueError(f"the dataset has no variable {name!r}{nearest(name, known)}")
+
+
+def _spans(values: Any) -> bool:
+    """Whether values are positive and span more than a factor of 3."""
+    return len(values) > 0 and min(values) > 0 and max(values) > 3 * min(values)
 
 
 def _logarithmic(axes: Any, axis: Any) -> None:

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from viscache import plots, report
+from viscache import designs, plots, report
+from viscache.designs import Range
 from viscache.report.svg import Axis, number
 from viscache.sweep import sweep
 
@@ -140,6 +141,31 @@ def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
         plots.trade(ds, y="rel_l2")
     with pytest.raises(ValueError, match="two of the swept dims"):
         plots.heatmap(ds, x="c_q")
+
+
+def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Path) -> None:
+    import matplotlib.pyplot as plt
+
+    over = {"c_e": Range(2, 32, "log"), "c_n": Range(2, 16, whole=True), "preset": ["a", "b"],
+            "integrator.n_vpls": [1, 2, 3]}  # fmt: skip
+    points = designs.latin_hypercube(over, 12)
+    ds = sweep("room", "whitted", over=points, size=(32, 24), metrics=["rel_l1"])
+    figure = plots.pairs(ds)
+    shown = [a for a in figure.axes if a.axison and a.collections and a.get_label() == ""]
+    assert len(shown) == 6  # three parameters are numbers: three pairs and the diagonal
+    first, pair = shown[0], shown[1]
+    np.testing.assert_allclose(first.collections[0].get_offsets()[:, 1], ds.rel_l1[:, 0])
+    np.testing.assert_allclose(pair.collections[0].get_offsets(), np.stack([ds.c_e, ds.c_n], 1))
+    np.testing.assert_allclose(pair.collections[0].get_array(), ds.rel_l1[:, 0])
+    assert first.get_xscale() == "log" and "INF" in first.get_ylabel()
+    assert shown[-1].get_xlabel() == "VPLs" and shown[3].get_xlabel() == "$C_E$ [px]"
+    for kind in ("svg", "png", "pdf"):
+        figure.savefig(tmp_path / f"a.{kind}")
+        assert (tmp_path / f"a.{kind}").stat().st_size > 2000
+    assert plt.get_fignums() == []
+    with pytest.raises(ValueError, match=r"two swept parameters of numbers, got \['c_e'\]"):
+        plots.pairs(sweep("room", "whitted", over={"c_e": [4, 8]}, size=(32, 24),
+                          metrics=["rel_l1"]))  # fmt: skip
 
 
 def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit() -> None:
