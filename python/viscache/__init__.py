@@ -1,6 +1,17 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
-from viscache import correlation, designs, metrics, notebook, plots, report, scenes, tiles, vlf
+from viscache import (
+    correlation,
+    designs,
+    metrics,
+    notebook,
+    plots,
+    report,
+    scenes,
+    temporal,
+    tiles,
+    vlf,
+)
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
 from viscache.cameras import look_at
@@ -62,6 +73,7 @@ __all__ = [
     "report",
     "scenes",
     "sweep",
+    "temporal",
     "tiles",
     "tune",
     "vlf",

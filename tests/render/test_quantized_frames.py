@@ -213,6 +213,19 @@ def test_any_number_of_threads_gives_the_same_bytes(form):
     assert all(frame.counters == frames[0].counters for frame in frames)
 
 
+@pytest.mark.parametrize("form", ["waves", "rows", "pairs"])
+def test_jitter_and_doubt_do_not_depend_on_threads(form):
+    """T15: random numbers come from points and cells, not from who works on them."""
+    options = {"c_e": 8, "jitter": True, "nil_refine": 0.3, "scale_free": True, "form": form}
+    options |= {"size": (140, 24), "spp": 16}
+    integrator = vc.Direct(n_area=1)
+    frames = [q.render(q.lit_box(), integrator, threads=n, **options) for n in (1, 3)]
+    assert frames[0].sha256 == frames[1].sha256
+    assert frames[0].counters == frames[1].counters
+    plain = q.render(q.lit_box(), integrator, **options | {"jitter": False})
+    assert plain.sha256 != frames[0].sha256
+
+
 # Order, environment, walls (T17, T21, T22)
 
 
