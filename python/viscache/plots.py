@@ -175,7 +175,9 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
             axes.set_xlabel(label(names[column]))
         if column == 0:
             axes.set_ylabel(label(names[row]) if row else label(value))
-    figure.colorbar(shown, ax=grid[0, 1:].tolist(), label=label(value), location="top")
+    bar = figure.colorbar(shown, ax=grid[0, 1:].tolist(), label=label(value), location="top")
+    if norm == "log":
+        _ticks_1_2_5(bar.ax.xaxis)
     return figure
 
 
@@ -238,10 +240,15 @@ def _spans(values: Any) -> bool:
 
 
 def _logarithmic(axes: Any, axis: Any) -> None:
-    """A logarithmic axis with ticks at 1, 2, 5 and numbers as people write them."""
+    """Makes an axis logarithmic."""
+    axes.set_xscale("log") if axis is axes.xaxis else axes.set_yscale("log")
+    _ticks_1_2_5(axis)
+
+
+def _ticks_1_2_5(axis: Any) -> None:
+    """Ticks of a logarithmic axis at 1, 2, 5, with numbers as people write them."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    axes.set_xscale("log") if axis is axes.xaxis else axes.set_yscale("log")
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
     axis.set_minor_formatter(NullFormatter())

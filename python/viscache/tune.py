@@ -140,7 +140,8 @@ def tune(
     -------
     Tuned
         `reached` says whether pixels that no pilot saw confirm it. Where even the largest C_E has
-        less error than wanted, or the smallest more, that C_E is returned.
+        less error than wanted, or the smallest more, that C_E is returned. Under an environment the
+        error has a floor that no C_E goes below, for its directions are clustered too.
 
     Raises
     ------
