@@ -11,6 +11,7 @@ namespace py = pybind11;
 namespace viscache::bindings {
 
 void bind_aqvc_keys(py::module_& m);
+void bind_aqvc_levels(py::module_& m);
 void bind_aqvc_run(py::module_& m);
 void bind_aqvc_samples(py::module_& m);
 
@@ -106,14 +107,18 @@ void bind_aqvc(py::module_& m) {
     named_field(c, "order", &AqvcParameters::order, std::array{"hm", "scanline", "random"});
     c.def_readwrite("c_pg", &AqvcParameters::c_pg);
     named_field(c, "form", &AqvcParameters::form, std::array{"waves", "rows", "pairs"});
-    named_field(c, "storage", &AqvcParameters::storage, std::array{"table", "exact", "shared"});
+    named_field(c, "storage", &AqvcParameters::storage,
+                std::array{"table", "exact", "shared", "paper_tiles"});
     c.def_readwrite("batch", &AqvcParameters::batch);
+    c.def_readwrite("queue", &AqvcParameters::queue);
+    c.def_readwrite("c_w", &AqvcParameters::c_w);
     c.def("validate", &AqvcParameters::validate);
     c.def(
         "level_list", [](const AqvcParameters& p, int group, int spp) { return level_list(p, group, spp); },
         py::arg("group"), py::kw_only(), py::arg("spp") = 1,
         "C_E of every level of a light group, coarse to fine.");
     bind_aqvc_keys(a);
+    bind_aqvc_levels(a);
     bind_aqvc_run(a);
     bind_aqvc_samples(a);
 }

@@ -197,9 +197,10 @@ void bind_render(py::module_& m) {
     m.def(
         "render_aqvc",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera,
-           const IntegratorSettings& integrator, const FrameSettings& frame, const AqvcParameters& parameters,
+           const IntegratorSettings& integrator, FrameSettings frame, const AqvcParameters& parameters,
            const py::object& progress) {
             parameters.validate();
+            frame.paper_tiles = parameters.storage == Storage::kPaperTiles;
             return frame_dict(render(
                 scene, caster, camera, integrator, frame,
                 [&] {

@@ -249,6 +249,8 @@ def _checked_part(
                 and getattr(integrator, "directions", "") != "shared",
                 "integrator must not be Bdpt nor share directions for parts of a frame",
                 integrator)  # fmt: skip
+        require(getattr(visibility, "storage", "") != "paper_tiles",
+                'storage must be "table" or "exact" for parts of a frame', visibility)  # fmt: skip
     return int(number), int(parts)
 
 
@@ -360,7 +362,8 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
                 "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.NeePlusPlus(...) with Bdpt",
                 visibility)  # fmt: skip
     elif isinstance(visibility, Aqvc):
-        require(visibility.storage != "shared", 'storage must be "table" or "exact" without Bdpt',
+        require(visibility.storage != "shared",
+                'storage must be "table", "exact" or "paper_tiles" without Bdpt',
                 visibility.storage)  # fmt: skip
     if isinstance(integrator, Direct) and not both:
         product = integrator.environment == "product"

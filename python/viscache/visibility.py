@@ -156,13 +156,21 @@ class Aqvc:
         How groups of shared lights run: level waves, rows in pixel order, one query at a time.
         Samples of each pixel's own go through rows of bits by light cell, or with "pairs" through
         the table.
-    storage : {"table", "exact", "shared"}
+    storage : {"table", "exact", "shared", "paper_tiles"}
         The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one, which
         takes up what was traced between rounds of work: the same values for any number of threads.
         "shared", with `Bdpt` alone: threads read and write it at once; which of a cluster's
-        segments is traced is chance.
+        segments is traced is chance. "paper_tiles", without `Bdpt`: tiles of 32² pixels dealt out
+        to the threads, each of which keeps its table over all of its own, as the paper does on the
+        CPU; the same bytes for the same number of threads alone.
     batch : int >= 0
         Eye points that are processed together; 0 = the form's own, 1 = one query at a time.
+    queue : int in [0, 1024], even
+        Of the table, instead of batches: length of the queue of postponed rays (Sec. 4.4). Half as
+        many queries look up their values at a time, a warp; when more than half of it is taken, its
+        first half is traced. 0 = no queue; the paper: 64.
+    c_w : int in [1, 1024]
+        C_W: where at least so many rays of a warp are missing, they are traced at once. 31.
 
     Examples
     --------
@@ -200,8 +208,10 @@ class Aqvc:
     order: Literal["hm", "scanline", "random"] | None = None
     c_pg: float | None = None
     form: Literal["waves", "rows", "pairs"] | None = None
-    storage: Literal["table", "exact", "shared"] | None = None
+    storage: Literal["table", "exact", "shared", "paper_tiles"] | None = None
     batch: int | None = None
+    queue: int | None = None
+    c_w: int | None = None
 
     def __post_init__(self) -> None:
         check_types(self)

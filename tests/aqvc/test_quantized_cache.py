@@ -20,6 +20,7 @@ FORMS = [
     {"form": "waves", "jitter": True, "nil_refine": 0.5, "normal_mode": "octahedral"},
     {"form": "rows", "jitter": True, "nil_refine": 0.5, "normal_mode": "single"},
     {"form": "pairs", "jitter": True, "nil_refine": 0.5},
+    {"form": "pairs", "queue": 64},
 ]
 EXACT_KINDS = ["point", "directional", "vpl", "ambient"]
 

@@ -195,7 +195,7 @@ def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
 
 
 def test_tiles_of_other_integrators_do_not_race() -> None:
-    with pytest.raises(ValueError, match='storage must be "table" or "exact" without Bdpt'):
+    with pytest.raises(ValueError, match='storage must be "table", "exact" or "paper'):
         vc.render(room(), vc.Direct(), visibility=vc.Aqvc(storage="shared"), size=(4, 4))
 
 

@@ -39,11 +39,16 @@ private:
 class FrameTable {
 public:
     explicit FrameTable(const AqvcParameters& p) {
+        detail::require(p.queue == 0, "queue must be 0 with one table for the frame (Bdpt)", p.queue);
         const uint64_t slots = largest_prime(p.table_bytes / 4);
         switch (p.storage) {
             case Storage::kTable: table_.emplace(slots, p.digest_bits, p.hash); break;
             case Storage::kExact: exact_.emplace(); break;
             case Storage::kShared: racing_.emplace(slots, p.digest_bits, p.hash); break;
+            case Storage::kPaperTiles:
+                throw std::invalid_argument(
+                    "storage must be table, exact or shared with one table for the frame (Bdpt), got "
+                    "paper_tiles");
         }
     }
     void begin_round(size_t items) { waiting_.resize(std::max(items, waiting_.size())); }

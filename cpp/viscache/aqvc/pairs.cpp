@@ -4,11 +4,15 @@
 
 namespace viscache {
 
-Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table) : frame_table_(frame_table) {
+Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table)
+    : frame_table_(frame_table), waiting_(p.queue), of_thread_(p.storage == Storage::kPaperTiles) {
     pending_slots_.assign(1024, 0);
     if (frame_table) return;
     switch (p.storage) {
-        case Storage::kTable: table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash); break;
+        case Storage::kTable:
+        case Storage::kPaperTiles:
+            table_.emplace(largest_prime(p.table_bytes / 4), p.digest_bits, p.hash);
+            break;
         case Storage::kExact: exact_.emplace(); break;
         case Storage::kShared:
             throw std::invalid_argument(
@@ -17,16 +21,22 @@ Pairs::Pairs(const AqvcParameters& p, FrameTable* frame_table) : frame_table_(fr
 }
 
 void Pairs::begin_tile() {
+    for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
+    if (of_thread_) return;
     if (table_) table_->clear();
     if (exact_) exact_->clear();
-    for (EyeCells& e : eye_cells_) e.eye = 0xffffffffu;
     slots_counted_ = frame_table_ || kept_;
     kept_writes_.clear();
 }
 
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
                 Counters& counters, ClampCounts& clamps) {
-    const auto run = [&](auto& table) { run_batches(table, c, queries, visible, counters, clamps); };
+    const auto run = [&](auto& table) {
+        if (c.parameters.queue)
+            run_postponed(table, c, queries, visible, counters, clamps);
+        else
+            run_batches(table, c, queries, visible, counters, clamps);
+    };
     if (frame_table_)
         frame_table_->ask(writes_, run);
     else if (kept_) {
@@ -56,7 +66,7 @@ void Pairs::run_batches(Table& table, const PairContext& c, std::span<const Shad
 template <class Table>
 void Pairs::run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
                       size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
-    rays_.clear(), dependants_.clear(), checks_.clear();
+    waiting_.rays.clear(), waiting_.dependants.clear(), checks_.clear();
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
     // Look up everything before anything is written.
@@ -64,20 +74,45 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
         check_cancelled(i);
         look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
     }
-    trace(c, queries);
-    // Commit in order of the queries, then answer all who waited.
-    TableCounts counts;
-    for (size_t r = 0; r < rays_.size(); ++r) {
-        ++counters.groups[queries[rays_[r].query].group].rays;
-        if (rays_[r].level < 0) continue;
-        ++counters.rays_per_level[size_t(rays_[r].level)];
-        table.put(rays_[r].key, ray_visible_[r], counts);
+    finish(table, c, queries, 0, waiting_.rays.size(), visible, counters);
+    if (!checks_.empty()) trace_checks(table, c, queries, visible, counters);
+}
+
+template <class Table>
+void Pairs::run_postponed(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                          std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
+    waiting_.rays.clear(), waiting_.dependants.clear(), checks_.clear();
+    const auto finished = [&](size_t first, size_t last) {
+        finish(table, c, queries, first, last, visible, counters);
+    };
+    for (size_t first = 0; first < queries.size(); first += waiting_.width()) {
+        const size_t first_new = waiting_.rays.size();
+        for (size_t i = first; i < std::min(queries.size(), first + waiting_.width()); ++i) {
+            check_cancelled(i);
+            look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
+        }
+        waiting_.end_warp(first_new, c.parameters.c_w, finished);
     }
-    for (const auto& [query, ray] : dependants_)
-        if (ray_visible_[ray]) set_bit(visible.data(), query);
+    waiting_.finish_all(finished);
+    if (!checks_.empty()) trace_checks(table, c, queries, visible, counters);
+}
+
+template <class Table>
+void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
+                   size_t last, std::span<Word> visible, Counters& counters) {
+    trace(c, queries, first, last);
+    TableCounts counts;
+    for (size_t r = first; r < last; ++r) {
+        const PendingRay& ray = waiting_.rays[r];
+        ++counters.groups[queries[ray.query].group].rays;
+        if (ray.level < 0) continue;
+        ++counters.rays_per_level[size_t(ray.level)];
+        table.put(ray.key, ray_visible_[r - first], counts);
+    }
+    for (const auto& [query, ray] : waiting_.dependants)
+        if (ray >= first && ray < last && ray_visible_[ray - first]) set_bit(visible.data(), query);
     if (counts.writes && !slots_counted_) counters.table_slots += table.slots(), slots_counted_ = true;
     counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
-    if (!checks_.empty()) trace_checks(table, c, queries, visible, counters);
 }
 
 template <class Table>
@@ -88,8 +123,8 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
     if (!traceable || !key_query(table, c, q, clamps)) {
         ++counters.bypassed;
         if (!traceable) return;
-        dependants_.push_back({index, uint32_t(rays_.size())});
-        rays_.push_back({index, -1, {}});
+        waiting_.dependants.push_back({index, uint32_t(waiting_.rays.size())});
+        waiting_.rays.push_back({index, -1, {}});
         return;
     }
     const Walk walk = walk_levels(table, *c.tile.grid, *cells_, fars_, counters);
@@ -98,9 +133,9 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
         if (kept_) note_reuse(c, q, index, walk, counters);
         return;
     }
-    const uint32_t ray = pending_with(walk.key);
-    if (ray == rays_.size()) rays_.push_back({index, walk.level, walk.key});
-    dependants_.push_back({index, ray});
+    const uint32_t ray = c.parameters.queue ? waiting_.find(walk.key) : pending_with(walk.key);
+    if (ray == waiting_.rays.size()) waiting_.rays.push_back({index, walk.level, walk.key});
+    waiting_.dependants.push_back({index, ray});
 }
 
 template <class Table>
@@ -141,14 +176,15 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     return true;
 }
 
-/// Number of the batch's ray with this key; rays_.size() for a key that is new, whose place is taken.
+/// Number of the batch's ray with this key; the number of rays for a key that is new, whose place is taken.
 uint32_t Pairs::pending_with(const FullKey& key) {
+    const std::vector<PendingRay>& rays = waiting_.rays;
     if (2 * (pending_count_ + 1) > pending_slots_.size()) {
         pending_slots_.assign(2 * pending_slots_.size(), 0);
         pending_count_ = 0;
-        for (uint32_t r = 0, n = uint32_t(rays_.size()); r < n; ++r) {
-            if (rays_[r].level < 0) continue;
-            const KeyHash h = hash_key(rays_[r].key, HashScheme::kScheme2);
+        for (uint32_t r = 0, n = uint32_t(rays.size()); r < n; ++r) {
+            if (rays[r].level < 0) continue;
+            const KeyHash h = hash_key(rays[r].key, HashScheme::kScheme2);
             size_t i = h.kappa & (pending_slots_.size() - 1);
             while (pending_slots_[i]) i = (i + 1) & (pending_slots_.size() - 1);
             pending_slots_[i] = r + 1, ++pending_count_;
@@ -156,9 +192,9 @@ uint32_t Pairs::pending_with(const FullKey& key) {
     }
     size_t i = hash_key(key, HashScheme::kScheme2).kappa & (pending_slots_.size() - 1);
     for (; pending_slots_[i]; i = (i + 1) & (pending_slots_.size() - 1))
-        if (rays_[pending_slots_[i] - 1].key == key) return pending_slots_[i] - 1;
-    pending_slots_[i] = uint32_t(rays_.size()) + 1, ++pending_count_;
-    return uint32_t(rays_.size());
+        if (rays[pending_slots_[i] - 1].key == key) return pending_slots_[i] - 1;
+    pending_slots_[i] = uint32_t(rays.size()) + 1, ++pending_count_;
+    return uint32_t(rays.size());
 }
 
 /// Counts a bit that was reused, and draws whether it is traced as well: by frame and query alone.
@@ -210,11 +246,11 @@ void Pairs::trace_numbered(const PairContext& c, std::span<const ShadowQuery> qu
     }
 }
 
-void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries) {
-    ray_visible_.assign(rays_.size(), 0);
+void Pairs::trace(const PairContext& c, std::span<const ShadowQuery> queries, size_t first, size_t last) {
+    ray_visible_.assign(last - first, 0);
     trace_numbered(
-        c, queries, rays_.size(), [&](size_t r) { return rays_[r].query; },
-        [&](size_t r, bool seen) { ray_visible_[r] = seen; });
+        c, queries, last - first, [&](size_t i) { return waiting_.rays[first + i].query; },
+        [&](size_t i, bool seen) { ray_visible_[i] = seen; });
 }
 
 }  // namespace viscache

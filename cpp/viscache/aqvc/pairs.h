@@ -3,7 +3,8 @@
 //
 // Batches of eye points, in Halton–Morton order and never across a segment, read the table as it was before
 // them; equal misses of a batch share the ray of the first query. Then they are committed in order. With
-// batch = 1 every query is a batch: Alg. 2 as printed.
+// batch = 1 every query is a batch: Alg. 2 as printed. With a queue, misses are postponed instead
+// (postponed.h).
 #include <optional>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/frame_table.h"
 #include "viscache/aqvc/kept_table.h"
+#include "viscache/aqvc/postponed.h"
 #include "viscache/aqvc/refinement.h"
 #include "viscache/aqvc/tile_anchors.h"
 #include "viscache/visibility/ray_caster.h"
@@ -45,15 +47,6 @@ public:
     std::vector<PackedWrite>& kept_writes() { return kept_writes_; }
 
 private:
-    /// A ray of the batch: for the first query with its key, or for a query that bypasses the cache.
-    struct PendingRay {
-        uint32_t query;
-        int level;  ///< -1: bypass
-        FullKey key;
-    };
-    struct Dependant {
-        uint32_t query, ray;
-    };
     /// A reused bit that is traced as well.
     struct Check {
         uint32_t query;
@@ -73,12 +66,19 @@ private:
     void run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
                    size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     template <class Table>
+    void run_postponed(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
+                       std::span<Word> visible, Counters& counters, ClampCounts& clamps);
+    /// Traces rays [first, last), writes them in their order and answers the queries that wait for them.
+    template <class Table>
+    void finish(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
+                size_t last, std::span<Word> visible, Counters& counters);
+    template <class Table>
     void look_up(const Table& table, const PairContext& c, const ShadowQuery& q, uint32_t index,
                  std::span<Word> visible, Counters& counters, ClampCounts& clamps);
     /// Cells and far keys of a query; false if it has none.
     template <class Table>
     bool key_query(const Table& table, const PairContext& c, const ShadowQuery& q, ClampCounts& clamps);
-    void trace(const PairContext& c, std::span<const ShadowQuery> queries);
+    void trace(const PairContext& c, std::span<const ShadowQuery> queries, size_t first, size_t last);
     /// Traces the queries numbered by `number(i)` for i < count; calls `answer(i, visible)`.
     template <class Number, class Answer>
     void trace_numbered(const PairContext& c, std::span<const ShadowQuery> queries, size_t count,
@@ -106,11 +106,11 @@ private:
     CellLevels paired_cells_;  ///< Eq. 6: cells of one query
     CellLevels* cells_ = nullptr;
     std::vector<FarKey> fars_;
-    std::vector<PendingRay> rays_;
+    PostponedQueue waiting_;  ///< of the batch, or postponed
     std::vector<uint8_t> ray_visible_;
-    std::vector<Dependant> dependants_;
-    std::vector<uint32_t> pending_slots_;  ///< open addressing over rays_, number + 1
+    std::vector<uint32_t> pending_slots_;  ///< of a batch: open addressing over its rays, number + 1
     size_t pending_count_ = 0;
+    bool of_thread_;              ///< the table outlives tiles
     bool slots_counted_ = false;  ///< the tile's table is in use
 };
 

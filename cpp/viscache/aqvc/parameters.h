@@ -26,9 +26,9 @@ enum class LevelRule { kFinest, kLog2 };
 enum class HashScheme { kScheme2, kScheme1, kScheme1Mixed };
 enum class PixelOrder { kHaltonMorton, kScanline, kRandom };
 enum class Form { kWaves, kRows, kPairs };  ///< how groups of shared lights are processed
-/// Of `pairs`: the lossy table of Sec. 4.1, a map of full keys, or (one table for a frame alone) the lossy
-/// table that threads race for.
-enum class Storage { kTable, kExact, kShared };
+/// Of `pairs`: the lossy table of Sec. 4.1, a map of full keys, (one table for a frame alone) the lossy table
+/// that threads race for, or the lossy table of a thread, kept over the tiles of 32² pixels it works on.
+enum class Storage { kTable, kExact, kShared, kPaperTiles };
 
 struct AqvcParameters {
     double c_e = 12;                               ///< a cluster spans about C_E × C_E eye samples
@@ -61,6 +61,9 @@ struct AqvcParameters {
     Form form = Form::kWaves;
     Storage storage = Storage::kTable;
     int batch = 0;  ///< eye points per batch; 0: 1024 for pairs, 256 for rows; 1: one query
+    int queue =
+        0;  ///< of `pairs`: length of the queue of postponed rays (Sec. 4.4), the paper's 64; 0: batches
+    int c_w = 31;  ///< fewer missing rays than this among queue/2 queries are postponed
 
     double group_c_e(int group) const {
         const double own = c_e_group[size_t(group)];
@@ -98,6 +101,8 @@ inline void AqvcParameters::validate() const {
     if (jitter && res_rule == ResolutionRule::kEq6)
         throw std::invalid_argument("jitter must be off with res_rule eq6 (the default of Bdpt), got true");
     require(batch >= 0, "batch must be >= 0", batch);
+    require(queue >= 0 && queue <= 1024 && queue % 2 == 0, "queue must be even and in [0, 1024]", queue);
+    require(c_w >= 1 && c_w <= 1024, "c_w must be in [1, 1024]", c_w);
 }
 
 /// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: lights shared

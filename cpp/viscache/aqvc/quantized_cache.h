@@ -69,7 +69,8 @@ private:
                              BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
     uint32_t batch(uint32_t automatic) const {
-        return parameters_.batch ? uint32_t(parameters_.batch) : automatic;
+        // With a queue a batch is but a call
+        return parameters_.batch && !parameters_.queue ? uint32_t(parameters_.batch) : automatic;
     }
 
     const RayCaster& caster_;

@@ -15,6 +15,7 @@ namespace {
 constexpr int kTileSamples = 128;           // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
+constexpr int kPaperTile = 32;              // edge in pixels of a tile on the CPU (AQVC Sec. 4.4)
 constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
 constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
 constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
@@ -324,6 +325,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         if (s.ends.group == int(LightGroup::kVpl)) out.n_vpls = s.ends.count;
     }
     out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
+    if (frame.paper_tiles) out.tile_edge_px = kPaperTile;
     const auto tiles =
         tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
     if (frame.part > 0) counters = {};  // the first part counts what all of them do
@@ -344,14 +346,20 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
     std::vector<ProductSeconds> product_stages(tiles.size());
-    parallel_for(tiles.size(), out.threads, [&](size_t i, int worker) {
+    const auto render_tile = [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
         mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
         if (tile_done) tile_done(mine->oracle(), i);
         control.done.fetch_add(1);
-    });
+    };
+    if (frame.paper_tiles)
+        parallel_for(size_t(out.threads), out.threads, [&](size_t share, int) {
+            for (size_t i = share; i < tiles.size(); i += size_t(out.threads)) render_tile(i, int(share));
+        });
+    else
+        parallel_for(tiles.size(), out.threads, render_tile);
     if (frame.parts > 1)
         for (const Counters& c : counted) out.tile_sums.push_back({c.lost_throughput, c.expected_false_hits});
     for (size_t i = 0; i < tiles.size(); ++i)

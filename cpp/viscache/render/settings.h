@@ -70,6 +70,9 @@ struct FrameSettings {
     /// tiles depend on nothing but themselves and the lights: not for visibility maps, aligned rays or
     /// bidirectional paths.
     int part = 0, parts = 1;
+    /// AQVC Sec. 4.4, for oracles that remember beyond a tile: tiles of 32² pixels, tile i on thread i mod
+    /// threads. The same bytes for the same number of threads.
+    bool paper_tiles = false;
 };
 
 }  // namespace viscache

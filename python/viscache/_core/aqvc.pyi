@@ -7,7 +7,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
 class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
@@ -78,6 +78,12 @@ class AqvcParameters:
     def c_r(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def c_w(self) -> int:
+        ...
+    @c_w.setter
+    def c_w(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def c_z(self) -> float:
         ...
     @c_z.setter
@@ -112,6 +118,12 @@ class AqvcParameters:
         ...
     @nil_refine.setter
     def nil_refine(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def queue(self) -> int:
+        ...
+    @queue.setter
+    def queue(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
     def refinement_group(self) -> typing.Annotated[list[str | None], "FixedSize(8)"]:
@@ -185,6 +197,10 @@ def ladder(r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c_r: typi
     """
 def largest_prime(arg0: typing.SupportsInt | typing.SupportsIndex) -> int:
     ...
+def level_hashes(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], lights: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, at_once: bool) -> tuple:
+    """
+    κ and digest (N, 4) of points (N, 3) at four resolutions (N, 4) with a point light each, and the CPU seconds it took: one key after the other, or four levels at once.
+    """
 def light_cells(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], limit: typing.SupportsInt | typing.SupportsIndex = 1073741824) -> tuple:
     """
     Columns of samples by light cell, and clamps.

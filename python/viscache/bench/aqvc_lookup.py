@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from statistics import median
+from typing import Any
 
+import numpy as np
+
+from viscache import _core
 from viscache.bench.common import Outcome, Sample, build_scene, figure, interleave
 from viscache.frame import Frame
 from viscache.integrators import Whitted
@@ -25,6 +31,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
         settings[form] = Aqvc(c_e=10, refinement="on", form=form)
         # Cells so large that nearly every query is answered by a look-up
         settings[f"{form}, look-ups alone"] = Aqvc(c_e=200, refinement="off", form=form)
+    settings |= storages()
     frames: dict[str, Frame] = {}
 
     def runner(key: str) -> Callable[[], Sample]:
@@ -63,4 +70,46 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
         outcome.check(f"{key}: other queries than exact", float(not same), 0)
         if "alone" not in key:
             outcome.check(f"{key}: rel_l1", error, 0.1)
+    outcome.figures.append(keys(20_000 if quick else 500_000, outcome))
     return outcome
+
+
+def storages() -> dict[str, Visibility]:
+    """Ways of the paper beside batches: one query at a time, its queue, its tiles, and both."""
+    tiles = Aqvc(c_e=10, refinement="on", form="pairs", storage="paper_tiles")
+    return {
+        "pairs, one at a time": replace(tiles, storage="table", batch=1),
+        "pairs, queue of 64": replace(tiles, storage="table", queue=64),
+        "pairs, tiles of 32² and 4 MiB a thread": replace(tiles, batch=1),
+        "pairs, both": replace(tiles, queue=64),
+    }
+
+
+def keys(points: int, outcome: Outcome) -> dict[str, Any]:
+    """Nanoseconds per key: cells and hash of four levels, one after the other and at once."""
+    rng = np.random.default_rng(1)
+    x, lights = rng.uniform(-1, 1, (2, points, 3)).astype(np.float32)
+    normals = rng.normal(size=(points, 3)).astype(np.float32)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    resolutions = 400.0 * rng.uniform(0.5, 2, (points, 1)) * 2.0 ** np.arange(4)
+    parameters = Aqvc(c_z=8.0).core()
+    found: dict[str, Any] = {}
+
+    def runner(name: str, at_once: bool) -> Callable[[], Sample]:
+        def run() -> Sample:
+            *found[name], seconds = _core.aqvc.level_hashes(
+                parameters, (0.0, 0.0, 0.0), 2.0, x, normals, resolutions, lights, at_once=at_once
+            )
+            return Sample(wall_s=seconds, cpu_s=seconds)
+
+        return run
+
+    samples = interleave({"one": runner("one", False), "four": runner("four", True)}, 5)
+    per_key = {n: [s.cpu_s / (4 * points) * 1e9 for s in made] for n, made in samples.items()}
+    ratios = [a / b for a, b in zip(per_key["one"], per_key["four"], strict=True)]
+    same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))
+    outcome.check("keys of 4 levels at once: other hashes", float(not same), 0)
+    return figure(
+        "ns/key of 4 levels at once vs one at a time", median(per_key["four"]), "ns",
+        baseline=median(per_key["one"]), ratios=ratios, rel_l1=0.0, clock="cpu",
+    )  # fmt: skip

@@ -28,6 +28,8 @@ C_E = 14.0
 TILE, QUICK_TILE = (256, 256), (128, 80)
 SLOTS_PER_KEY = (0.1, 1.0, 10.0, 40.0)
 TABLE_BYTES_PER_SAMPLE = 4096
+#: H3: bytes of a thread's table, 4 MB the paper's.
+KEPT_TABLES = (1 << 16, 1 << 18, 1 << 20, 1 << 22, 1 << 24)
 #: H6: values around the paper's 8, 8 and 1.2.
 PARAMETERS: dict[str, tuple[float, ...]] = {
     "c_n": (2, 8, 32),
@@ -108,6 +110,24 @@ def table_size(quick: bool, size: Size) -> list[Row]:
             note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys"),
         Row(what=f"H3: rays with {small:g} slots per key over those with {largest:g}",
             measured=rays[small] / rays[largest], band=bands.H3_SMALL_TABLE),
+        *kept_tables(shot),
+    ]  # fmt: skip
+
+
+def kept_tables(shot: Shot) -> list[Row]:
+    """H3 on the CPU: tiles of 32², a table per thread, the paper's 4 MB and others."""
+    frames = {
+        size: shot.frame(Aqvc(preset="paper", c_e=8, storage="paper_tiles", table_bytes=size))
+        for size in KEPT_TABLES
+    }
+    largest = frames[KEPT_TABLES[-1]]
+    return [
+        Row(what=f"H3: rays with {size >> 10} KiB a thread and tiles of 32² over those with "
+                 f"{KEPT_TABLES[-1] >> 10} KiB",
+            measured=frame.counters["rays"] / largest.counters["rays"],
+            note=f"time {frame.timings['cpu_s'] / largest.timings['cpu_s']:.2f}, "
+                 f"{frame.provenance['threads']} threads")
+        for size, frame in frames.items() if frame is not largest
     ]  # fmt: skip
 
 

@@ -1,0 +1,52 @@
+#include "viscache/aqvc/key_levels.h"
+
+#include "viscache/math/isa.h"
+#include "viscache/math/x86_intrinsics.h"
+
+namespace viscache {
+namespace {
+
+typedef uint64_t Chains __attribute__((vector_size(8 * kLevelsAtOnce)));
+
+#define VISCACHE_INLINE inline __attribute__((always_inline))
+
+VISCACHE_INLINE void hash_body(const LevelKeys& keys, LevelHashes& out) {
+    Chains d = Chains{} + hash_seed(HashScheme::kScheme2).bits;
+    const auto step = [&]() __attribute__((always_inline)) {
+        d = d * 2862933555777941757ull + 7046029254386353087ull;
+        d ^= d << 21, d ^= d >> 35, d ^= d << 4;
+    };
+    for (size_t n = 0; n < keys[0].size(); ++n) {
+        step();
+        Chains slots;
+        for (size_t level = 0; level < kLevelsAtOnce; ++level) slots[level] = uint32_t(keys[level][n]);
+        d ^= slots;
+    }
+    step();
+    for (size_t level = 0; level < kLevelsAtOnce; ++level)
+        out[level] = {uint32_t(d[level] >> 32), uint32_t(d[level] & 0x7fffffffu)};
+}
+
+void hash_portable(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX2 void hash_avx2(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
+VISCACHE_TARGET_AVX512 void hash_avx512(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
+#endif
+#undef VISCACHE_INLINE
+
+}  // namespace
+
+LevelHashes hash_levels(const LevelKeys& keys) {
+    LevelHashes out;
+#if VISCACHE_X86
+    switch (active_isa()) {
+        case Isa::kAvx512: return hash_avx512(keys, out), out;
+        case Isa::kAvx2: return hash_avx2(keys, out), out;
+        default: break;
+    }
+#endif
+    hash_portable(keys, out);
+    return out;
+}
+
+}  // namespace viscache

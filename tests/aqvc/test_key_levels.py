@@ -1,0 +1,85 @@
+"""Keys of four levels at once: the same hashes as one after the other."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from aqvc import tiles
+from viscache import _core
+
+C_E = (16.0, 8.0, 4.0, 2.0)
+
+
+def hashes(*, at_once: bool) -> npt.NDArray[np.uint32]:
+    """(2, N, 4): κ and digest of a tile's eye points at four levels, a point light each."""
+    eyes = tiles.eye_points(48, 48)
+    n = len(eyes["density"])
+    resolutions = np.stack(
+        [
+            _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), c, tiles.RADIUS)
+            for c in C_E
+        ],
+        axis=1,
+    )
+    lights = np.random.default_rng(1).uniform(-5, 5, (n, 3)).astype(np.float32)
+    kappa, digest, seconds = _core.aqvc.level_hashes(
+        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
+        resolutions, lights, at_once=at_once,
+    )  # fmt: skip
+    assert seconds > 0
+    return np.stack([kappa, digest])
+
+
+def test_four_levels_at_once_have_the_hashes_of_full_keys() -> None:
+    one, four = hashes(at_once=False), hashes(at_once=True)
+    np.testing.assert_array_equal(four, one)
+    eyes = tiles.eye_points(48, 48)
+    n = len(eyes["density"])
+    lights = np.random.default_rng(1).uniform(-5, 5, (n, 3)).astype(np.float32)
+    for level, c_e in enumerate(C_E):
+        resolution = _core.aqvc.resolution_eye(
+            eyes["density"].astype(np.float64), c_e, tiles.RADIUS
+        )
+        keys = _core.aqvc.full_keys(
+            _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"],
+            eyes["normal"], resolution, tiles.POINT, lights, np.zeros((n, 3)), np.ones(n),
+        )[0]  # fmt: skip
+        np.testing.assert_array_equal(four[:, :, level].T, _core.aqvc.hash_keys(keys))
+    # Levels differ, so that a chain in another's place would be seen
+    assert (four[0, :, 0] != four[0, :, 1]).mean() > 0.9
+
+
+@pytest.mark.parametrize("isa", ["portable", "avx2", "avx512"])
+def test_every_instruction_set_gives_the_same_hashes(isa: str) -> None:
+    names = ["portable", "avx2", "avx512"]
+    if names.index(isa) > names.index(_core.best_isa()):
+        pytest.skip(f"this CPU has no {isa}")
+    code = (
+        f"import sys; sys.path[:0] = {sys.path!r}; from aqvc.test_key_levels import hashes; "
+        "print(hash(hashes(at_once=True).tobytes()))"
+    )
+    env = os.environ | {"VISCACHE_ISA": isa, "PYTHONHASHSEED": "0"}
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
+    )
+    base = subprocess.run(
+        [sys.executable, "-c", code.replace("at_once=True", "at_once=False")],
+        env=env | {"VISCACHE_ISA": "portable"}, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert run.stdout == base.stdout
+
+
+def test_unequal_lengths_are_refused() -> None:
+    p, three = _core.aqvc.AqvcParameters(), np.zeros((3, 3), np.float32)
+    with pytest.raises(ValueError, match="must have equal lengths"):
+        _core.aqvc.level_hashes(p, (0, 0, 0), 1.0, three, three, np.ones((2, 4)), three,
+                                at_once=True)  # fmt: skip
+    with pytest.raises(ValueError, match="resolutions must have shape"):
+        _core.aqvc.level_hashes(p, (0, 0, 0), 1.0, three, three, np.ones((3, 2)), three,
+                                at_once=True)  # fmt: skip

@@ -1,0 +1,68 @@
+"""A table per thread, kept over the tiles of 32² pixels that the thread works on."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import pytest
+
+import viscache as vc
+from render.quantized import exact, rel_l1, render, scene
+
+SIZE = (96, 80)
+LAMPS = vc.Whitted(n_vpls=16, n_area=0, n_environment=0, n_brdf=0)
+PAIRS: dict[str, Any] = {"form": "pairs", "table_bytes": 16 << 20, "size": SIZE}
+
+
+def room() -> vc.Scene:
+    return scene("room", triangles=3000)
+
+
+def kept(threads: int, **given: Any) -> vc.Frame:
+    return render(room(), LAMPS, storage="paper_tiles", threads=threads, **{**PAIRS, **given})
+
+
+def test_a_frame_is_the_same_for_the_same_number_of_threads() -> None:
+    for threads in (1, 2, 3):
+        first, again = kept(threads), kept(threads)
+        assert first.sha256 == again.sha256 and first.counters == again.counters
+        assert first.parameters["tile_edge_px"] == 32
+    assert kept(1).sha256 != kept(3).sha256
+
+
+def test_one_kept_table_traces_every_key_once_as_a_whole_frame_does() -> None:
+    """Without refinement a key costs a ray, however the frame is cut."""
+    options: dict[str, Any] = {"c_e": 8, "refinement": "off"}
+    whole = render(room(), LAMPS, storage="exact", **{**PAIRS, **options})
+    assert whole.parameters["tile_edge_px"] >= max(SIZE)
+    counters = kept(1, **options).counters
+    again = counters["rays"] - whole.counters["rays"]
+    assert 0 <= again <= counters["evictions"] < 0.005 * counters["rays"]
+    # Each thread traces the keys it meets
+    rays = [kept(n, **options).counters["rays"] for n in (1, 2, 4)]
+    assert all(a < b for a, b in itertools.pairwise(rays)) and rays[-1] < 1.5 * rays[0]
+
+
+def test_a_table_is_counted_once_per_thread() -> None:
+    slots = kept(1).counters["table_slots"]
+    assert slots <= (16 << 20) // 4
+    assert kept(3).counters["table_slots"] == 3 * slots
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_vanishing_clusters_give_the_exact_frame(threads: int) -> None:
+    frame = kept(threads, c_e=1e-3)
+    assert frame.sha256 == exact(room(), LAMPS, SIZE).sha256
+
+
+def test_errors_are_those_of_tables_that_are_cleared() -> None:
+    reference = exact(room(), LAMPS, SIZE).image
+    cleared = render(room(), LAMPS, c_e=8, **PAIRS)
+    errors = [rel_l1(frame.image, reference) for frame in (kept(2, c_e=8), cleared)]
+    assert 0.7 < errors[0] / errors[1] < 1.4 and errors[0] < 0.15
+
+
+def test_one_table_of_the_frame_and_parts_of_a_frame_refuse_it() -> None:
+    with pytest.raises(ValueError, match=r"storage must be table, exact or shared .* paper_tiles"):
+        vc.render(room(), vc.Bdpt(), size=(4, 4), visibility=vc.Aqvc(storage="paper_tiles"))
