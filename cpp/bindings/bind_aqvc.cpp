@@ -101,6 +101,10 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("level_step", &AqvcParameters::level_step);
     c.def_readwrite("c_finest", &AqvcParameters::c_finest);
     c.def_readwrite("max_levels", &AqvcParameters::max_levels);
+    c.def_readwrite("by_contribution", &AqvcParameters::by_contribution);
+    c.def_readwrite("contribution_power", &AqvcParameters::contribution_power);
+    c.def_readwrite("contribution_lift", &AqvcParameters::contribution_lift);
+    c.def_readwrite("contribution_slack", &AqvcParameters::contribution_slack);
     named_field(c, "hash", &AqvcParameters::hash, std::array{"scheme2", "scheme1", "scheme1_mixed"});
     c.def_readwrite("digest_bits", &AqvcParameters::digest_bits);
     c.def_readwrite("table_bytes", &AqvcParameters::table_bytes);
@@ -114,8 +118,11 @@ void bind_aqvc(py::module_& m) {
     c.def_readwrite("c_w", &AqvcParameters::c_w);
     c.def("validate", &AqvcParameters::validate);
     c.def(
-        "level_list", [](const AqvcParameters& p, int group, int spp) { return level_list(p, group, spp); },
-        py::arg("group"), py::kw_only(), py::arg("spp") = 1,
+        "level_list",
+        [](const AqvcParameters& p, int group, int spp, double lift) {
+            return level_list(p, group, spp, lift);
+        },
+        py::arg("group"), py::kw_only(), py::arg("spp") = 1, py::arg("lift") = 1.0,
         "C_E of every level of a light group, coarse to fine.");
     bind_aqvc_keys(a);
     bind_aqvc_levels(a);

@@ -66,6 +66,31 @@ py::dict counters_dict(const Counters& c) {
     return d;
 }
 
+/// Contributions as an array of shape (eye points, lights).
+class GivenContributions : public Contributions {
+public:
+    GivenContributions(const FloatArray& f, size_t eyes, size_t lights) : f_(f) {
+        if (f.ndim() != 2 || size_t(f.shape(0)) != eyes || size_t(f.shape(1)) != lights)
+            throw py::value_error("contribution must have shape (eye points, lights), got " + shape_text(f));
+    }
+    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
+        const std::span<const float> f(f_.data(eye), size_t(f_.shape(1)));
+        float sum = 0, positive = 0;
+        for (const float v : f) sum += v, positive += v > 0;
+        const float mean = sum / std::max(positive, 1.f);
+        for (size_t i = 0; i < rows.size(); ++i)
+            for (size_t k = 0; k < f.size(); ++k) {
+                const Word bit = Word{1} << (k % kWordBits);
+                const bool set = shares[i] == kInfinity || f[k] <= shares[i] * mean;
+                Word& word = rows[i][k / kWordBits];
+                word = set ? word | bit : word & ~bit;
+            }
+    }
+
+private:
+    FloatArray f_;
+};
+
 /// A cache over one tile; every call of block and pairs is about it.
 class TileRun {
 public:
@@ -78,7 +103,8 @@ public:
         cache_.begin_tile(eyes_);
     }
     py::tuple block(const py::dict& lights,
-                    const py::array_t<bool, py::array::c_style | py::array::forcecast>& wanted, bool exact) {
+                    const py::array_t<bool, py::array::c_style | py::array::forcecast>& wanted, bool exact,
+                    const std::optional<FloatArray>& contribution) {
         const FarEnds far = far_ends(lights, extent_);
         if (wanted.ndim() != 2 || size_t(wanted.shape(0)) != eyes_.size() ||
             size_t(wanted.shape(1)) != far.count)
@@ -88,10 +114,14 @@ public:
             for (size_t k = 0; k < far.count; ++k)
                 if (wanted.at(i, k)) asked.set(i, k);
         Counters counters;
+        std::optional<GivenContributions> worth;
+        if (contribution) worth.emplace(*contribution, eyes_.size(), far.count);
+        cache_.weigh(worth ? &*worth : nullptr);
         if (exact)
             exact_block(far, asked, visible);
         else
             cache_.block(eyes_, far, asked, visible, counters);
+        cache_.weigh(nullptr);
         py::array_t<bool> out({eyes_.size(), far.count});
         for (size_t i = 0; i < eyes_.size(); ++i)
             for (size_t k = 0; k < far.count; ++k) out.mutable_at(i, k) = visible.get(i, k);
@@ -189,7 +219,7 @@ void bind_aqvc_run(py::module_& m) {
              py::arg("caster"), py::arg("eyes"), py::arg("parameters"), py::kw_only(), py::arg("center"),
              py::arg("radius"), py::arg("extent"), py::arg("spp") = 1)
         .def("block", &TileRun::block, py::arg("lights"), py::arg("wanted"), py::kw_only(),
-             py::arg("exact") = false)
+             py::arg("exact") = false, py::arg("contribution") = py::none())
         .def("pairs", &TileRun::pairs, py::arg("eye"), py::kw_only(), py::arg("semantic"), py::arg("group"),
              py::arg("far"), py::arg("normal"), py::arg("density"), py::arg("exact") = false)
         .def("samples", &TileRun::samples, py::arg("eye"), py::kw_only(), py::arg("semantic"),

@@ -58,7 +58,7 @@ void bind_bdpt(py::module_& m) {
     m.def(
         "render_bdpt_exact",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, const BdptSettings& settings,
-           const FrameSettings& frame, PacketOrder order, std::optional<bool> coherent,
+           const FrameSettings& frame, std::optional<PacketOrder> order, std::optional<bool> coherent,
            const py::object& progress) {
             std::optional<Coherence> flag;
             if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
@@ -68,7 +68,7 @@ void bind_bdpt(py::module_& m) {
             return render(scene, caster, camera, settings, frame, oracles, progress);
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("settings"), py::arg("frame"),
-        py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
+        py::kw_only(), py::arg("order") = py::none(), py::arg("coherent") = py::none(),
         py::arg("progress") = py::none());
     m.def(
         "render_bdpt_aqvc",

@@ -182,7 +182,7 @@ void bind_render(py::module_& m) {
     m.def(
         "render_exact",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera,
-           const IntegratorSettings& integrator, const FrameSettings& frame, PacketOrder order,
+           const IntegratorSettings& integrator, const FrameSettings& frame, std::optional<PacketOrder> order,
            std::optional<bool> coherent, const py::object& progress) {
             std::optional<Coherence> flag;
             if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
@@ -192,7 +192,7 @@ void bind_render(py::module_& m) {
                 progress));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
-        py::kw_only(), py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
+        py::kw_only(), py::arg("order") = py::none(), py::arg("coherent") = py::none(),
         py::arg("progress") = py::none());
     m.def(
         "render_aqvc",

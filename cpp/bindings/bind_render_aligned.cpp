@@ -56,7 +56,7 @@ py::dict render_aligned(const Scene& scene, const EmbreeCaster& caster, const Ca
 /// The exact frame whose shared directions may go through the batch.
 py::dict render_shared(const Scene& scene, const RayCaster& caster, const Camera& camera,
                        const IntegratorSettings& integrator, const FrameSettings& frame,
-                       const AlignedBatch& batch, bool choose, PacketOrder order,
+                       const AlignedBatch& batch, bool choose, std::optional<PacketOrder> order,
                        std::optional<bool> coherent, const py::object& progress) {
     std::optional<Coherence> flag;
     if (coherent) flag = *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
@@ -91,8 +91,7 @@ void bind_render_aligned(py::module_& m) {
           "Ambient occlusion along shared directions; `batch` and `field` are one or none.");
     m.def("render_shared", &render_shared, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("integrator"), py::arg("frame"), py::arg("batch"), py::kw_only(), py::arg("choose"),
-          py::arg("order") = PacketOrder::kByLight, py::arg("coherent") = py::none(),
-          py::arg("progress") = py::none(),
+          py::arg("order") = py::none(), py::arg("coherent") = py::none(), py::arg("progress") = py::none(),
           "An exact frame whose shared directions go through the batch, or, with `choose`, through the "
           "engine that is cheaper for each tile.");
     m.def(

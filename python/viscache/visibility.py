@@ -25,12 +25,12 @@ class Exact:
 
     Parameters
     ----------
-    order : {"by_light", "by_pixel"}
-        Which rays share a packet: 16 neighbouring eye points towards one light (the fastest), or
-        one eye point towards 16 lights. Never changes an answer.
+    order : {"auto", "by_light", "by_pixel"}
+        Which rays share a packet: 16 neighbouring eye points towards one light (nearly always the
+        fastest), or one eye point towards 16 lights. By default short trials while rendering find
+        the faster one, together with `coherent`. Never changes an answer.
     coherent : bool, optional
-        Embree's traversal flag. By default short trials while rendering find the faster one. Never
-        changes an answer.
+        Embree's traversal flag; by default as the trials find. Never changes an answer.
     sky_engine : {"embree", "batch", "auto"}
         Who traces directions that all eye points share: directional lights and, with
         environment="shared", the sky. "batch": per direction, all triangles stream past all points
@@ -39,16 +39,17 @@ class Exact:
         says how much went where. The two may differ for rays within rounding of an edge.
     """
 
-    order: Literal["by_light", "by_pixel"] = "by_light"
+    order: Literal["auto", "by_light", "by_pixel"] = "auto"
     coherent: bool | None = None
     sky_engine: Literal["embree", "batch", "auto"] = "embree"
 
     def __post_init__(self) -> None:
         check_types(self)
 
-    def core(self) -> tuple[_core.PacketOrder, bool | None]:
+    def core(self) -> tuple[_core.PacketOrder | None, bool | None]:
         """The C++ settings."""
-        return _core.PacketOrder[self.order.upper()], self.coherent
+        order = None if self.order == "auto" else _core.PacketOrder[self.order.upper()]
+        return order, self.coherent
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""
@@ -61,6 +62,14 @@ BY_GROUP = ("c_e_groups", "refinement_groups")
 #: What the presets change of the C++ defaults (docs/deviations.md tells why).
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
+    # Fewer and larger clusters, rays where they count (docs/aqvc.md)
+    "fast": {
+        "c_n": 2,
+        "c_z": 1.0,
+        "c_r": 2.0,
+        "by_contribution": True,
+        "level_step": 2.0,
+    },
     "paper": {
         "c_z": 8.0,
         "level_rule": "log2",
@@ -88,7 +97,8 @@ class Aqvc:
 
     Parameters
     ----------
-    preset : {"default", "paper", "as_printed"}
+    preset : {"default", "fast", "paper", "as_printed"}
+        "fast": fewer, larger cells and C_E by contribution: fewer rays for the same error.
         "paper": the paper's parameters with our corrections, one query at a time through the hash
         table. "as_printed": with its slips too (docs/deviations.md).
     c_e : float > 0
@@ -141,6 +151,15 @@ class Aqvc:
         See level_rule. 4 and 4.
     max_levels : int >= 0
         Cuts the list of levels; 0 = no limit.
+    by_contribution : bool
+        C_E of each connection by what it would carry unoccluded: C_E·(mean f / f)^(1/p). Only where
+        refinement is on and in the form "waves"; others ignore it.
+    contribution_power : float in [0.1, 100]
+        p. 2.5: brighter connections get cells as much finer as errors count more.
+    contribution_lift : float in [1, 1024]
+        The coarsest level is this many C_E. 2.
+    contribution_slack : int in [0, 32]
+        Levels a connection may be refined past the first that asked it. 1.
     hash : {"scheme2", "scheme1", "scheme1_mixed"}
         Hash of the table (Eq. 10). Scheme 1 collides on point lights; kept to show that.
     digest_bits : int in [1, 31]
@@ -179,7 +198,7 @@ class Aqvc:
     (4.0, 8.0)
     """
 
-    preset: Literal["default", "paper", "as_printed"] = "default"
+    preset: Literal["default", "fast", "paper", "as_printed"] = "default"
     c_e: float = 12.0
     c_e_groups: Mapping[str, float] = field(default_factory=dict, hash=False)
     c_n: int | None = None
@@ -202,6 +221,10 @@ class Aqvc:
     level_step: float | None = None
     c_finest: float | None = None
     max_levels: int | None = None
+    by_contribution: bool | None = None
+    contribution_power: float | None = None
+    contribution_lift: float | None = None
+    contribution_slack: int | None = None
     hash: Literal["scheme2", "scheme1", "scheme1_mixed"] | None = None
     digest_bits: int | None = None
     table_bytes: int | None = None

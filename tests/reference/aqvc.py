@@ -339,12 +339,38 @@ def alg2(
     return out
 
 
+@dataclass(frozen=True)
+class Worth:
+    """C_E by contribution: what connections carry, (eye points, lights), and how C_E follows."""
+
+    contribution: Array
+    c_e: float
+    step: float
+    power: float = 2.5
+    slack: int = 1
+
+    def at_most(self, eye: int, k: int, c: float) -> bool:
+        """Whether the connection carries no more than a level of C_E = c is good for."""
+        f = self.contribution[eye]
+        mean = f.sum() / max(1, (f > 0).sum())
+        return bool(np.float32(f[k]) <= np.float32((self.c_e / c) ** self.power) * np.float32(mean))
+
+    def due(self, eye: int, k: int, levels: Sequence[float], d: int) -> bool:
+        """Whether level d asks the connection."""
+        return d == len(levels) - 1 or self.at_most(eye, k, levels[d])
+
+    def settled(self, eye: int, k: int, c: float) -> bool:
+        """Whether a level of C_E = c settles the connection against its neighbours."""
+        return self.at_most(eye, k, c * self.step**self.slack)
+
+
 def waves(
     grid: Grid,
     eyes: dict,
     levels: Sequence[float],
     exact: NDArray[np.bool_],
     wanted: NDArray[np.bool_],
+    worth: Worth | None = None,
 ) -> Result:
     """Level waves: Alg. 2 level by level, each cell asked through its central eye point."""
     placed = place_all(grid, eyes, levels)
@@ -377,7 +403,9 @@ def waves(
             r = rep[cell]
             mine = set(np.flatnonzero(wanted[r]).tolist())
             traced[cell] = [
-                k for k in sorted(mine if d == 0 else need[cell] & mine) if (cell, k) not in value
+                k
+                for k in sorted(mine if d == 0 else need[cell] & mine)
+                if (cell, k) not in value and (worth is None or worth.due(r, k, levels, d))
             ]
             for k in traced[cell]:
                 value[cell, k] = bool(exact[r, k])
@@ -401,20 +429,23 @@ def waves(
             if cell[0] == d:
                 for k in list(asking[i]):
                     v = value.get((cell, k))
-                    if v is None or any(value.get((c, k), v) != v for c in near[cell]):
+                    if v is None:
                         continue
-                    if unsure[cell] and sum((c, k) in value for c in near[cell]) <= 2:
+                    final = worth is not None and worth.settled(rep[cell], k, levels[d])
+                    if not final and any(value.get((c, k), v) != v for c in near[cell]):
+                        continue
+                    if not final and unsure[cell] and sum((c, k) in value for c in near[cell]) <= 2:
                         continue
                     out.visible[i, k] = v
                     asking[i].discard(k)
             need[cell_of[i][d + 1]] |= asking[i]
     for i in range(n_eyes):
         for k in asking[i]:
-            v = value.get((cell_of[i][-1], k))
-            if v is None:
-                v = bool(exact[i, k])
+            cell = cell_of[i][-1]
+            if (cell, k) not in value:
+                value[cell, k] = bool(exact[i, k])
                 out.leftover += 1
-            out.visible[i, k] = v
+            out.visible[i, k] = value[cell, k]
     return out
 
 

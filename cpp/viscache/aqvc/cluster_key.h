@@ -95,6 +95,10 @@ public:
     const Ladder direction_ladder;  ///< of solid angles, which have no length
     /// B_R for the equations of resolutions; ½ where grids are scale-free.
     double radius() const { return radius_; }
+    double c_z() const { return c_z_; }
+    const std::array<double, 3>& offset() const { return offset_; }
+    /// Cells per unit length.
+    double scale(const Rung& r) const { return r.resolution / (2 * radius_); }
 
     Anchor anchor(Vec3 p, Vec3 n) const;
     PlacedCell cell(const Anchor& a, const Rung& r) const;
@@ -162,7 +166,7 @@ inline Anchor CellGrid::anchor(Vec3 p, Vec3 n) const {
 }
 
 inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
-    const double s = r.resolution / (2 * radius_);
+    const double s = scale(r);
     PlacedCell p;
     p.fx = a.x * s + offset_[0];
     p.fy = a.y * s + offset_[1];

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/oracle.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/shadow_ray.h"
@@ -16,7 +17,7 @@ struct Miss {
 
 class MissTracer {
 public:
-    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
+    MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
 
     /// `flush` ends with `Cancelled` soon after `control` says so.
     void watch(const Control& control) { control_ = &control; }
@@ -27,16 +28,22 @@ public:
     uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
         const uint64_t rays = misses_.size();
         sort_by_light(lights.count);
-        for (size_t first = 0; first < misses_.size(); first += 16) {
-            if (control_ && first % 4096 == 0) control_->check();
-            trace16(eyes, lights, {sorted_.data() + first, std::min<size_t>(16, misses_.size() - first)},
-                    value);
+        for (size_t first = 0; first < misses_.size(); first += kPiece) {
+            if (control_) control_->check();
+            const std::span piece(sorted_.data() + first, std::min(kPiece, misses_.size() - first));
+            flag_.piece([&](Coherence flag) {
+                for (size_t i = 0; i < piece.size(); i += 16)
+                    trace16(eyes, lights, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), value,
+                            flag);
+                return piece.size();
+            });
         }
         misses_.clear();
         return rays;
     }
 
 private:
+    static constexpr size_t kPiece = 1024;  ///< rays between looks at the clock and at the wish to stop
     /// Counting sort, stable.
     void sort_by_light(size_t lights) {
         begin_.assign(lights + 1, 0);
@@ -45,7 +52,8 @@ private:
         sorted_.resize(misses_.size());
         for (const Miss& m : misses_) sorted_[begin_[m.light]++] = m;
     }
-    void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value) {
+    void trace16(const EyeBlock& eyes, const FarEnds& lights, std::span<const Miss> rays, BitMatrix& value,
+                 Coherence flag) {
         RayPacket16 packet;
         for (size_t i = 0; i < 16; ++i) {
             const Miss& m = rays[std::min(i, rays.size() - 1)];
@@ -56,8 +64,7 @@ private:
         }
         aim16(packet, lights, extent_);
         const uint32_t mask = (1u << rays.size()) - 1;
-        uint32_t visible =
-            mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
+        uint32_t visible = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag));
         for (; visible; visible &= visible - 1) {
             const Miss& m = rays[size_t(std::countr_zero(visible))];
             value.set(m.row, m.column);
@@ -66,6 +73,7 @@ private:
 
     const RayCaster& caster_;
     float extent_;
+    CoherenceTrial flag_;
     const Control* control_ = nullptr;
     std::vector<Miss> misses_, sorted_;
     std::vector<uint32_t> begin_;

@@ -52,7 +52,11 @@ struct AqvcParameters {
     LevelRule level_rule = LevelRule::kFinest;  ///< kLog2: C_MSR = max(1, ceil(log2 C_E)) levels
     double level_step = 4;
     double c_finest = 4;
-    int max_levels = 0;  ///< cuts the list of levels; 0: no limit
+    int max_levels = 0;               ///< cuts the list of levels; 0: no limit
+    bool by_contribution = false;     ///< C_E of each connection by what it carries (contribution_levels.h)
+    double contribution_power = 2.5;  ///< p of C_E·(mean f / f)^(1/p)
+    double contribution_lift = 2;     ///< the coarsest level is this many C_E
+    int contribution_slack = 1;       ///< levels a connection may be refined past its own
     HashScheme hash = HashScheme::kScheme2;
     int digest_bits = 31;
     uint64_t table_bytes = uint64_t{4} << 20;
@@ -97,6 +101,12 @@ inline void AqvcParameters::validate() const {
     require(table_bytes >= 4, "table_bytes must be >= 4", table_bytes);
     require(table_bytes <= uint64_t{1} << 33, "table_bytes must be <= 2^33", table_bytes);
     require(c_pg >= 1.1 && std::isfinite(c_pg), "c_pg must be >= 1.1 and finite", c_pg);
+    require(contribution_power >= 0.1 && contribution_power <= 100,
+            "contribution_power must be in [0.1, 100]", contribution_power);
+    require(contribution_lift >= 1 && contribution_lift <= 1024, "contribution_lift must be in [1, 1024]",
+            contribution_lift);
+    require(contribution_slack >= 0 && contribution_slack <= kMaxLevels,
+            "contribution_slack must be in [0, 32]", contribution_slack);
     require(nil_refine >= 0 && nil_refine <= 1, "nil_refine must be in [0, 1]", nil_refine);
     if (jitter && res_rule == ResolutionRule::kEq6)
         throw std::invalid_argument("jitter must be off with res_rule eq6 (the default of Bdpt), got true");
@@ -116,11 +126,11 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && c_e * c_e > spp;
 }
 
-/// C_E of every level, coarse to fine: c₀ = C_E, then c / level_step down to c_finest.
+/// C_E of every level, coarse to fine: c₀ = lift·C_E, then c / level_step down to c_finest.
 // Differs: AQVC halves C_E down to 1–2 eye samples; the default stops at 4 in steps of 4, which costs 1.7
 // times fewer rays for 15 % more error. LevelRule::kLog2 with level_step 2 is the paper's list.
-inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp) {
-    std::vector<double> levels = {p.group_c_e(group)};
+inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp, double lift = 1) {
+    std::vector<double> levels = {lift * p.group_c_e(group)};
     if (!refines(p, group, spp)) return levels;
     const size_t limit = size_t(p.max_levels ? p.max_levels : kMaxLevels);
     if (p.level_rule == LevelRule::kLog2) {

@@ -33,6 +33,7 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
       parameters_(checked(parameters)),
       grid_(parameters_, scene_center, checked_radius(scene_radius)),
       extent_(offset_extent),
+      spp_(spp),
       shares_(frame_table != nullptr),
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
@@ -59,6 +60,20 @@ void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     pairs_.begin_tile();
     has_order_ = false;
     sample_group_ = -1;
+    if (parameters_.form == Form::kWaves) placer_.begin(tile_);
+    cells_in_use_ = 0;
+}
+
+/// Cells of the tile at these levels, made once for all groups that have them.
+const TileCells& QuantizedCache::cells_of(const std::vector<double>& levels) {
+    for (size_t i = 0; i < cells_in_use_; ++i)
+        if (cells_[i].levels == levels) return cells_[i].cells;
+    if (cells_in_use_ == cells_.size()) cells_.emplace_back();
+    LevelCells& fresh = cells_[cells_in_use_++];
+    fresh.levels = levels;
+    if (parameters_.jitter) tile_.allow_jitter(levels, parameters_.grid_seed);
+    fresh.cells.make(tile_, placer_, levels);
+    return fresh.cells;
 }
 
 void QuantizedCache::make_order(const EyeBlock& eyes) {
@@ -105,17 +120,24 @@ void QuantizedCache::block_by_rows(const EyeBlock& eyes, const FarEnds& lights, 
                                    BitMatrix& visible, Counters& counters) {
     ClampCounts clamps;
     columns_.prepare(lights, wanted, grid_, parameters_, tile_.usable, clamps);
-    const std::vector<double>& levels = levels_[size_t(lights.group)];
     BitMatrix* answer = &visible;
     if (columns_.merged()) by_column_.reset(eyes.size(), columns_.count()), answer = &by_column_;
     uint64_t& rays = counters.groups[size_t(lights.group)].rays;
     if (columns_.count() > 0) {
         if (parameters_.form == Form::kRows) {
             make_order(eyes);
-            rays +=
-                rows_.run(tile_, order_, batch(256), columns_, levels, tracer_, *answer, counters, clamps);
+            rays += rows_.run(tile_, order_, batch(256), columns_, levels(lights.group), tracer_, *answer,
+                              counters, clamps);
         } else {
-            rays += waves_.run(tile_, columns_, levels, tracer_, *answer, counters, clamps);
+            const bool weighs =
+                contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
+            const std::vector<double> levels =
+                level_list(parameters_, lights.group, spp_, weighs ? parameters_.contribution_lift : 1);
+            worth_.begin(weighs ? contributions_ : nullptr, columns_, levels,
+                         parameters_.group_c_e(lights.group), parameters_);
+            const TileCells& cells = cells_of(levels);
+            clamps = cells.clamps;
+            rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters);
         }
         if (columns_.merged()) columns_.spread(by_column_, visible);
     }

@@ -9,6 +9,7 @@
 // in waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest
 // level.
 #include <array>
+#include <deque>
 #include <vector>
 
 #include "viscache/aqvc/columns.h"
@@ -37,6 +38,7 @@ public:
     void use_kept(const KeptTable& table, KeptChecks checks);
 
     void watch(const Control& control) override;
+    void weigh(const Contributions* worth) override { contributions_ = worth; }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
@@ -77,6 +79,9 @@ private:
     AqvcParameters parameters_;
     CellGrid grid_;
     float extent_;
+    int spp_;
+    const Contributions* contributions_ = nullptr;
+    ContributionLevels worth_;
     bool shares_;  ///< the frame's table
     std::array<std::vector<double>, kLightGroups> levels_;
     TileAnchors tile_;
@@ -86,6 +91,14 @@ private:
     bool has_order_ = false;
     Columns columns_;
     MissTracer tracer_;
+    struct LevelCells {
+        std::vector<double> levels;
+        TileCells cells;
+    };
+    const TileCells& cells_of(const std::vector<double>& levels);
+    CellPlacer placer_;
+    std::deque<LevelCells> cells_;  ///< of the tile; those beyond cells_in_use_ are room for later
+    size_t cells_in_use_ = 0;
     Waves waves_;
     Rows rows_;
     Pairs pairs_;

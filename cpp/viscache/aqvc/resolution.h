@@ -109,6 +109,16 @@ public:
         return rungs_[index_from(first_[e], std::min(first_[e + 1] + 1, thresholds_.size()), r)];
     }
 
+    /// The same, tried first at `hint`, which becomes the rung's index.
+    const Rung& rung_near(double r, size_t& hint, ClampCounts& clamps) const {
+        if (hint + 1 < thresholds_.size() && (scale_free_ || r >= 1) && r <= r_max_ &&
+            thresholds_[hint] <= r && r < thresholds_[hint + 1])
+            return rungs_[hint];
+        const Rung& found = rung(r, clamps);
+        hint = size_t(&found - rungs_.data());
+        return found;
+    }
+
 private:
     static constexpr double kLargest = 0x1p60;  ///< of scale-free resolutions, and over 1 the smallest
 

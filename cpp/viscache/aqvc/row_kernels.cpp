@@ -30,6 +30,12 @@ VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word
     return any(left);
 }
 
+VISCACHE_INLINE void keep_body(Word* a, const Word* b, size_t words) {
+    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & load(b + w));
+}
+VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* settled, size_t words) {
+    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & ~(load(known + w) & load(settled + w)));
+}
 VISCACHE_INLINE void write_down_body(const Word* mask, const Word* value, Word* known_below,
                                      Word* value_below, size_t words) {
     for (size_t w = 0; w < words; w += 8) {
@@ -98,31 +104,33 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
 
 // One struct of static functions per instruction set. A macro, because a target attribute cannot be a
 // parameter.
-#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                 \
-    struct Name {                                                                                          \
-        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {         \
-            return take_misses_body(n, a, k, m, w);                                                        \
-        }                                                                                                  \
-        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {        \
-            write_down_body(m, v, k2, v2, w);                                                              \
-        }                                                                                                  \
-        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                \
-            disagreement_body(o, n, d, w);                                                                 \
-        }                                                                                                  \
-        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,   \
-                                  RowCounts& c) {                                                          \
-            settle_body(a, o, d, v, n, w, l, c);                                                           \
-        }                                                                                                  \
-        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                   \
-            return finish_body(a, o, v, w, c);                                                             \
-        }                                                                                                  \
-        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w, \
-                               RowCounts& c) {                                                             \
-            return step_body(a, o, n, l, m, v, w, c);                                                      \
-        }                                                                                                  \
-        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                 \
-        static constexpr RowKernels kernels{take_misses, write_down, disagreement, settle,                 \
-                                            finish,      step,       count};                               \
+#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                  \
+    struct Name {                                                                                           \
+        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {          \
+            return take_misses_body(n, a, k, m, w);                                                         \
+        }                                                                                                   \
+        TARGET static void keep(Word* a, const Word* b, size_t w) { keep_body(a, b, w); }                   \
+        TARGET static void drop(Word* a, const Word* k, const Word* s, size_t w) { drop_body(a, k, s, w); } \
+        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {         \
+            write_down_body(m, v, k2, v2, w);                                                               \
+        }                                                                                                   \
+        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                 \
+            disagreement_body(o, n, d, w);                                                                  \
+        }                                                                                                   \
+        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,    \
+                                  RowCounts& c) {                                                           \
+            settle_body(a, o, d, v, n, w, l, c);                                                            \
+        }                                                                                                   \
+        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                    \
+            return finish_body(a, o, v, w, c);                                                              \
+        }                                                                                                   \
+        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w,  \
+                               RowCounts& c) {                                                              \
+            return step_body(a, o, n, l, m, v, w, c);                                                       \
+        }                                                                                                   \
+        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                  \
+        static constexpr RowKernels kernels{take_misses, keep,   drop, write_down, disagreement,            \
+                                            settle,      finish, step, count};                              \
     };
 
 VISCACHE_ROW_VARIANT(Portable, )

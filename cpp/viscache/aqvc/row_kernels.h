@@ -23,6 +23,10 @@ struct RowCounts {
 struct RowKernels {
     /// miss = need & active & ~known, known |= miss; true if a bit of miss is set.
     bool (*take_misses)(const Word* need, const Word* active, Word* known, Word* miss, size_t words);
+    /// a &= b.
+    void (*keep)(Word* a, const Word* b, size_t words);
+    /// disagree &= ~(known & settled).
+    void (*drop)(Word* disagree, const Word* known, const Word* settled, size_t words);
     /// Writes the bits of `mask` that are not known below.
     void (*write_down)(const Word* mask, const Word* value, Word* known_below, Word* value_below,
                        size_t words);

@@ -54,6 +54,8 @@ struct TileAnchors {
         }
     }
 
+    bool jitters(double c_e) const { return occupied_.count(c_e) != 0; }
+
 private:
     PlacedCell cell_of_point(size_t eye, double c_e, ClampCounts& clamps) const {
         const double r = resolution_eye(eyes->density[eye], c_e, grid->radius());

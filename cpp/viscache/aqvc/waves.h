@@ -4,58 +4,47 @@
 // Differs from the pixel order of AQVC: all values of a level are known before anything is refined, so there
 // is no processing order and nearly no unknown neighbour. Each cell is asked through one representative, the
 // eye point nearest its centre. Per level:
-//   1. trace the representatives' wanted bits that are unknown, sorted by light;
+//   1. trace the representatives' wanted bits that are unknown, sorted by light (those that are due, where
+//      contributions are weighed: contribution_levels.h);
 //   2. store each answer in the finer cells that hold the same eye point as well;
 //   3. per cell: disagree = OR over four neighbours of known_n & (value_n ^ value) | ~known;
 //   4. per eye point: settle the bits on which the cell agrees, want the rest at the next level.
-// What is left at the end, wanted by an eye point but not by its representative, is traced for itself.
+// What is left at the end, wanted by eye points but not by their representative, is traced for the first of
+// them.
 #include <vector>
 
 #include "viscache/aqvc/columns.h"
+#include "viscache/aqvc/contribution_levels.h"
 #include "viscache/aqvc/miss_tracer.h"
 #include "viscache/aqvc/row_kernels.h"
 #include "viscache/aqvc/tile_anchors.h"
-#include "viscache/aqvc/tile_table.h"
+#include "viscache/aqvc/tile_cells.h"
 
 namespace viscache {
 
 class Waves {
 public:
     /// Answers the columns' bits into `visible` (eye points × columns, zeroed). Returns the number of rays.
-    uint64_t run(const TileAnchors& tile, const Columns& columns, const std::vector<double>& levels,
-                 MissTracer& tracer, BitMatrix& visible, Counters& counters, ClampCounts& clamps);
+    uint64_t run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
+                 ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters);
 
 private:
-    void number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps);
-    void offer_representative(uint32_t cell, uint32_t eye, size_t level, const PlacedCell& placed);
-    void find_neighbours(const TileAnchors& tile, Counters& counters);
     uint64_t trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer);
     void write_down(size_t level);
     void settle_level(size_t level, const CellGrid& grid, BitMatrix& visible, Counters& counters);
     uint64_t finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
 
-    uint32_t cell_of(size_t level, size_t eye) const { return cell_[level * eyes_ + eye]; }
     RowPair row(uint32_t cell) const { return {known_.row(cell), value_.row(cell)}; }
-
-    struct Representative {
-        uint32_t eye;
-        bool coarser;      ///< stands for a coarser cell already
-        double distance2;  ///< to the cell's centre
-        PlacedCell placed;
-    };
 
     const RowKernels& kernels_ = row_kernels(active_isa());
     size_t eyes_ = 0, levels_ = 0, words_ = 0;
-    CellNumbers numbers_;
-    std::vector<uint32_t> cell_;         ///< [level][eye point]; kNoCell where the eye point bypasses
-    std::vector<uint32_t> level_begin_;  ///< first cell of each level, and the end
-    std::vector<Representative> representative_;
-    std::vector<std::array<uint32_t, 4>>
-        neighbours_;  ///< of all cells but the finest; numbers_.size() if absent
+    const TileCells* cells_ = nullptr;
+    ContributionLevels* worth_ = nullptr;
     /// Rows of bits: per cell (one row of zeros at the end), per cell that can be refined, per eye point.
     BitMatrix known_, value_, need_, miss_, disagree_, active_;
-    BitMatrix doubt_;  ///< room for a neighbour that disagrees
+    BitMatrix doubt_;          ///< room for a neighbour that disagrees
+    BitMatrix settled_, due_;  ///< by contribution: per cell, and of the cell at hand
 };
 
 }  // namespace viscache

@@ -89,6 +89,21 @@ struct FrameContext {
     const AmbientShares* shares = nullptr;    ///< of shared directions
 };
 
+/// What a tile's eye points would receive from a group of shared lights.
+class TileContributions : public Contributions {
+public:
+    TileContributions(const SharedLights& lights, const EyeTile& eyes) : lights_(lights), eyes_(eyes) {}
+    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
+        const ShadingPoint& sp = eyes_.shading[eye];
+        at_most_rows(lights_, {eyes_.block.position[eye], sp.ng, sp.ns}, shares, rows, scratch_);
+    }
+
+private:
+    const SharedLights& lights_;
+    const EyeTile& eyes_;
+    mutable std::vector<float> scratch_;
+};
+
 /// One thread's work on tiles; buffers are kept between them.
 class TileWorker {
 public:
@@ -131,7 +146,10 @@ private:
                 counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
+        const TileContributions worth(lights, eyes_);
+        oracle_->weigh(&worth);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
+        oracle_->weigh(nullptr);
         clock.lap(stages.visibility);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         WeightedLights weighted(lights);

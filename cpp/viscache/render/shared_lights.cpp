@@ -44,8 +44,9 @@ namespace {
 template <class Columns>
 Columns columns_of(const SharedLights& s) {
     const FarEnds& e = s.ends;
-    return {e.x.data(), e.y.data(), e.z.data(), e.nx.data(), e.ny.data(), e.nz.data(),
-            s.r.data(), s.g.data(), s.b.data(), e.x.size(),  s.bound2};
+    return {e.x.data(),  e.y.data(), e.z.data(), e.nx.data(), e.ny.data(),
+            e.nz.data(), s.r.data(), s.g.data(), s.b.data(),  words_for(e.count) * kWordBits,
+            s.bound2};
 }
 
 }  // namespace
@@ -58,6 +59,24 @@ uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, Word* row) {
         case Isa::kAvx2: return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
 #endif
         default: return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);
+    }
+}
+
+void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const float> shares,
+                  std::span<Word* const> rows, std::vector<float>& scratch) {
+    scratch.resize(s.ends.x.size());
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512:
+            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, shares, rows,
+                                       scratch.data());
+        case Isa::kAvx2:
+            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, shares, rows,
+                                     scratch.data());
+#endif
+        default:
+            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, shares, rows,
+                                         scratch.data());
     }
 }
 

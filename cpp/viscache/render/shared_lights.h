@@ -35,6 +35,11 @@ struct EyeShade {
 /// counted as non-finite).
 uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
 
+/// Row i gets the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i] times
+/// the mean of the positive ones. `scratch` holds a float per column.
+void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<const float> shares,
+                  std::span<Word* const> rows, std::vector<float>& scratch);
+
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);
 

@@ -1,10 +1,10 @@
 #pragma once
-// Which of two ways to trace is faster for the packets at hand, found by timing. Speed only: both give the
-// same answers.
-#include <array>
+// Which of several ways to trace is the fastest for the packets at hand, found by timing. Speed only: all
+// give the same answers.
 #include <cstddef>
 #include <ctime>
 #include <optional>
+#include <vector>
 
 #include "viscache/visibility/ray_caster.h"
 
@@ -18,13 +18,13 @@ inline double thread_cpu_seconds() {
 }
 
 /// One object per thread and kind of work. Work is done in pieces of some hundred rays or more; at times the
-/// two choices take turns for a few pieces, and the faster one serves until the next turn.
+/// choices take turns for a few pieces, and the fastest one serves until the next turn.
 template <class Choice>
 class Trial {
 public:
     /// `fixed`: always this choice, no trial. `period`: pieces from one trial to the next.
-    Trial(std::array<Choice, 2> choices, std::optional<Choice> fixed, size_t period)
-        : choices_(choices), fixed_(fixed), period_(period) {}
+    Trial(std::vector<Choice> choices, std::optional<Choice> fixed, size_t period)
+        : choices_(std::move(choices)), fixed_(fixed), period_(period), spent_(choices_.size()) {}
 
     /// Runs work(choice) → number of rays it traced, as the next piece.
     template <class Work>
@@ -34,22 +34,35 @@ public:
             work(fixed_.value_or(choices_[best_]));
             return;
         }
-        if (turn == 0) seconds_ = {}, rays_ = {};
+        if (turn == 0) spent_.assign(choices_.size(), {});
         const double before = thread_cpu_seconds();
-        const size_t rays = work(choices_[turn % 2]);
-        seconds_[turn % 2] += thread_cpu_seconds() - before, rays_[turn % 2] += rays;
-        if (turn + 1 == kTurns && rays_[0] > 0 && rays_[1] > 0)
-            best_ = seconds_[0] * double(rays_[1]) <= seconds_[1] * double(rays_[0]) ? 0 : 1;
+        Spent& spent = spent_[turn % choices_.size()];
+        spent.rays += work(choices_[turn % choices_.size()]);
+        spent.seconds += thread_cpu_seconds() - before;
+        if (turn + 1 == kTurns) take_best();
     }
 
 private:
     static constexpr size_t kTurns = 8;
-    std::array<Choice, 2> choices_;
+    struct Spent {
+        double seconds = 0;
+        size_t rays = 0;
+    };
+    /// The choice with the fewest seconds per ray; the one before stays if one of them had nothing to do.
+    void take_best() {
+        size_t best = 0;
+        for (size_t i = 0; i < spent_.size(); ++i) {
+            if (spent_[i].rays == 0) return;
+            if (spent_[i].seconds * double(spent_[best].rays) < spent_[best].seconds * double(spent_[i].rays))
+                best = i;
+        }
+        best_ = best;
+    }
+    std::vector<Choice> choices_;
     std::optional<Choice> fixed_;
     size_t period_;
     size_t best_ = 0, pieces_ = 0;
-    std::array<double, 2> seconds_{};
-    std::array<size_t, 2> rays_{};
+    std::vector<Spent> spent_;
 };
 
 /// Of Embree's traversal flags.

@@ -25,7 +25,7 @@ uint64_t count_bits(std::span<const Word> words) {
 
 uint64_t count_bits(const BitMatrix& m) {
     uint64_t n = 0;
-    for (size_t r = 0; r < m.rows(); ++r) n += count_bits(m.row_span(r));
+    for (size_t r = 0; r < m.rows(); ++r) n += count_bits(m.row_span(r).first(words_for(m.columns())));
     return n;
 }
 
@@ -47,22 +47,31 @@ static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> orde
 
 void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters) {
-    switch (order_) {
-        case PacketOrder::kByLight: block_by_light(eyes, lights, wanted, visible); break;
-        case PacketOrder::kByPixel: block_by_pixel(eyes, lights, wanted, visible); break;
+    uint64_t asked = 0;
+    for (size_t first = 0; first < wanted.rows(); first += 16) {
+        check_cancelled();
+        block_plan_.piece([&](const Plan& plan) {
+            size_t rays = 0;
+            if (plan.order == PacketOrder::kByLight)
+                rays = rows16_by_light(first, eyes, lights, wanted, visible, plan.flag);
+            else
+                for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
+                    rays += row_by_pixel(row, eyes, lights, wanted, visible, plan.flag);
+            asked += rays;
+            return rays;
+        });
     }
     GroupCounters& group = counters.group(lights.group);
-    const uint64_t asked = count_bits(wanted);
     group.queries += asked, group.rays += asked, group.occluded += asked - count_bits(visible);
 }
 
-void ExactOracle::block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                 BitMatrix& visible) {
-    for (size_t first = 0; first < wanted.rows(); first += 16) {
-        check_cancelled();
-        block_flag_.piece(
-            [&](Coherence flag) { return rows16_by_light(first, eyes, lights, wanted, visible, flag); });
-    }
+std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> order,
+                                                  std::optional<Coherence> flag) {
+    std::vector<Plan> plans;
+    for (const PacketOrder o : {PacketOrder::kByLight, PacketOrder::kByPixel})
+        for (const Coherence f : {Coherence::kCoherent, Coherence::kIncoherent})
+            if (o == order.value_or(o) && f == flag.value_or(f)) plans.push_back({o, f});
+    return plans;
 }
 
 /// Sixteen eye points towards all their lights, one light after another. Returns the number of rays.
@@ -76,7 +85,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
         const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
         origin.ox[i] = o.x, origin.oy[i] = o.y, origin.oz[i] = o.z;
     }
-    for (size_t w = 0; w < wanted.row_words(); ++w) {
+    for (size_t w = 0; w < words_for(lights.count); ++w) {
         columns16(wanted, first, w, columns);
         bool any = false;
         for (int j = 0; j < 64; ++j) {
@@ -95,15 +104,6 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
         if (any) or_columns16(visible, first, w, answers);
     }
     return rays;
-}
-
-void ExactOracle::block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                 BitMatrix& visible) {
-    for (size_t row = 0; row < wanted.rows(); ++row) {
-        check_cancelled();
-        block_flag_.piece(
-            [&](Coherence flag) { return row_by_pixel(row, eyes, lights, wanted, visible, flag); });
-    }
 }
 
 /// One eye point towards all its lights, sixteen neighbours of the list at a time. Returns the number of

@@ -18,10 +18,10 @@ enum class PacketOrder {
 
 class ExactOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent. Without a flag, short trials find the faster one.
-    ExactOracle(const RayCaster& caster, float extent, PacketOrder order = PacketOrder::kByLight,
+    /// `extent` is Scene::offset_extent. Without an order or a flag, short trials find the fastest.
+    ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster), extent_(extent), order_(order), block_flag_(flag), pairs_flag_(flag) {}
+        : caster_(caster), extent_(extent), block_plan_(plans(order, flag), {}, 1024), pairs_flag_(flag) {}
 
     void begin_tile(const EyeBlock&) override {}
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
@@ -32,12 +32,13 @@ public:
                  Counters& counters) override;
 
 private:
-    void block_by_light(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible);
+    struct Plan {
+        PacketOrder order;
+        Coherence flag;
+    };
+    static std::vector<Plan> plans(std::optional<PacketOrder> order, std::optional<Coherence> flag);
     size_t rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                            BitMatrix& visible, Coherence flag);
-    void block_by_pixel(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible);
     size_t row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Coherence flag);
 
@@ -49,8 +50,8 @@ private:
 
     const RayCaster& caster_;
     float extent_;
-    PacketOrder order_;
-    CoherenceTrial block_flag_, pairs_flag_;
+    Trial<Plan> block_plan_;
+    CoherenceTrial pairs_flag_;
     // Of `pairs` and `samples`: the connections' direction bins, and their numbers sorted by bin
     std::vector<uint16_t> bin_;
     std::vector<uint32_t> order_by_direction_;

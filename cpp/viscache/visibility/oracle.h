@@ -69,9 +69,20 @@ struct PairOrder {
 
 struct LocalSamples;
 
+/// What eye points would receive from the columns of a block if nothing stood between.
+class Contributions {
+public:
+    virtual ~Contributions() = default;
+    /// Row i gets the bits of the columns whose contribution to the eye point is at most shares[i] times the
+    /// mean of its positive ones.
+    virtual void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const = 0;
+};
+
 class VisibilityOracle {
 public:
     virtual ~VisibilityOracle() = default;
+    /// Says what the columns of the next `block` are worth, or nullptr. An oracle may spend rays by it.
+    virtual void weigh(const Contributions*) {}
     /// Long calls end with `Cancelled` soon after this says so. `control` must outlive the oracle.
     virtual void watch(const Control& control) { control_ = &control; }
     /// Forgets the tile before and learns the eye points of the next one.

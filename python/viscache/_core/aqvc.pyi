@@ -12,6 +12,7 @@ class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
     """
+    by_contribution: bool
     cell_density: str
     env_rule: str
     form: str
@@ -29,7 +30,7 @@ class AqvcParameters:
     vpl_key: str
     def __init__(self, **kwargs) -> None:
         ...
-    def level_list(self, group: typing.SupportsInt | typing.SupportsIndex, *, spp: typing.SupportsInt | typing.SupportsIndex = 1) -> list[float]:
+    def level_list(self, group: typing.SupportsInt | typing.SupportsIndex, *, spp: typing.SupportsInt | typing.SupportsIndex = 1, lift: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> list[float]:
         """
         C_E of every level of a light group, coarse to fine.
         """
@@ -88,6 +89,24 @@ class AqvcParameters:
         ...
     @c_z.setter
     def c_z(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def contribution_lift(self) -> float:
+        ...
+    @contribution_lift.setter
+    def contribution_lift(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def contribution_power(self) -> float:
+        ...
+    @contribution_power.setter
+    def contribution_power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def contribution_slack(self) -> int:
+        ...
+    @contribution_slack.setter
+    def contribution_slack(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
     def digest_bits(self) -> int:
@@ -169,7 +188,7 @@ class TileRun:
         ...
     def begin_tile(self) -> None:
         ...
-    def block(self, lights: dict, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, exact: bool = False) -> tuple:
+    def block(self, lights: dict, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, exact: bool = False, contribution: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None) -> tuple:
         ...
     def pair_order(self) -> tuple:
         ...

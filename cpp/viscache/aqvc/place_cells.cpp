@@ -1,0 +1,120 @@
+#include "viscache/aqvc/place_cells.h"
+
+namespace viscache {
+namespace {
+
+constexpr size_t kGroup = 16;
+/// Below this the floor is found by adding and taking away 1.5·2^52.
+constexpr double kExact = 0x1p51;
+
+typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
+#define VISCACHE_INLINE inline __attribute__((always_inline))
+
+struct Group {
+    const double *x, *y, *z, *scale;
+    double offset_x, offset_y, offset_z, c_z;
+    double *cell_x, *cell_y, *cell_z, *distance2;
+};
+
+VISCACHE_INLINE Lanes load(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
+VISCACHE_INLINE void store(double* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
+VISCACHE_INLINE Lanes floor_small(Lanes v) {
+    const Lanes rounded = (v + 0x1.8p52) - 0x1.8p52;
+    return rounded - (rounded > v ? Lanes{} + 1 : Lanes{});
+}
+
+/// CellGrid::cell and distance2_to_center in the same order of operations. False if a coordinate is too large
+/// for `floor_small`, or not a number.
+VISCACHE_INLINE bool place_body(const Group& g) {
+    bool small = true;
+    for (size_t i = 0; i < kGroup; i += 8) {
+        const Lanes s = load(g.scale + i);
+        const Lanes fx = load(g.x + i) * s + g.offset_x, fy = load(g.y + i) * s + g.offset_y;
+        const Lanes fz = load(g.z + i) * s * g.c_z + g.offset_z;
+        const Lanes x = floor_small(fx), y = floor_small(fy), z = floor_small(fz);
+        const Lanes ax = fx - x - 0.5, ay = fy - y - 0.5;
+        store(g.cell_x + i, x), store(g.cell_y + i, y), store(g.cell_z + i, z);
+        store(g.distance2 + i, ax * ax + ay * ay);
+        for (const Lanes& v : {fx, fy, fz}) {
+            const auto fits = (v > -kExact) & (v < kExact);
+            small &= (fits[0] & fits[1] & fits[2] & fits[3] & fits[4] & fits[5] & fits[6] & fits[7]) != 0;
+        }
+    }
+    return small;
+}
+
+bool place_portable(const Group& g) { return place_body(g); }
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX2 bool place_avx2(const Group& g) { return place_body(g); }
+VISCACHE_TARGET_AVX512 bool place_avx512(const Group& g) { return place_body(g); }
+#endif
+#undef VISCACHE_INLINE
+
+auto place_kernel([[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return place_avx512;
+    if (isa == Isa::kAvx2) return place_avx2;
+#endif
+    return place_portable;
+}
+
+}  // namespace
+
+void CellPlacer::begin(const TileAnchors& tile) {
+    tile_ = &tile;
+    const size_t n = (tile.size() + kGroup - 1) / kGroup * kGroup;
+    for (auto* v : {&x_, &y_, &z_, &root_}) v->assign(n, 0.0);
+    for (size_t i = 0; i < tile.size(); ++i) {
+        if (!tile.usable[i]) continue;
+        const Anchor& a = tile.anchor[i];
+        x_[i] = a.x, y_[i] = a.y, z_[i] = a.z;
+        root_[i] = resolution_eye(tile.eyes->density[i], 1.0, tile.grid->radius());
+    }
+}
+
+void CellPlacer::place(double c_e, PlacedLevel& out, ClampCounts& clamps, Isa isa) {
+    const CellGrid& grid = *tile_->grid;
+    const auto kernel = place_kernel(isa);
+    const auto& o = grid.offset();
+    out.resize(x_.size());
+    for (size_t i = 0; i < x_.size(); i += kGroup) {
+        const size_t end = std::min(i + kGroup, tile_->size());
+        if (tile_->jitters(c_e)) {
+            place_singly(c_e, i, end, out, clamps);
+            continue;
+        }
+        find_rungs(c_e, i, end, out.slot.data(), clamps);
+        const Group g{&x_[i], &y_[i],     &z_[i],    scale_,    o[0],      o[1],
+                      o[2],   grid.c_z(), &out.x[i], &out.y[i], &out.z[i], &out.distance2[i]};
+        ClampCounts counted_already;
+        if (!kernel(g)) place_singly(c_e, i, end, out, counted_already);
+    }
+}
+
+/// Slots and scales of up to sixteen eye points.
+void CellPlacer::find_rungs(double c_e, size_t first, size_t last, int32_t* slot, ClampCounts& clamps) {
+    const CellGrid& grid = *tile_->grid;
+    for (size_t i = first; i < last; ++i) {
+        if (!tile_->usable[i]) {
+            scale_[i - first] = 0;
+            continue;
+        }
+        const Rung& rung = grid.ladder.rung_near(root_[i] / c_e, rung_, clamps);
+        slot[i] = rung.slot, scale_[i - first] = grid.scale(rung);
+    }
+    for (size_t i = last; i < first + kGroup; ++i) scale_[i - first] = 0;
+}
+
+/// As TileAnchors::cell says: where the kernel does not reach.
+void CellPlacer::place_singly(double c_e, size_t first, size_t last, PlacedLevel& out,
+                              ClampCounts& clamps) const {
+    for (size_t i = first; i < last; ++i) {
+        if (!tile_->usable[i]) continue;
+        const PlacedCell p = tile_->cell(i, c_e, clamps);
+        out.slot[i] = p.cell.slot;
+        out.x[i] = double(p.cell.x), out.y[i] = double(p.cell.y), out.z[i] = double(p.cell.z);
+        out.distance2[i] = distance2_to_center(p);
+    }
+}
+
+}  // namespace viscache

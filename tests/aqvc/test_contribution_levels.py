@@ -1,0 +1,134 @@
+"""C_E by contribution: dim connections at coarse cells, bright ones at fine ones."""
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from aqvc import tiles
+from aqvc.test_waves import grid_of
+from reference import aqvc as reference
+from viscache import _core
+
+ON = {"by_contribution": True, "level_step": 2}
+
+
+def weighed_tile(kind, n, c_e, **options):
+    """A tile, and contributions whose float sums are exact in any order."""
+    eyes, far = tiles.eye_points(), tiles.lights(kind, n)
+    wanted = tiles.facing(eyes, far)
+    f = np.random.default_rng(4).integers(1, 1000, wanted.shape).astype(np.float32) * wanted
+    return eyes, far, wanted, f, tiles.tile_run(eyes, c_e=c_e, **ON, **options)
+
+
+@pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
+@pytest.mark.parametrize(
+    ("c_e", "lift", "power", "slack"),
+    [(8, 2, 2.5, 1), (8, 4, 1.5, 0), (16, 1, 0.7, 2), (6, 8, 5, 0), (24, 2, 2.5, 0)],
+)
+def test_weighed_waves_equal_their_transcription(kind, c_e, lift, power, slack):
+    options = {
+        "contribution_lift": lift,
+        "contribution_power": power,
+        "contribution_slack": slack,
+    }
+    eyes, far, wanted, f, run = weighed_tile(kind, 12, c_e, **options)
+    exact, _ = run.block(far, wanted, exact=True)
+    levels = _core.aqvc.AqvcParameters(c_e=c_e, **ON).level_list(far["group"], lift=lift)
+    worth = reference.Worth(f.astype(np.float64), c_e, 2, power, slack)
+    want = reference.waves(grid_of({}), eyes, levels, exact, wanted, worth)
+    visible, counters = run.block(far, wanted, contribution=f)
+    np.testing.assert_array_equal(visible, want.visible)
+    assert counters["rays_per_level"][: len(levels)] == want.rays_per_level
+    assert counters["leftover_rays"] == want.leftover
+    unweighed, _ = run.block(far, wanted)
+    assert (unweighed != visible).any()
+
+
+def test_equal_contributions_are_asked_at_the_level_of_c_e():
+    _, far, wanted, _, run = weighed_tile("point", 12, 8, contribution_lift=4)
+    rays = run.block(far, wanted, contribution=wanted.astype(np.float32))[1]["rays_per_level"]
+    assert rays[:2] == [0, 0]
+    assert rays[2] > 0
+
+
+def test_lights_that_share_a_column_count_as_the_one_that_answers():
+    """Every light twice: the same bits, and no more rays."""
+    _, far, wanted, f, run = weighed_tile("point", 12, 8)
+    once, counters = run.block(far, wanted, contribution=f)
+    twice = {k: np.concatenate([v, v]) if isinstance(v, np.ndarray) else v for k, v in far.items()}
+    both, merged = run.block(twice, np.tile(wanted, 2), contribution=np.tile(f, 2))
+    np.testing.assert_array_equal(both, np.tile(once, 2))
+    assert merged["rays"] == counters["rays"]
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("value", [0.0, 1e-38, 1e30, np.inf])
+def test_contributions_without_a_mean_leave_all_to_the_finest_level_or_none(value):
+    _, far, wanted, f, run = weighed_tile("point", 12, 8)
+    f[:] = value
+    visible, counters = run.block(far, wanted, contribution=f)
+    assert counters["queries"] == wanted.sum() >= counters["rays"] > 0
+    assert not visible[~wanted].any()
+
+
+def test_contributions_of_another_shape_are_refused():
+    _, far, wanted, f, run = weighed_tile("point", 12, 8)
+    with pytest.raises(ValueError, match=r"contribution must have shape \(eye points, lights\)"):
+        run.block(far, wanted, contribution=f[:, :3])
+
+
+@pytest.fixture(scope="module")
+def room():
+    return vc.scenes.room(triangles=4000)
+
+
+@pytest.fixture(scope="module")
+def frames(room):
+    def frame(visibility, threads=2):
+        whitted = vc.Whitted(n_vpls=40)
+        return vc.render(room, whitted, size=(96, 64), visibility=visibility, threads=threads)
+
+    return frame
+
+
+def test_a_weighed_frame_has_the_same_bytes_for_any_number_of_threads(frames):
+    setting = vc.Aqvc(c_e=8, by_contribution=True, level_step=2.0)
+    shas = {frames(setting, threads).sha256 for threads in (1, 2, 3)}
+    assert len(shas) == 1
+
+
+def test_a_weighed_frame_becomes_exact_as_c_e_falls(frames):
+    """T1: every eye sample alone in its cell."""
+    cached = frames(vc.Aqvc(c_e=1e-3, by_contribution=True, refinement="on"))
+    exact = frames(vc.Exact())
+    np.testing.assert_array_equal(cached.image, exact.image)
+    assert cached.counters["rays"] == cached.counters["queries"]
+
+
+def test_the_fast_preset_errs_less_with_fewer_rays():
+    """The claim, with measured room: 0.78 times the rays, 0.95 times the error."""
+    room, whitted = vc.scenes.room(triangles=20000), vc.Whitted(n_vpls=64)
+    settings = (
+        vc.Exact(),
+        vc.Aqvc(c_e=10, refinement="on"),
+        vc.Aqvc(preset="fast", c_e=12, c_finest=3.0),
+    )
+    exact, plain, fast = (
+        vc.render(room, whitted, size=(192, 128), spp=4, visibility=v) for v in settings
+    )
+    assert fast.counters["rays"] < 0.85 * plain.counters["rays"]
+    error = [vc.metrics.compare(f, exact).rel_l1 or 0.0 for f in (plain, fast)]
+    assert error[1] < error[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("contribution_power", 0.0, r"contribution_power must be in \[0.1, 100\]"),
+        ("contribution_lift", 0.5, r"contribution_lift must be in \[1, 1024\]"),
+        ("contribution_slack", -1, r"contribution_slack must be in \[0, 32\]"),
+    ],
+)
+def test_settings_out_of_range_are_refused(name, value, message):
+    with pytest.raises(ValueError, match=message):
+        vc.Aqvc(**{name: value})
