@@ -18,6 +18,7 @@ from viscache.settings import NotThereYetError
 SMALL = (
     "rays",
     "frames",
+    "aqvc-apartment",
     "aqvc-frame",
     "aqvc-lookup",
     "memory",

@@ -1,6 +1,7 @@
 #include "viscache/render/frame.h"
 
 #include "viscache/math/morton.h"
+#include "viscache/render/glossy_sums.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/shared_sky.h"
 #include "viscache/render/stage_clock.h"

@@ -4,6 +4,8 @@
 #include "viscache/sampling/hemisphere_batch.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
+#include "viscache/sampling/sphere_batch.h"
+#include "viscache/scene/lobes.h"
 
 namespace viscache {
 
@@ -67,45 +69,110 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
     out.at.close(eye);
 }
 
+namespace {
+
+/// Directions of one eye point with what is known of them, in arrays for SIMD.
+struct SkyBatch {
+    static constexpr size_t kSize = HemisphereBatch::kSize;
+    alignas(64) float x[kSize], y[kSize], z[kSize];
+    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos and its density
+    Rgb radiance[kSize];
+    float pdf_light[kSize];
+};
+
+/// Both techniques share f·cos·L / Σ_t n_t p_t (balance heuristic).
+struct SkySampler {
+    const EnvironmentMap& env;
+    const LobeConstants lobe;
+    Rgb throughput;
+    float n_light, n_brdf;
+
+    /// Keeps what brings something of the first n of the batch, whose directions and light are known.
+    void add(SkyBatch& s, size_t n, WeightedSamples& out, Counters& counters) const {
+        const size_t whole = (n + 15) / 16 * 16;
+        for (size_t i = n; i < whole; ++i) s.x[i] = s.x[0], s.y[i] = s.y[0], s.z[i] = s.z[0];
+        reflect_directions(lobe, {s.x, s.y, s.z, s.r, s.g, s.b, s.pdf_brdf}, whole);
+        const float n_cells = n_light > 0 ? n_light : n_brdf;
+        out.at.make_room(n), out.contribution.resize(out.at.room());
+        for (size_t i = 0; i < n; ++i) {
+            const float density = n_light * s.pdf_light[i] + n_brdf * s.pdf_brdf[i];
+            const Rgb value = throughput * Rgb{s.r[i], s.g[i], s.b[i]} * s.radiance[i] * (1 / density);
+            const float sum = value.x + value.y + value.z;
+            out.contribution[out.at.next()] = value;
+            const bool lit = s.r[i] + s.g[i] + s.b[i] > 0 && density > 0, finite = sum - sum == 0;
+            out.at.put({s.x[i], s.y[i], s.z[i]}, density, n_cells * s.pdf_light[i], lit && finite && sum > 0);
+            counters.non_finite += lit && !finite;
+        }
+        out.at.trim(), out.contribution.resize(out.at.size());
+    }
+};
+
+/// Directions by the environment's radiance.
+void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int n, SkyBatch& batch,
+                       WeightedSamples& out, Counters& counters) {
+    Vec2 points[SkyBatch::kSize];
+    EnvironmentMap::Sample drawn[SkyBatch::kSize];
+    for (int first = 0; first < n; first += int(SkyBatch::kSize)) {
+        const size_t count = std::min(SkyBatch::kSize, size_t(n - first));
+        if (sampler.env.is_constant()) {
+            sphere_batch(numbers.sx, numbers.sy, uint32_t(first), SkyBatch::kSize, batch.x, batch.y, batch.z);
+            std::fill_n(batch.radiance, count, sampler.env.eval({}));
+            std::fill_n(batch.pdf_light, count, sampler.env.pdf({}));
+        } else {
+            for (size_t i = 0; i < count; ++i) points[i] = numbers.position(first + int(i));
+            sampler.env.sample({points, count}, {drawn, count});
+            for (size_t i = 0; i < count; ++i) {
+                batch.x[i] = drawn[i].wi.x, batch.y[i] = drawn[i].wi.y, batch.z[i] = drawn[i].wi.z;
+                batch.radiance[i] = drawn[i].radiance, batch.pdf_light[i] = drawn[i].pdf;
+            }
+        }
+        sampler.add(batch, count, out, counters);
+    }
+}
+
+/// Directions by the BRDF.
+void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const EyeSamples& numbers, int n,
+                      SkyBatch& batch, WeightedSamples& out, Counters& counters) {
+    const HemisphereSequence cosines{numbers.sx, numbers.sy, frame_around(sp.ns), true};
+    HemisphereBatch drawn;
+    Vec3 wi[SkyBatch::kSize];
+    EnvironmentMap::Sample light[SkyBatch::kSize];
+    for (int first = 0; first < n; first += int(SkyBatch::kSize)) {
+        const int last = std::min(n, first + int(SkyBatch::kSize));
+        size_t count = 0;
+        if (!sampler.lobe.glossy) {
+            hemisphere_batch(cosines, uint32_t(first), drawn);
+            for (; count < size_t(last - first); ++count)
+                wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
+        } else {
+            for (int i = first; i < last; ++i)
+                if (const auto s = sample_bsdf(sp, numbers.choice(i), numbers.position(i))) wi[count++] = s->wi;
+        }
+        if (count == 0) continue;
+        sampler.env.look_up({wi, count}, {light, count});
+        for (size_t i = 0; i < count; ++i) {
+            batch.x[i] = wi[i].x, batch.y[i] = wi[i].y, batch.z[i] = wi[i].z;
+            batch.radiance[i] = light[i].radiance, batch.pdf_light[i] = light[i].pdf;
+        }
+        sampler.add(batch, count, out, counters);
+    }
+}
+
+}  // namespace
+
 void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                              const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                              Counters& counters) {
     const EnvironmentMap& env = *scene.environment();
     const ShadingPoint& sp = eyes.shading[eye];
-    const Rgb throughput = eyes.throughput[eye];
-    const float n_light = float(settings.n_environment), n_brdf = float(settings.n_brdf);
-    const float n_cells = n_light > 0 ? n_light : n_brdf;
-    // Balance heuristic: both techniques share f·cos·L / Σ_t n_t p_t.
-    auto add = [&](Vec3 wi, Rgb radiance, float pdf_light, float pdf_brdf, float p_even) {
-        const float cos = dot(sp.ns, wi);
-        if (!(cos > 0 && dot(sp.ng, wi) > 0)) return;
-        const float density = n_light * pdf_light + n_brdf * pdf_brdf;
-        out.add(wi, throughput * eval_bsdf(sp, wi) * radiance * (cos / density), density, n_cells * p_even,
-                counters);
-    };
-    const EyeSamples light(seed, Purpose::kEnvironmentLight, eyes.stream[eye]);
-    constexpr int kBatch = 32;
-    Vec2 points[kBatch];
-    EnvironmentMap::Sample drawn[kBatch];
-    for (int first = 0; first < settings.n_environment; first += kBatch) {
-        const size_t count = size_t(std::min(kBatch, settings.n_environment - first));
-        for (size_t i = 0; i < count; ++i) points[i] = light.position(first + int(i));
-        env.sample({points, count}, {drawn, count});
-        for (const auto& s : std::span(drawn, count))
-            if (s.pdf > 0) add(s.wi, s.radiance, s.pdf, n_brdf > 0 ? pdf_bsdf(sp, s.wi) : 0.f, s.pdf);
-    }
-    const EyeSamples brdf(seed, Purpose::kBrdf, eyes.stream[eye]);
-    Vec3 wi[kBatch];
-    float pdf[kBatch];
-    for (int first = 0; first < settings.n_brdf; first += kBatch) {
-        size_t count = 0;
-        for (int i = first; i < std::min(settings.n_brdf, first + kBatch); ++i) {
-            const auto s = sample_bsdf(sp, brdf.choice(i), brdf.position(i));
-            if (s && s->pdf > 0) wi[count] = s->wi, pdf[count++] = s->pdf;
-        }
-        env.look_up({wi, count}, {drawn, count});
-        for (size_t i = 0; i < count; ++i)
-            add(wi[i], drawn[i].radiance, n_light > 0 ? drawn[i].pdf : 0.f, pdf[i], drawn[i].pdf);
+    const SkySampler sampler{env, lobe_constants(sp), eyes.throughput[eye], float(settings.n_environment),
+                             float(settings.n_brdf)};
+    if (!sampler.lobe.black) {
+        SkyBatch batch;
+        add_light_samples(sampler, EyeSamples(seed, Purpose::kEnvironmentLight, eyes.stream[eye]),
+                          settings.n_environment, batch, out, counters);
+        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes.stream[eye]), settings.n_brdf, batch,
+                         out, counters);
     }
     out.at.close(eye);
 }

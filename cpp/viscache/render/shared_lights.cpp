@@ -90,36 +90,6 @@ Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     }
 }
 
-namespace {
-
-/// g and unit direction of one column, by the kernels' formulas.
-float geometry_of(const SharedLights& s, const EyeShade& eye, size_t k, Vec3& wi) {
-    const FarEnds& e = s.ends;
-    const Vec3 far{e.x[k], e.y[k], e.z[k]};
-    if (e.semantic == Semantic::kDirection || e.semantic == Semantic::kSolidAngle) {
-        wi = far;
-        return std::max(0.f, dot(eye.ns, wi));
-    }
-    const Vec3 d = far - eye.position;
-    const float d2 = length2(d), distance = std::sqrt(d2), shading = std::max(0.f, dot(eye.ns, d));
-    wi = d / distance;
-    if (e.semantic == Semantic::kPoint) return shading / (d2 * distance);
-    const float far_cos = std::max(0.f, -dot({e.nx[k], e.ny[k], e.nz[k]}, d));
-    return shading * far_cos / (d2 * (d2 + s.bound2));
-}
-
-}  // namespace
-
-Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row) {
-    Rgb sum;
-    for_each_bit({row, row_words_for(s.ends.count)}, [&](size_t k) {
-        Vec3 wi;
-        const float g = geometry_of(s, eye, k, wi);
-        sum += eval_bsdf(brdf, wi) * Rgb{s.r[k], s.g[k], s.b[k]} * g;
-    });
-    return sum;
-}
-
 void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
     FarEnds& e = ends;
     e.x.push_back(p.x), e.y.push_back(p.y), e.z.push_back(p.z);

@@ -43,8 +43,4 @@ void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<con
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);
 
-/// The same with a full BRDF: Σ f(wi_k) · g_k · value_k.
-Rgb sum_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf,
-                   const Word* row);
-
 }  // namespace viscache

@@ -27,13 +27,16 @@ float diffuse_entry(const ShadingPoint& sp, float cos_i) {
     return kEntry * (1 - schlick(Rgb{}, cos_i).x);
 }
 
-/// Probability of sampling the glossy lobe.
+}  // namespace
+
 float glossy_share(const ShadingPoint& sp) {
     if (sp.kind != MaterialKind::kGlossy) return 0;
     const float cos_o = dot(sp.ns, sp.wo);
     const float glossy = luminance(schlick(sp.specular, cos_o)), diffuse = luminance(under_lobe(sp, cos_o));
     return glossy > 0 ? glossy / (glossy + diffuse) : 0.f;
 }
+
+namespace {
 
 struct Reflection {
     Rgb f;

@@ -34,6 +34,9 @@ float pdf_bsdf(const ShadingPoint& sp, Vec3 wi);
 /// Albedo of the diffuse part alone for light from wo: base, under a glossy lobe 0.997 base (1 − F(cos_o)).
 Rgb diffuse_albedo(const ShadingPoint& sp);
 
+/// Probability that `sample_bsdf` samples the glossy lobe.
+float glossy_share(const ShadingPoint& sp);
+
 struct BsdfSample {
     Vec3 wi;
     Rgb weight;  ///< f·cos/pdf

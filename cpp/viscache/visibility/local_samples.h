@@ -35,6 +35,21 @@ struct LocalSamples {
         x.push_back(to.x), y.push_back(to.y), z.push_back(to.z);
         density.push_back(all_techniques), light_density.push_back(light_alone);
     }
+    // Many at once, without branches: room for n more, then each put or not, then trimmed.
+    void make_room(size_t n) {
+        count_ = size();
+        for (auto* v : {&x, &y, &z, &density, &light_density}) v->resize(count_ + n + 1);
+    }
+    size_t room() const { return x.size(); }
+    size_t next() const { return count_; }
+    void put(Vec3 to, float all_techniques, float light_alone, bool keep) {
+        x[count_] = to.x, y[count_] = to.y, z[count_] = to.z;
+        density[count_] = all_techniques, light_density[count_] = light_alone;
+        count_ += keep;
+    }
+    void trim() {
+        for (auto* v : {&x, &y, &z, &density, &light_density}) v->resize(count_);
+    }
     /// The samples added since the last call are this eye point's.
     void close(uint32_t eye_point) { eye.push_back(eye_point), end.push_back(uint32_t(size())); }
 
@@ -50,6 +65,9 @@ struct LocalSamples {
         if (is_direction()) return {eyes.origin[eye_point], 0, far(i), t_max};
         return segment_to_point(eyes.origin[eye_point], ray_end[i], extent);
     }
+
+private:
+    size_t count_ = 0;  ///< while there is room
 };
 
 /// Calls visit(eye point, sample) for all samples.

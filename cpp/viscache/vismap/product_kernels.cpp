@@ -7,39 +7,6 @@ namespace {
 
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
-VISCACHE_INLINE void diffuse_body(const LobeConstants& k, const float* x, const float* y, const float* z,
-                                  RgbBlock& out) {
-    for (int i = 0; i < 16; ++i) {
-        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
-        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
-        const float cos = c > 0 && g > 0 ? c : 0.f;
-        out.r[i] = k.diffuse.x * cos, out.g[i] = k.diffuse.y * cos, out.b[i] = k.diffuse.z * cos;
-    }
-}
-
-/// The terms of `eval_bsdf`, written without branches. With w·h = |w + o|/2 for the half vector h.
-VISCACHE_INLINE void glossy_body(const LobeConstants& k, const float* x, const float* y, const float* z,
-                                 RgbBlock& out) {
-    for (int i = 0; i < 16; ++i) {
-        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
-        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
-        const float o = (k.wo.x * x[i] + k.wo.y * y[i]) + k.wo.z * z[i];
-        const bool above = c > 0 && g > 0;
-        const float cos = above ? c : 1.f;  // anything harmless
-        const float l2 = 2 + 2 * o, sum2 = l2 > 1e-12f ? l2 : 1e-12f, sum = __builtin_sqrtf(sum2);
-        const float ch = (cos + k.cos_o) / sum, ch2 = ch < 1 ? ch * ch : 1.f;
-        const float t = (1 - ch2) + k.alpha2 * ch2;
-        const float d = k.alpha2 / (kPi * t * t);
-        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
-        const float lobe = d * k.outgoing * (2 * cos / (cos + root));
-        const float m = 1 - 0.5f * sum, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
-        const float e = 1 - cos, entry = (1 - e * e * e * e * e) * cos, on = above ? 1.f : 0.f;
-        out.r[i] = on * (k.diffuse.x * entry + (k.f0.x + (1 - k.f0.x) * m5) * lobe);
-        out.g[i] = on * (k.diffuse.y * entry + (k.f0.y + (1 - k.f0.y) * m5) * lobe);
-        out.b[i] = on * (k.diffuse.z * entry + (k.f0.z + (1 - k.f0.z) * m5) * lobe);
-    }
-}
-
 VISCACHE_INLINE void above_body(const LobeConstants& k, const float* x, const float* y, const float* z,
                                 const float* sine, uint8_t* above, size_t n) {
     for (size_t i = 0; i < n; ++i) {
@@ -111,11 +78,11 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
     struct Name {                                                                                          \
         TARGET static void diffuse(const LobeConstants& k, const float* x, const float* y, const float* z, \
                                    RgbBlock& o) {                                                          \
-            diffuse_body(k, x, y, z, o);                                                                   \
+            diffuse16(k, x, y, z, o);                                                                   \
         }                                                                                                  \
         TARGET static void glossy(const LobeConstants& k, const float* x, const float* y, const float* z,  \
                                   RgbBlock& o) {                                                           \
-            glossy_body(k, x, y, z, o);                                                                    \
+            glossy16(k, x, y, z, o);                                                                    \
         }                                                                                                  \
         TARGET static void above(const LobeConstants& k, const float* x, const float* y, const float* z,   \
                                  const float* s, uint8_t* a, size_t n) {                                   \

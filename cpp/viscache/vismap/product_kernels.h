@@ -3,26 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "viscache/math/isa.h"
-#include "viscache/math/vec.h"
+#include "viscache/scene/lobes.h"
 
 namespace viscache {
-
-/// Sixteen colours.
-struct RgbBlock {
-    alignas(64) float r[16];
-    alignas(64) float g[16];
-    alignas(64) float b[16];
-};
-
-/// Reflection at one point with everything that no incoming direction changes.
-struct LobeConstants {
-    Vec3 ns, ng, wo;
-    Rgb diffuse;  ///< diffuse part of f, under a lobe without its factor 1 − (1 − cos_i)⁵
-    Rgb f0;       ///< of the lobe
-    float cos_o = 0, alpha2 = 1;
-    float outgoing = 0;  ///< G1(cos_o)/(4 cos_o)
-};
 
 struct ProductKernels {
     /// f·cos of a diffuse or a glossy surface for sixteen unit directions.

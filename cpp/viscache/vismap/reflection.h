@@ -22,14 +22,13 @@ public:
 /// Diffuse and glossy surfaces: `eval_bsdf`·cos up to float rounding, sixteen directions at a time.
 class SurfaceReflection final : public Reflection {
 public:
-    explicit SurfaceReflection(const ShadingPoint& point);
+    explicit SurfaceReflection(const ShadingPoint& point) : lobe_(lobe_constants(point)) {}
     void sample(int level, uint32_t first, RgbBlock& out) const override;
     void touched(int level, uint32_t first, std::span<uint8_t> touched) const override;
-    bool black() const override { return black_; }
+    bool black() const override { return lobe_.black; }
 
 private:
     LobeConstants lobe_;
-    bool black_, glossy_;
 };
 
 }  // namespace viscache

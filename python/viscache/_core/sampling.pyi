@@ -9,7 +9,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'diffuse_albedo', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'hemisphere_batch', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
+__all__: list[str] = ['Distribution1D', 'EnvironmentMap', 'PatternKind', 'ShadingPoint', 'diffuse_albedo', 'direction_pattern', 'direction_to_equal_area', 'direction_to_octahedral', 'equal_area_to_direction', 'eval_bsdf', 'fresnel_dielectric', 'ggx_d', 'glossy_sum', 'hemisphere_batch', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'radical_inverse', 'random', 'random_u32', 'reflect_directions', 'refract', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'smith_g1', 'smith_g2', 'sobol02', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere']
 class EnvironmentMap:
     """
     Environment light on the equal-area octahedral map.
@@ -116,6 +116,10 @@ def ggx_d(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], alpha: typ
     """
     Density of microfacet normals (N, 3), local frame.
     """
+def glossy_sum(sp: ShadingPoint, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], value: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], bound2: typing.SupportsFloat | typing.SupportsIndex, seen: collections.abc.Sequence[bool], isa: str | None = None) -> tuple:
+    """
+    Sum of f·g·value over the columns that are seen.
+    """
 def hemisphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex, normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: bool = True, isa: str | None = None) -> tuple:
     """
     The first 32 directions (N, 3) of a randomised (0,2)-sequence around a normal, and their cosines.
@@ -160,6 +164,10 @@ def random_u32(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], cou
     """
     First `count` numbers of each stream; keys (N, 4) are (seed, purpose, pixel, pass). (N, count) uint32.
     """
+def reflect_directions(sp: ShadingPoint, wi: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, isa: str | None = None) -> tuple:
+    """
+    f·cos (N, 3) and densities of `sample_bsdf` (N,).
+    """
 def refract(wo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], eta_ratio: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Refracted directions (N, 3); NaN: total reflection.
@@ -191,6 +199,10 @@ def smith_g2(cos_i: typing.SupportsFloat | typing.SupportsIndex, cos_o: typing.S
 def sobol02(index: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Points of the Owen-scrambled (0, 2)-sequence, (N, 2) in [0, 1).
+    """
+def sphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex, *, first: typing.SupportsInt | typing.SupportsIndex = 0, n: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.
     """
 def square_to_cosine_hemisphere(u: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from viscache.bench.aqvc_apartment import aqvc_apartment
 from viscache.bench.aqvc_frame import aqvc_frame
 from viscache.bench.aqvc_lookup import aqvc_lookup
 from viscache.bench.common import Outcome, machine
@@ -50,6 +51,10 @@ BENCHES: dict[str, BenchInfo] = {
     "aqvc-frame": BenchInfo(
         description="whole frames with the quantized cache against exact frames",
         function=aqvc_frame,
+    ),
+    "aqvc-apartment": BenchInfo(
+        description="24 lamps, 1024 virtual lights and 256 sky samples with the quantized cache",
+        function=aqvc_apartment,
     ),
     "aqvc-lookup": BenchInfo(
         description="nanoseconds per query of each form of the quantized cache, beside one ray",

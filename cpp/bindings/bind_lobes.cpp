@@ -1,0 +1,73 @@
+// Reflection and directions by the batch, by one instruction set; for tests.
+#include <pybind11/stl.h>
+
+#include "isa_argument.h"
+#include "rows.h"
+#include "viscache/render/glossy_sums.h"
+#include "viscache/sampling/sphere_batch.h"
+#include "viscache/scene/lobes.h"
+
+namespace viscache::bindings {
+namespace {
+
+using IsaName = std::optional<std::string>;
+
+struct Arrays {
+    std::vector<float> x, y, z;
+    explicit Arrays(size_t n) : x(n), y(n), z(n) {}
+    std::vector<Vec3> rows(size_t n) const {
+        std::vector<Vec3> out;
+        for (size_t i = 0; i < n; ++i) out.push_back({x[i], y[i], z[i]});
+        return out;
+    }
+};
+
+py::tuple reflected(const ShadingPoint& sp, const FloatArray& wi, const IsaName& isa) {
+    const auto w = vec3s(wi, "wi");
+    const size_t n = (w.size() + 15) / 16 * 16;
+    Arrays d(n), f(n);
+    std::vector<float> pdf(n);
+    for (size_t i = 0; i < w.size(); ++i) d.x[i] = w[i].x, d.y[i] = w[i].y, d.z[i] = w[i].z;
+    reflect_directions(
+        lobe_constants(sp),
+        {d.x.data(), d.y.data(), d.z.data(), f.x.data(), f.y.data(), f.z.data(), pdf.data()}, n, isa_of(isa));
+    return py::make_tuple(from_vec3s(f.rows(w.size())), py::array_t<float>(w.size(), pdf.data()));
+}
+
+py::array_t<float> sphere(uint32_t scramble_x, uint32_t scramble_y, uint32_t first, size_t n,
+                          const IsaName& isa) {
+    Arrays d((n + 15) / 16 * 16);
+    sphere_batch(scramble_x, scramble_y, first, d.x.size(), d.x.data(), d.y.data(), d.z.data(), isa_of(isa));
+    return from_vec3s(d.rows(n));
+}
+
+py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int semantic,
+                     const FloatArray& far, const FloatArray& normal, const FloatArray& value, float bound2,
+                     const std::vector<bool>& seen, const IsaName& isa) {
+    const auto y = vec3s(far, "far"), m = vec3s(normal, "normal"), v = vec3s(value, "value");
+    SharedLights lights;
+    lights.ends.semantic = Semantic(semantic), lights.bound2 = bound2;
+    for (size_t k = 0; k < y.size(); ++k) lights.add(y[k], m.at(k), y[k], v.at(k), 0);
+    lights.pad();
+    BitMatrix row(1, y.size());
+    for (size_t k = 0; k < y.size(); ++k)
+        if (seen.at(k)) row.set(0, k);
+    const Rgb sum = sum_row_glossy(lights, {vec3(position), sp.ng, sp.ns}, sp, row.row(0), isa_of(isa));
+    return py::make_tuple(sum.x, sum.y, sum.z);
+}
+
+}  // namespace
+
+void bind_lobes(py::module_& m) {
+    py::module_ s = m.attr("sampling").cast<py::module_>();
+    s.def("reflect_directions", &reflected, py::arg("sp"), py::arg("wi"), py::kw_only(),
+          py::arg("isa") = py::none(), "f·cos (N, 3) and densities of `sample_bsdf` (N,).");
+    s.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
+          py::arg("first") = 0, py::arg("n"), py::arg("isa") = py::none(),
+          "Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.");
+    s.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
+          py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
+          py::arg("isa") = py::none(), "Sum of f·g·value over the columns that are seen.");
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,94 @@
+#include "viscache/render/glossy_sums.h"
+
+#include "viscache/scene/lobes.h"
+
+namespace viscache {
+namespace {
+
+#define VISCACHE_INLINE inline __attribute__((always_inline))
+
+/// Unit directions to the sixteen columns from k on, and what multiplies f·cos.
+template <Semantic kSemantic>
+VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z, float* scale) {
+    const FarEnds& e = s.ends;
+    for (size_t i = 0; i < 16; ++i) {
+        if constexpr (kSemantic == Semantic::kDirection) {
+            x[i] = e.x[k + i], y[i] = e.y[k + i], z[i] = e.z[k + i], scale[i] = 1;
+        } else {
+            const float dx = e.x[k + i] - p.x, dy = e.y[k + i] - p.y, dz = e.z[k + i] - p.z;
+            const float d2 = dx * dx + dy * dy + dz * dz, inverse = 1 / __builtin_sqrtf(d2);
+            x[i] = dx * inverse, y[i] = dy * inverse, z[i] = dz * inverse;
+            if constexpr (kSemantic == Semantic::kPoint) {
+                scale[i] = 1 / d2;
+            } else {
+                const float far_cos =
+                    -(e.nx[k + i] * x[i] + e.ny[k + i] * y[i] + e.nz[k + i] * z[i]);
+                scale[i] = (far_cos > 0 ? far_cos : 0.f) / (d2 + s.bound2);
+            }
+        }
+    }
+}
+
+template <Semantic kSemantic>
+VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                           const Word* row) {
+    alignas(64) float x[16], y[16], z[16], scale[16], r[16] = {}, g[16] = {}, b[16] = {};
+    RgbBlock f;
+    for (size_t w = 0; w < row_words_for(s.ends.count); ++w)
+        for (size_t q = 0; q < kWordBits && row[w] >> q; q += 16) {
+            const uint32_t mask = row[w] >> q & 0xffff;
+            if (!mask) continue;
+            const size_t k = w * kWordBits + q;
+            aim<kSemantic>(s, eye.position, k, x, y, z, scale);
+            glossy16(lobe, x, y, z, f);
+            for (uint32_t i = 0; i < 16; ++i) {
+                // Columns without a bit may hold anything
+                const bool seen = mask >> i & 1;
+                const float fr = seen ? f.r[i] * scale[i] : 0.f, fg = seen ? f.g[i] * scale[i] : 0.f,
+                            fb = seen ? f.b[i] * scale[i] : 0.f;
+                r[i] += fr * s.r[k + i], g[i] += fg * s.g[k + i], b[i] += fb * s.b[k + i];
+            }
+        }
+    for (size_t step = 8; step; step /= 2)
+        for (size_t i = 0; i < step; ++i) r[i] += r[i + step], g[i] += g[i + step], b[i] += b[i + step];
+    return {r[0], g[0], b[0]};
+}
+
+VISCACHE_INLINE Rgb sum_body(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                             const Word* row) {
+    switch (s.ends.semantic) {
+        case Semantic::kPoint: return sum_as<Semantic::kPoint>(s, eye, lobe, row);
+        case Semantic::kDirection:
+        case Semantic::kSolidAngle: return sum_as<Semantic::kDirection>(s, eye, lobe, row);
+        case Semantic::kSurface: return sum_as<Semantic::kSurface>(s, eye, lobe, row);
+    }
+    return {};
+}
+
+#undef VISCACHE_INLINE
+
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX512 Rgb sum_avx512(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                      const Word* row) {
+    return sum_body(s, eye, lobe, row);
+}
+VISCACHE_TARGET_AVX2 Rgb sum_avx2(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                  const Word* row) {
+    return sum_body(s, eye, lobe, row);
+}
+#endif
+
+}  // namespace
+
+Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row,
+                   [[maybe_unused]] Isa isa) {
+    const LobeConstants lobe = lobe_constants(brdf);
+    if (lobe.black) return {};
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return sum_avx512(s, eye, lobe, row);
+    if (isa == Isa::kAvx2) return sum_avx2(s, eye, lobe, row);
+#endif
+    return sum_body(s, eye, lobe, row);
+}
+
+}  // namespace viscache

@@ -1,0 +1,64 @@
+#include "viscache/scene/lobes.h"
+
+#include <cstring>
+
+namespace viscache {
+
+LobeConstants lobe_constants(const ShadingPoint& p) {
+    LobeConstants k;
+    k.glossy = p.kind == MaterialKind::kGlossy;
+    const bool reflects = k.glossy || p.kind == MaterialKind::kDiffuse;
+    const float cos_o = dot(p.ns, p.wo);
+    k.black = !reflects || !(cos_o > 0 && dot(p.ng, p.wo) > 0) || is_black(p);
+    k.ns = p.ns, k.ng = p.ng, k.wo = p.wo;
+    // Under a lobe `diffuse_albedo` is the mean over cosines of what grows with 1 − (1 − cos)⁵, 20/21 of it
+    k.diffuse = diffuse_albedo(p) * ((k.glossy ? 21.f / 20 : 1.f) / kPi);
+    k.f0 = p.specular, k.cos_o = cos_o, k.alpha2 = p.roughness * p.roughness;
+    k.outgoing = k.black ? 0.f : smith_g1(cos_o, p.roughness) / (4 * cos_o);
+    k.share = k.black ? 0.f : glossy_share(p);
+    return k;
+}
+
+namespace {
+
+inline __attribute__((always_inline)) void reflect_body(const LobeConstants& k, const ReflectedDirections& d,
+                                                        size_t n) {
+    RgbBlock block;
+    for (size_t i = 0; i < n; i += 16) {
+        if (k.glossy) {
+            glossy16(k, d.x + i, d.y + i, d.z + i, block);
+            density16(k, d.x + i, d.y + i, d.z + i, d.pdf + i);
+        } else {
+            diffuse16(k, d.x + i, d.y + i, d.z + i, block);
+            for (size_t j = 0; j < 16; ++j) {
+                const float c = (k.ns.x * d.x[i + j] + k.ns.y * d.y[i + j]) + k.ns.z * d.z[i + j];
+                const float g = (k.ng.x * d.x[i + j] + k.ng.y * d.y[i + j]) + k.ng.z * d.z[i + j];
+                d.pdf[i + j] = c > 0 && g > 0 ? c * (1 / kPi) : 0.f;
+            }
+        }
+        std::memcpy(d.r + i, block.r, sizeof block.r), std::memcpy(d.g + i, block.g, sizeof block.g);
+        std::memcpy(d.b + i, block.b, sizeof block.b);
+    }
+}
+
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX512 void reflect_avx512(const LobeConstants& k, const ReflectedDirections& d, size_t n) {
+    reflect_body(k, d, n);
+}
+VISCACHE_TARGET_AVX2 void reflect_avx2(const LobeConstants& k, const ReflectedDirections& d, size_t n) {
+    reflect_body(k, d, n);
+}
+#endif
+
+}  // namespace
+
+void reflect_directions(const LobeConstants& lobe, const ReflectedDirections& directions, size_t n,
+                        [[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return reflect_avx512(lobe, directions, n);
+    if (isa == Isa::kAvx2) return reflect_avx2(lobe, directions, n);
+#endif
+    reflect_body(lobe, directions, n);
+}
+
+}  // namespace viscache

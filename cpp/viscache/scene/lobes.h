@@ -1,0 +1,98 @@
+#pragma once
+// Reflection sixteen directions at a time: `eval_bsdf`·cos and `pdf_bsdf` up to float rounding, without
+// branches. Kernels of any instruction set inline the bodies.
+#include <cstddef>
+
+#include "viscache/math/isa.h"
+#include "viscache/scene/bsdf.h"
+
+namespace viscache {
+
+/// Sixteen colours.
+struct RgbBlock {
+    alignas(64) float r[16];
+    alignas(64) float g[16];
+    alignas(64) float b[16];
+};
+
+/// Reflection at one point with everything that no incoming direction changes.
+struct LobeConstants {
+    Vec3 ns, ng, wo;
+    Rgb diffuse;  ///< diffuse part of f, under a lobe without its factor 1 − (1 − cos_i)⁵
+    Rgb f0;       ///< of the lobe
+    float cos_o = 0, alpha2 = 1;
+    float outgoing = 0;  ///< G1(cos_o)/(4 cos_o)
+    float share = 0;     ///< probability of sampling the lobe
+    bool glossy = false;
+    bool black = true;  ///< nothing is reflected, whatever arrives
+};
+
+LobeConstants lobe_constants(const ShadingPoint& point);
+
+/// f·cos of a diffuse surface.
+inline __attribute__((always_inline)) void diffuse16(const LobeConstants& k, const float* x, const float* y,
+                                                     const float* z, RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const float cos = c > 0 && g > 0 ? c : 0.f;
+        out.r[i] = k.diffuse.x * cos, out.g[i] = k.diffuse.y * cos, out.b[i] = k.diffuse.z * cos;
+    }
+}
+
+/// GGX's D at the half vector of two directions on one side of a surface, and |w + o| = 2 w·h. The sine comes
+/// from what is left of the half vector beside the normal: so it keeps its digits on sharp lobes.
+struct HalfVector {
+    float d, sum;
+};
+inline __attribute__((always_inline)) HalfVector half_vector(const LobeConstants& k, float x, float y, float z,
+                                                             float cos_i) {
+    const float hx = k.wo.x + x, hy = k.wo.y + y, hz = k.wo.z + z, along = cos_i + k.cos_o;
+    const float l2 = (hx * hx + hy * hy) + hz * hz, sum2 = l2 > 1e-12f ? l2 : 1e-12f;
+    const float px = hx - k.ns.x * along, py = hy - k.ns.y * along, pz = hz - k.ns.z * along;
+    const float t = ((px * px + py * py) + pz * pz + k.alpha2 * (along * along)) / sum2;
+    return {k.alpha2 / (kPi * t * t), __builtin_sqrtf(sum2)};
+}
+
+/// f·cos of a glossy surface.
+inline __attribute__((always_inline)) void glossy16(const LobeConstants& k, const float* x, const float* y,
+                                                    const float* z, RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const bool above = c > 0 && g > 0;
+        const float cos = above ? c : 1.f;  // anything harmless
+        const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
+        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
+        const float lobe = h.d * k.outgoing * (2 * cos / (cos + root));
+        const float m = 1 - 0.5f * h.sum, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
+        const float e = 1 - cos, entry = (1 - e * e * e * e * e) * cos, on = above ? 1.f : 0.f;
+        out.r[i] = on * (k.diffuse.x * entry + (k.f0.x + (1 - k.f0.x) * m5) * lobe);
+        out.g[i] = on * (k.diffuse.y * entry + (k.f0.y + (1 - k.f0.y) * m5) * lobe);
+        out.b[i] = on * (k.diffuse.z * entry + (k.f0.z + (1 - k.f0.z) * m5) * lobe);
+    }
+}
+
+/// Densities of `sample_bsdf`.
+inline __attribute__((always_inline)) void density16(const LobeConstants& k, const float* x, const float* y,
+                                                     const float* z, float* pdf) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const bool above = c > 0 && g > 0;
+        const float cos = above ? c : 1.f;
+        const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
+        const float both = (1 - k.share) * cos * (1 / kPi) + k.share * h.d * k.outgoing;
+        pdf[i] = above ? both : 0.f;
+    }
+}
+
+/// f·cos and densities of n directions, n a multiple of 16; the same bits from every variant.
+struct ReflectedDirections {
+    const float *x, *y, *z;
+    float *r, *g, *b, *pdf;
+};
+void reflect_directions(const LobeConstants& lobe, const ReflectedDirections& directions, size_t n,
+                        Isa isa = active_isa());
+
+}  // namespace viscache
