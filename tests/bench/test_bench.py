@@ -18,8 +18,8 @@ from viscache.settings import NotThereYetError
 SMALL = (
     "rays",
     "frames",
-    "aqvc-apartment",
     "aqvc-frame",
+    "aqvc-apartment",
     "aqvc-lookup",
     "memory",
     "correlation",
