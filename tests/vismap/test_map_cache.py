@@ -360,5 +360,5 @@ def test_points_that_cannot_be_are_refused_by_name() -> None:
 @pytest.mark.parametrize("mode", ["batch", "locked"])
 def test_ctrl_c_ends_an_update_soon(mode: str) -> None:
     settings = f"vc.MapSettings(m=7, delta_max=0.0, d_max=0.02, r_min_px=0.0, mode={mode!r})"
-    call = f"vc.VisibilityMapCache(scene, {settings}).update(size=(1600, 1200))"
-    assert quickest_stop(call, 2.5) < LIMIT
+    call = f"vc.VisibilityMapCache(scene, {settings}).update(size=(3200, 2400))"
+    assert quickest_stop(call, 1.0) < LIMIT
