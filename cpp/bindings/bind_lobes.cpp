@@ -28,9 +28,9 @@ py::tuple reflected(const ShadingPoint& sp, const FloatArray& wi, const IsaName&
     Arrays d(n), f(n);
     std::vector<float> pdf(n);
     for (size_t i = 0; i < w.size(); ++i) d.x[i] = w[i].x, d.y[i] = w[i].y, d.z[i] = w[i].z;
-    reflect_directions(
-        lobe_constants(sp),
-        {d.x.data(), d.y.data(), d.z.data(), f.x.data(), f.y.data(), f.z.data(), pdf.data()}, n, isa_of(isa));
+    reflect_directions(lobe_constants(sp),
+                       {d.x.data(), d.y.data(), d.z.data(), f.x.data(), f.y.data(), f.z.data(), pdf.data()},
+                       n, isa_of(isa));
     return py::make_tuple(from_vec3s(f.rows(w.size())), py::array_t<float>(w.size(), pdf.data()));
 }
 

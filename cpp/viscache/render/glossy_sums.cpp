@@ -9,7 +9,8 @@ namespace {
 
 /// Unit directions to the sixteen columns from k on, and what multiplies f·cos.
 template <Semantic kSemantic>
-VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z, float* scale) {
+VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z,
+                         float* scale) {
     const FarEnds& e = s.ends;
     for (size_t i = 0; i < 16; ++i) {
         if constexpr (kSemantic == Semantic::kDirection) {
@@ -21,8 +22,7 @@ VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, floa
             if constexpr (kSemantic == Semantic::kPoint) {
                 scale[i] = 1 / d2;
             } else {
-                const float far_cos =
-                    -(e.nx[k + i] * x[i] + e.ny[k + i] * y[i] + e.nz[k + i] * z[i]);
+                const float far_cos = -(e.nx[k + i] * x[i] + e.ny[k + i] * y[i] + e.nz[k + i] * z[i]);
                 scale[i] = (far_cos > 0 ? far_cos : 0.f) / (d2 + s.bound2);
             }
         }

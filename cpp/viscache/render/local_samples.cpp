@@ -146,7 +146,8 @@ void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const E
                 wi[count] = {drawn.x[count], drawn.y[count], drawn.z[count]};
         } else {
             for (int i = first; i < last; ++i)
-                if (const auto s = sample_bsdf(sp, numbers.choice(i), numbers.position(i))) wi[count++] = s->wi;
+                if (const auto s = sample_bsdf(sp, numbers.choice(i), numbers.position(i)))
+                    wi[count++] = s->wi;
         }
         if (count == 0) continue;
         sampler.env.look_up({wi, count}, {light, count});
@@ -171,8 +172,8 @@ void add_environment_samples(const Scene& scene, const EyeTile& eyes, uint32_t e
         SkyBatch batch;
         add_light_samples(sampler, EyeSamples(seed, Purpose::kEnvironmentLight, eyes.stream[eye]),
                           settings.n_environment, batch, out, counters);
-        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes.stream[eye]), settings.n_brdf, batch,
-                         out, counters);
+        add_brdf_samples(sampler, sp, EyeSamples(seed, Purpose::kBrdf, eyes.stream[eye]), settings.n_brdf,
+                         batch, out, counters);
     }
     out.at.close(eye);
 }

@@ -17,8 +17,8 @@ inline __attribute__((always_inline)) void fill(uint32_t sx, uint32_t sy, uint32
 }
 
 #if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void fill_avx512(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y,
-                                        float* z) {
+VISCACHE_TARGET_AVX512 void fill_avx512(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x,
+                                        float* y, float* z) {
     fill(sx, sy, first, n, x, y, z);
 }
 VISCACHE_TARGET_AVX2 void fill_avx2(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y,

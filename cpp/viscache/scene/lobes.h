@@ -45,8 +45,8 @@ inline __attribute__((always_inline)) void diffuse16(const LobeConstants& k, con
 struct HalfVector {
     float d, sum;
 };
-inline __attribute__((always_inline)) HalfVector half_vector(const LobeConstants& k, float x, float y, float z,
-                                                             float cos_i) {
+inline __attribute__((always_inline)) HalfVector half_vector(const LobeConstants& k, float x, float y,
+                                                             float z, float cos_i) {
     const float hx = k.wo.x + x, hy = k.wo.y + y, hz = k.wo.z + z, along = cos_i + k.cos_o;
     const float l2 = (hx * hx + hy * hy) + hz * hz, sum2 = l2 > 1e-12f ? l2 : 1e-12f;
     const float px = hx - k.ns.x * along, py = hy - k.ns.y * along, pz = hz - k.ns.z * along;

@@ -78,11 +78,11 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
     struct Name {                                                                                          \
         TARGET static void diffuse(const LobeConstants& k, const float* x, const float* y, const float* z, \
                                    RgbBlock& o) {                                                          \
-            diffuse16(k, x, y, z, o);                                                                   \
+            diffuse16(k, x, y, z, o);                                                                      \
         }                                                                                                  \
         TARGET static void glossy(const LobeConstants& k, const float* x, const float* y, const float* z,  \
                                   RgbBlock& o) {                                                           \
-            glossy16(k, x, y, z, o);                                                                    \
+            glossy16(k, x, y, z, o);                                                                       \
         }                                                                                                  \
         TARGET static void above(const LobeConstants& k, const float* x, const float* y, const float* z,   \
                                  const float* s, uint8_t* a, size_t n) {                                   \
