@@ -9,9 +9,9 @@ namespace viscache {
 uint64_t Rows::run(const TileAnchors& tile, const TileOrder& order, uint32_t batch, const Columns& columns,
                    const std::vector<double>& levels, MissTracer& tracer, BitMatrix& visible,
                    Counters& counters, ClampCounts& clamps) {
-    number_cells(tile, levels, clamps);
-    counters.cells += numbers_.size();
-    for (BitMatrix* m : {&known_, &value_, &pending_}) m->reset(numbers_.size() + 1, columns.count());
+    cells_.make(tile, levels, clamps);
+    counters.cells += cells_.size();
+    for (BitMatrix* m : {&known_, &value_, &pending_}) m->reset(cells_.size() + 1, columns.count());
     words_ = known_.row_words();
     active_.reset(1, columns.count());
     uint64_t rays = 0;
@@ -30,47 +30,23 @@ uint64_t Rows::run(const TileAnchors& tile, const TileOrder& order, uint32_t bat
     return rays;
 }
 
-/// Rows for all cells of all levels; neighbours that no eye point of the tile made are nil for ever.
-void Rows::number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps) {
-    numbers_.clear(), steps_.clear(), steps_begin_.clear();
-    std::vector<PlacedCell> placed;
-    for (size_t i = 0; i < tile.size(); ++i) {
-        steps_begin_.push_back(uint32_t(steps_.size()));
-        if (!tile.usable[i]) continue;
-        for (size_t d = 0; d < levels.size(); ++d) {
-            const PlacedCell p = tile.cell(i, levels[d], clamps);
-            if (d > 0 && p.cell == placed.back().cell) continue;
-            steps_.push_back({numbers_.number(p.cell, 0), uint32_t(d), {}});
-            placed.push_back(p);
-        }
-    }
-    steps_begin_.push_back(uint32_t(steps_.size()));
-    const uint32_t absent = uint32_t(numbers_.size());
-    for (size_t i = 0; i < tile.size(); ++i)
-        for (size_t s = steps_begin_[i]; s + 1 < steps_begin_[i + 1]; ++s)
-            for (size_t q = 0; q < 4; ++q) {
-                const auto [dx, dy] = kNeighbourOffsets[q];
-                const uint32_t n = numbers_.find(tile.grid->neighbour(tile.anchor[i], placed[s], dx, dy), 0);
-                steps_[s].neighbours[q] = n == kNoCell ? absent : n;
-            }
-}
-
 /// One eye point down its levels: hits that agree are settled, misses become entries.
 void Rows::walk(uint32_t eye, const CellGrid& grid, BitMatrix& visible, Counters& counters) {
     RowCounts counts;
-    for (size_t s = steps_begin_[eye]; s < steps_begin_[eye + 1]; ++s) {
-        const Step& step = steps_[s];
-        const bool last = s + 1 == steps_begin_[eye + 1];
+    const std::span<const CellSteps::Step> steps = cells_.of(eye);
+    for (size_t s = 0; s < steps.size(); ++s) {
+        const CellSteps::Step& step = steps[s];
+        const bool last = s + 1 == steps.size();
         RowPair neighbours[4] = {};
         if (!last)
             for (size_t q = 0; q < 4; ++q) neighbours[q] = row(step.neighbours[q]);
-        if (!last && grid.doubts(numbers_[step.row]))
-            doubt_unknown(row(step.row), neighbours, words_, doubt_);
-        const int left = kernels_.step(active_.row(0), row(step.row), neighbours, last,
+        if (!last && grid.doubts(cells_.cell(step.cell)))
+            doubt_unknown(row(step.cell), neighbours, words_, doubt_);
+        const int left = kernels_.step(active_.row(0), row(step.cell), neighbours, last,
                                        miss_.row(entries_.size()), visible.row(eye), words_, counts);
-        if (left & 1) entries_.push_back({eye, step.row, step.level});
+        if (left & 1) entries_.push_back({eye, step.cell, step.level});
         if (!(left & 2)) break;
-        if (s + 2 == steps_begin_[eye + 1]) counts.boundary += kernels_.count(active_.row(0), words_);
+        if (s + 2 == steps.size()) counts.boundary += kernels_.count(active_.row(0), words_);
     }
     counters.lookups += counts.lookups, counters.hits += counts.hits,
         counters.boundary_queries += counts.boundary;

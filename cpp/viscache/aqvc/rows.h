@@ -6,6 +6,7 @@
 // order.
 #include <vector>
 
+#include "viscache/aqvc/cell_steps.h"
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/miss_tracer.h"
 #include "viscache/aqvc/pixel_order.h"
@@ -23,16 +24,10 @@ public:
                  Counters& counters, ClampCounts& clamps);
 
 private:
-    /// One distinct cell of an eye point.
-    struct Step {
-        uint32_t row, level;
-        std::array<uint32_t, 4> neighbours;
-    };
     /// Misses of one eye point at one cell: row `entry` of miss_.
     struct Entry {
         uint32_t eye, row, level;
     };
-    void number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps);
     void walk(uint32_t eye, const CellGrid& grid, BitMatrix& visible, Counters& counters);
     uint64_t commit(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
@@ -40,10 +35,8 @@ private:
 
     const RowKernels& kernels_ = row_kernels(active_isa());
     size_t words_ = 0;
-    CellNumbers numbers_;
-    std::vector<Step> steps_;            ///< of all eye points, coarse to fine
-    std::vector<uint32_t> steps_begin_;  ///< per eye point, and the end
-    std::vector<Entry> entries_;         ///< of the batch
+    CellSteps cells_;
+    std::vector<Entry> entries_;  ///< of the batch
     BitMatrix known_, value_, pending_, miss_, active_;
     BitMatrix doubt_;  ///< room for a neighbour that disagrees
     std::vector<Word> fresh_;

@@ -10,52 +10,25 @@ namespace viscache {
 void SampleRows::begin(const TileAnchors& tile, const std::vector<double>& levels, uint32_t batch,
                        uint64_t row_bytes, Counters& counters, ClampCounts& clamps) {
     tile_ = &tile;
-    number_cells(tile, levels, clamps);
-    counters.cells += numbers_.size();
+    cells_.make(tile, levels, clamps);
+    counters.cells += cells_.size();
     make_order(tile, batch);
-    const size_t slab_bytes = (numbers_.size() + 1) * kSlabWords * sizeof(Word) * 3;
+    const size_t slab_bytes = (cells_.size() + 1) * kSlabWords * sizeof(Word) * 3;
     const size_t most = std::clamp<size_t>(row_bytes / slab_bytes, 1, size_t{1} << 20);
     light_cells_.clear(uint32_t(most * kSlabColumns));
     slabs_used_ = 0;
 }
 
-/// Rows for all cells of all levels; neighbours that no eye point of the tile made are nil for ever.
-void SampleRows::number_cells(const TileAnchors& tile, const std::vector<double>& levels,
-                              ClampCounts& clamps) {
-    numbers_.clear(), steps_.clear(), steps_begin_.clear();
-    distance2_.assign(tile.size(), 0.f);
-    std::vector<PlacedCell> placed;
-    for (size_t i = 0; i < tile.size(); ++i) {
-        steps_begin_.push_back(uint32_t(steps_.size()));
-        if (!tile.usable[i]) continue;
-        for (size_t d = 0; d < levels.size(); ++d) {
-            const PlacedCell p = tile.cell(i, levels[d], clamps);
-            if (d == 0) distance2_[i] = float(distance2_to_center(p));
-            if (d > 0 && p.cell == placed.back().cell) continue;
-            steps_.push_back({numbers_.number(p.cell, 0), uint32_t(d), {}});
-            placed.push_back(p);
-        }
-    }
-    steps_begin_.push_back(uint32_t(steps_.size()));
-    const uint32_t absent = uint32_t(numbers_.size());
-    for (size_t i = 0; i < tile.size(); ++i)
-        for (size_t s = steps_begin_[i]; s + 1 < steps_begin_[i + 1]; ++s)
-            for (size_t q = 0; q < 4; ++q) {
-                const auto [dx, dy] = kNeighbourOffsets[q];
-                const uint32_t n = numbers_.find(tile.grid->neighbour(tile.anchor[i], placed[s], dx, dy), 0);
-                steps_[s].neighbours[q] = n == kNoCell ? absent : n;
-            }
-}
-
 void SampleRows::make_order(const TileAnchors& tile, uint32_t batch) {
     const uint32_t n = uint32_t(tile.size());
     // Eye points cell by cell, the nearest to the centre first
-    const auto cell = [&](uint32_t i) { return tile.usable[i] ? steps_[steps_begin_[i]].row : kNoCell; };
+    const auto cell = [&](uint32_t i) { return tile.usable[i] ? cells_.of(i)[0].cell : kNoCell; };
+    const auto distance2 = [&](uint32_t i) { return tile.usable[i] ? cells_.of(i)[0].distance2 : 0.f; };
     std::vector<uint32_t> by_cell(n), round(n);
     std::iota(by_cell.begin(), by_cell.end(), 0u);
     std::sort(by_cell.begin(), by_cell.end(), [&](uint32_t a, uint32_t b) {
         if (cell(a) != cell(b)) return cell(a) < cell(b);
-        return distance2_[a] != distance2_[b] ? distance2_[a] < distance2_[b] : a < b;
+        return distance2(a) != distance2(b) ? distance2(a) < distance2(b) : a < b;
     });
     for (uint32_t k = 0, rank = 0; k < n; ++k) {
         rank = k > 0 && cell(by_cell[k]) == cell(by_cell[k - 1]) ? rank + 1 : 0;
@@ -78,7 +51,7 @@ void SampleRows::grow(size_t slabs) {
     if (slabs_.size() < slabs) slabs_.resize(slabs);
     for (; slabs_used_ < slabs; ++slabs_used_)
         for (BitMatrix Slab::* m : {&Slab::known, &Slab::value, &Slab::pending})
-            (slabs_[slabs_used_].*m).reset(numbers_.size() + 1, kSlabColumns);
+            (slabs_[slabs_used_].*m).reset(cells_.size() + 1, kSlabColumns);
 }
 
 uint64_t SampleRows::run(const LocalSamples& samples, const AqvcParameters& p, std::span<Word> visible,
@@ -130,20 +103,20 @@ void SampleRows::ask(const LocalSamples& samples, size_t asker, std::vector<uint
 void SampleRows::walk(const LocalSamples& samples, size_t asker, Counters& counters) {
     const uint32_t eye = samples.eye[asker];
     RowCounts counts;
-    for (size_t s = steps_begin_[eye]; s < steps_begin_[eye + 1]; ++s) {
-        const bool last = s + 1 == steps_begin_[eye + 1];
+    const std::span<const CellSteps::Step> steps = cells_.of(eye);
+    for (size_t s = 0; s < steps.size(); ++s) {
+        const bool last = s + 1 == steps.size();
         bool missing = false;
         going_ = false;
         for (size_t slab = 0; slab < slabs_used_; ++slab)
-            missing |= miss_at(steps_[s], last, slab, asker, counts);
+            missing |= miss_at(steps[s], last, slab, asker, counts);
         if (missing) {
             const size_t before = rays_.size();
-            queue_rays(samples, asker, steps_[s]);
-            counters.rays_per_level[steps_[s].level] += rays_.size() - before;
+            queue_rays(samples, asker, steps[s]);
+            counters.rays_per_level[steps[s].level] += rays_.size() - before;
         }
         if (!going_) break;
-        if (s + 2 == steps_begin_[eye + 1])
-            counts.boundary += kernels_.count(asked_.row(asker), asked_.row_words());
+        if (s + 2 == steps.size()) counts.boundary += kernels_.count(asked_.row(asker), asked_.row_words());
     }
     counters.lookups += counts.lookups, counters.hits += counts.hits,
         counters.boundary_queries += counts.boundary;
@@ -151,14 +124,16 @@ void SampleRows::walk(const LocalSamples& samples, size_t asker, Counters& count
 
 /// One step of Alg. 2 for 512 columns. True if bits are missing that no eye point of the run waits for yet:
 /// they are in `fresh_`.
-bool SampleRows::miss_at(const Step& step, bool last, size_t slab, size_t asker, RowCounts& counts) {
+bool SampleRows::miss_at(const CellSteps::Step& step, bool last, size_t slab, size_t asker,
+                         RowCounts& counts) {
     Slab& table = slabs_[slab];
     RowPair neighbours[4] = {};
     if (!last)
         for (size_t q = 0; q < 4; ++q)
             neighbours[q] = {table.known.row(step.neighbours[q]), table.value.row(step.neighbours[q])};
-    const RowPair own{table.known.row(step.row), table.value.row(step.row)};
-    if (!last && tile_->grid->doubts(numbers_[step.row])) doubt_unknown(own, neighbours, kSlabWords, doubt_);
+    const RowPair own{table.known.row(step.cell), table.value.row(step.cell)};
+    if (!last && tile_->grid->doubts(cells_.cell(step.cell)))
+        doubt_unknown(own, neighbours, kSlabWords, doubt_);
     alignas(64) Word miss[kSlabWords];
     const size_t at = slab * kSlabWords;
     const int left = kernels_.step(asked_.row(asker) + at, own, neighbours, last, miss, seen_.row(asker) + at,
@@ -169,19 +144,19 @@ bool SampleRows::miss_at(const Step& step, bool last, size_t slab, size_t asker,
         std::memset(fresh, 0, kSlabWords * sizeof(Word));
         return false;
     }
-    waiting_.push_back({uint32_t(slab), step.row, uint32_t(asker), {}});
+    waiting_.push_back({uint32_t(slab), step.cell, uint32_t(asker), {}});
     std::copy_n(miss, kSlabWords, waiting_.back().miss.begin());
-    return kernels_.take_misses(miss, miss, table.pending.row(step.row), fresh, kSlabWords);
+    return kernels_.take_misses(miss, miss, table.pending.row(step.cell), fresh, kSlabWords);
 }
 
 /// A ray for every bit of `fresh_`: that of the eye point's first sample in the column.
-void SampleRows::queue_rays(const LocalSamples& samples, size_t asker, const Step& step) {
+void SampleRows::queue_rays(const LocalSamples& samples, size_t asker, const CellSteps::Step& step) {
     Word* fresh = fresh_.row(0);
     for (size_t i = samples.begin_of(asker); i < samples.end[asker]; ++i) {
         const uint32_t k = column_[i];
         if (k >= LightCells::kFull || !get_bit(fresh, k)) continue;
         clear_bit(fresh, k);
-        rays_.push_back({uint32_t(i), samples.eye[asker], step.row, k});
+        rays_.push_back({uint32_t(i), samples.eye[asker], step.cell, k});
     }
 }
 
@@ -194,25 +169,37 @@ void SampleRows::trace(const LocalSamples& samples, std::span<Word> visible) {
     for (size_t k = 0; k <= columns; ++k) begin_[k + 1] += begin_[k];
     by_column_.resize(rays_.size());
     for (uint32_t r = 0; r < rays_.size(); ++r) by_column_[begin_[bin(rays_[r])]++] = r;
-    for (size_t first = 0; first < rays_.size(); first += 16) {
-        if (control_ && first % 4096 == 0) control_->check();
-        const int n = int(std::min<size_t>(16, rays_.size() - first));
-        RayPacket16 packet;
-        for (int i = 0; i < n; ++i) {
-            const PendingRay& r = rays_[by_column_[first + size_t(i)]];
-            set_lane(packet, i, samples.ray(*tile_->eyes, r.eye, r.sample, extent_));
-        }
-        pad_lanes(packet, n);
-        const uint32_t mask = (1u << n) - 1;
-        for (uint32_t seen =
-                 mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, Coherence::kIncoherent));
-             seen; seen &= seen - 1) {
-            const PendingRay& r = rays_[by_column_[first + size_t(std::countr_zero(seen))]];
-            if (r.cell == kNoCell)
-                set_bit(visible.data(), r.sample);
-            else
-                slabs_[r.column / kSlabColumns].value.set(r.cell, r.column % kSlabColumns);
-        }
+    constexpr size_t kPiece = 1024;
+    for (size_t first = 0; first < rays_.size(); first += kPiece) {
+        if (control_) control_->check();
+        const std::span<const uint32_t> piece(by_column_.data() + first,
+                                              std::min(kPiece, rays_.size() - first));
+        flag_.piece([&](Coherence flag) {
+            for (size_t i = 0; i < piece.size(); i += 16)
+                trace16(samples, piece.subspan(i, std::min<size_t>(16, piece.size() - i)), visible, flag);
+            return piece.size();
+        });
+    }
+}
+
+/// The rays of these numbers; their answers go to the cells' rows, or straight to the sample.
+void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> numbers,
+                         std::span<Word> visible, Coherence flag) {
+    const int n = int(numbers.size());
+    RayPacket16 packet;
+    for (int i = 0; i < n; ++i) {
+        const PendingRay& r = rays_[numbers[size_t(i)]];
+        set_lane(packet, i, samples.ray(*tile_->eyes, r.eye, r.sample, extent_));
+    }
+    pad_lanes(packet, n);
+    const uint32_t mask = (1u << n) - 1;
+    for (uint32_t seen = mask & ~uint32_t(caster_.occluded16(uint16_t(mask), packet, flag)); seen;
+         seen &= seen - 1) {
+        const PendingRay& r = rays_[numbers[size_t(std::countr_zero(seen))]];
+        if (r.cell == kNoCell)
+            set_bit(visible.data(), r.sample);
+        else
+            slabs_[r.column / kSlabColumns].value.set(r.cell, r.column % kSlabColumns);
     }
 }
 

@@ -9,17 +9,18 @@
 #include <array>
 #include <vector>
 
+#include "viscache/aqvc/cell_steps.h"
 #include "viscache/aqvc/light_cells.h"
 #include "viscache/aqvc/nil_rule.h"
 #include "viscache/aqvc/row_kernels.h"
-#include "viscache/aqvc/tile_anchors.h"
+#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/ray_caster.h"
 
 namespace viscache {
 
 class SampleRows {
 public:
-    SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent) {}
+    SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
     void watch(const Control& control) { control_ = &control; }
 
     /// Starts the tile and light group whose C_E per level are given. Runs get at most `batch` eye points,
@@ -40,11 +41,6 @@ public:
 private:
     static constexpr size_t kSlabWords = 8, kSlabColumns = kSlabWords * kWordBits;
 
-    /// One distinct cell of an eye point.
-    struct Step {
-        uint32_t row, level;
-        std::array<uint32_t, 4> neighbours;
-    };
     /// 512 columns of all cells.
     struct Slab {
         BitMatrix known, value, pending;
@@ -58,27 +54,26 @@ private:
         uint32_t sample, eye, cell, column;  ///< cell = kNoCell: it answers its sample alone
     };
 
-    void number_cells(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps);
     void make_order(const TileAnchors& tile, uint32_t batch);
     void grow(size_t slabs);
     void ask(const LocalSamples& samples, size_t asker, std::vector<uint32_t>& left, Counters& counters);
     void walk(const LocalSamples& samples, size_t asker, Counters& counters);
-    bool miss_at(const Step& step, bool last, size_t slab, size_t asker, RowCounts& counts);
-    void queue_rays(const LocalSamples& samples, size_t asker, const Step& step);
+    bool miss_at(const CellSteps::Step& step, bool last, size_t slab, size_t asker, RowCounts& counts);
+    void queue_rays(const LocalSamples& samples, size_t asker, const CellSteps::Step& step);
     void trace(const LocalSamples& samples, std::span<Word> visible);
+    void trace16(const LocalSamples& samples, std::span<const uint32_t> numbers, std::span<Word> visible,
+                 Coherence flag);
     void answer(const LocalSamples& samples, size_t asker, std::span<Word> visible) const;
 
     const RayCaster& caster_;
     float extent_;
+    CoherenceTrial flag_;
     const Control* control_ = nullptr;
     const RowKernels& kernels_ = row_kernels(active_isa());
     const TileAnchors* tile_ = nullptr;
 
     // Of the tile and group
-    CellNumbers numbers_;
-    std::vector<Step> steps_;            ///< of all eye points, coarse to fine
-    std::vector<uint32_t> steps_begin_;  ///< per eye point, and the end
-    std::vector<float> distance2_;       ///< to the centre of the coarsest cell
+    CellSteps cells_;
     std::vector<uint32_t> order_, run_end_, run_of_eye_;
     LightCells light_cells_;
     std::vector<Slab> slabs_;
