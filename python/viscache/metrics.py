@@ -167,7 +167,13 @@ def ssim(a: Image, b: Image) -> float | None:
 
 
 def flip(a: Image, b: Image) -> float | None:
-    """Mean HDR-FLIP at 67 pixels per degree; None against a black reference.
+    """Mean HDR-FLIP at 67 pixels per degree; None against a black reference."""
+    found = flip_map(a, b)
+    return None if found is None else found[1]
+
+
+def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None:
+    """HDR-FLIP of every pixel, (H, W) in [0, 1], and its mean; None against a black reference.
 
     flip-evaluator ends the process when the reference's brightest luminance is below 1.2e-7, so
     darker pictures are scaled up first: both alike, which changes nothing that is seen, because
@@ -183,11 +189,13 @@ def flip(a: Image, b: Image) -> float | None:
         np.ascontiguousarray(np.maximum(_three_channels(i) * scale, 0.0), np.float32)
         for i in (a, b)
     )
-    _, mean, _ = flip_evaluator.evaluate(
+    errors, mean, _ = flip_evaluator.evaluate(
         reference, test, "HDR", inputsRGB=False, applyMagma=False, computeMeanError=True,
         parameters={"ppd": FLIP_PIXELS_PER_DEGREE},
     )  # fmt: skip
-    return float(mean) if math.isfinite(mean) else None
+    if not math.isfinite(mean):
+        return None
+    return np.asarray(errors, np.float32).reshape(b.shape[:2]), float(mean)
 
 
 def max_abs(a: Image, b: Image) -> float:

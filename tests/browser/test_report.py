@@ -2,115 +2,104 @@
 
 from __future__ import annotations
 
-import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
+from devtools import Browser
+from known_report import Report
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
-import fake_renderer as fake
-
-CHROMIUM = next(
-    (c for c in ("chromium", "chromium-browser", "google-chrome") if shutil.which(c)), ""
-)
-
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(not CHROMIUM, reason="chromium is not installed"),
-]
+pytestmark = pytest.mark.browser
 
 
-def chromium(profile: Path, page: Path, fragment: str, *options: str) -> str:
-    """Standard output of a headless run on a page, with what it complained about in the console."""
-    command = [
-        CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-        "--window-size=1200,1600", "--virtual-time-budget=3000", f"--user-data-dir={profile}",
-        "--host-resolver-rules=MAP * ~NOTFOUND", "--disable-background-networking",
-        "--run-all-compositor-stages-before-draw",
-        "--no-first-run", "--disable-sync", *options, f"{page.as_uri()}#{fragment}",
-    ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, timeout=90, check=True)
-    return done.stdout
-
-
-@pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A report of 3 × 2 settings, moved away from its directory."""
-    import viscache
-    from viscache import report, sources, sweep_work
-    from viscache.sweep import sweep
-
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("Whitted", "Embree", "Exact", "Aqvc"):
-            patch.setattr(viscache, name, getattr(fake, name), raising=False)
-        patch.setattr(sweep_work, "render_function", fake.fake_render)
-        patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
-        directory = tmp_path_factory.mktemp("sweep")
-        over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
-        sweep("room", "whitted", over=over, repeats=2, size=(64, 48), directory=directory,
-              metrics=["rel_l1"])  # fmt: skip
-    alone = tmp_path_factory.mktemp("alone") / "report.html"
-    return report.write(directory, alone)
-
-
-def picture(tmp_path: Path, page: Path, fragment: str) -> np.ndarray:
-    from PIL import Image
-
-    shot = tmp_path / f"{re.sub('[^a-z0-9]', '', fragment)}.png"
-    chromium(tmp_path / "profile", page, fragment, f"--screenshot={shot}")
-    with Image.open(shot) as image:
-        # Down to the pictures; below, a busy machine may leave tiles of the page unpainted.
-        return np.asarray(image.convert("RGB"), dtype=int)[:1250]
+def shown(tab: Browser, page: Report, fragment: str = "", setting: str = "s0") -> None:
+    tab.open(page.path, fragment)
+    tab.wait_for(f"document.documentElement.dataset.shown?.startsWith('{setting} ')")
 
 
 def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(
-    tmp_path: Path, page: Path
+    tab: Browser, page: Report
 ) -> None:
-    dom = chromium(tmp_path / "profile", page, "select=s3", "--dump-dom")
-    circles = re.findall(r'<path class="(point[^"]*)" data-id="(s\d)"', dom)
-    assert len(circles) == 2 * 6
-    assert {i for classes, i in circles if "selected" in classes} == {"s3"}
-    rows = re.findall(r'<tr data-id="(s\d)"[^>]*class="selected"', dom)
-    assert rows == ["s3"]
-    assert re.search(r'id="chosen"[^>]*>C_E = 8, C_N = 8, seed 0<', dom)
+    shown(tab, page, "select=s3", "s3")
+    points = "[...document.querySelectorAll('#plot-{0} .point')].map(p => p.dataset.id)"
+    for plot in ("total_s", "rays"):
+        assert sorted(tab.eval(points.format(plot))) == [f"s{i}" for i in range(6)]
+    chosen = "[...document.querySelectorAll('{0}.selected')].map(p => p.dataset.id)"
+    assert tab.eval(chosen.format(".point")) == ["s3", "s3"]
+    assert tab.eval(chosen.format("tr")) == ["s3"]
+    assert tab.text("chosen") == "C_E = 8, C_N = 8, seed 0"
 
 
-def test_the_slider_changes_pixels_only_where_it_moved(tmp_path: Path, page: Path) -> None:
-    less = picture(tmp_path, page, "select=s4&wipe=0.25")
-    more = picture(tmp_path, page, "select=s4&wipe=0.75")
-    changed = np.abs(less - more).max(axis=2) > 2
-    columns = np.nonzero(changed)[1]
-    assert changed.sum() > 5000
-    # The stage is the left half of the page: the wipe from 25 to 75 % of it moves.
-    assert columns.min() > 100 and columns.max() < 560
-    assert np.array_equal(less, picture(tmp_path, page, "select=s4&wipe=0.25"))
+def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab: Browser, page: Report) -> None:
+    shown(tab, page)
+    tab.eval("document.querySelector('#plot-rays .point[data-id=s2]')"
+             ".dispatchEvent(new MouseEvent('click', {bubbles: true}))")  # fmt: skip
+    tab.wait_for("document.documentElement.dataset.shown === 's2 signed'")
+    tab.key("ArrowDown")
+    tab.wait_for("document.documentElement.dataset.shown === 's3 signed'")
+    tab.eval("document.querySelector('tr[data-id=s5]').focus()")
+    tab.key("Enter")
+    tab.wait_for("document.documentElement.dataset.shown === 's5 signed'")
+    tab.wait_for("location.hash.startsWith('#select=s5&')")
 
 
-def test_the_flip_shows_the_reference_alone(tmp_path: Path, page: Path) -> None:
-    flipped = picture(tmp_path, page, "select=s4&wipe=1&flip=1")
-    whole = picture(tmp_path, page, "select=s4&wipe=1")
-    nothing = picture(tmp_path, page, "select=s4&wipe=0")
-    assert (np.abs(flipped - whole).max(axis=2) > 2).sum() > 5000
-    stage = np.s_[700:900, 60:500]  # away from the buttons
-    assert np.array_equal(flipped[stage], nothing[stage])
+def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
+    shown(tab, page)
+    order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"
+    assert tab.eval(order) == "s0s1s2s3s4s5"
+    head = "document.querySelector('[data-column=rays] button').click()"
+    tab.eval(head)
+    assert tab.eval(order)[:2] in ("s4", "s5")  # few rays at the coarsest
+    tab.eval(head)
+    assert tab.eval(order)[:2] in ("s0", "s1")
 
 
-def test_choosing_another_setting_changes_its_pictures(tmp_path: Path, page: Path) -> None:
-    one, other = (picture(tmp_path, page, f"select={s}&wipe=1") for s in ("s0", "s4"))
-    assert (np.abs(one - other).max(axis=2) > 2).sum() > 5000
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_a_phone_shows_all_without_scrolling_sideways(
+    tab: Browser, page: Report, dark: bool
+) -> None:
+    tab.size(390, 844, phone=True, dark=dark)
+    shown(tab, page)
+    assert tab.eval("document.documentElement.scrollWidth") <= 390
+    paper = tab.eval("getComputedStyle(document.body).backgroundColor")
+    assert paper == ("rgb(22, 24, 27)" if dark else "rgb(251, 251, 250)")
+    tab.eval("document.getElementById('theme').click()")
+    assert tab.eval("getComputedStyle(document.body).backgroundColor") != paper
 
 
-def test_the_script_runs_without_an_error(tmp_path: Path, page: Path) -> None:
-    """A page whose last statement ran has shown the setting; the fragment it wrote tells so."""
-    broken = tmp_path / "broken.html"
-    last = "readFragment(); show();\n</script>"
-    text = page.read_text("utf-8")
+def test_everything_that_acts_has_a_name_and_is_reached_by_the_keyboard(
+    tab: Browser, page: Report
+) -> None:
+    shown(tab, page)
+    nameless = tab.eval("""[
+      ...document.querySelectorAll('button, input, select, [tabindex], [role=img]')]
+      .filter(e => !(e.getAttribute('aria-label') || e.labels?.length || e.textContent.trim()))
+      .map(e => e.outerHTML.slice(0, 80))""")
+    assert nameless == []
+    reached = set()
+    for _ in range(60):
+        tab.key("Tab")
+        reached.add(tab.eval("document.activeElement.id || document.activeElement.dataset.id"))
+    wanted = {"theme", "against", "ev", "more-zoom", "full", "stage", "wipe", "flip", "mapstage",
+              "kind", "gain", "s0", "s5"}  # fmt: skip
+    assert wanted <= reached
+
+
+def test_errors_of_the_script_and_requests_are_noticed(
+    browser: Browser, page: Report, tmp_path: Path
+) -> None:
+    """What the other tests trust: a page that fails or asks the network is told from one that
+    does not."""
+    text, last = page.path.read_text("utf-8"), "readFragment(); show();\n"
     assert text.count(last) == 1
-    broken.write_text(text.replace(last, "undefined_name();\n</script>"), "utf-8")
-    assert 'id="gain">16<' in chromium(tmp_path / "p", page, "", "--dump-dom")
-    assert 'id="gain">16<' not in chromium(tmp_path / "p", broken, "", "--dump-dom")
+    for bad, complaint in (
+        ("undefined_name();\n", "undefined_name"),
+        ("new Image().src = 'http://127.0.0.1:9/x.png';\n", "x.png"),
+    ):
+        broken = tmp_path / "broken.html"
+        head, _, tail = text.rpartition(last)
+        broken.write_text(head + last + bad + tail, "utf-8")
+        browser.errors.clear()
+        browser.open(broken)
+        browser.wait_for("document.documentElement.dataset.shown !== undefined")
+        assert any(complaint in e for e in browser.errors)
+    browser.errors.clear()

@@ -15,12 +15,16 @@ MOST_NAMED = 5  # files of a directory that holds no sweep
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR")
     parser.add_argument("-o", "--output", metavar="FILE.html", help="DIR/report.html by default")
+    parser.add_argument(
+        "--flip-maps", type=int, default=report.MOST_FLIP_MAPS, metavar="N",
+        help="most FLIP maps, which take seconds each; the best settings first (%(default)s)",
+    )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
     _check_holds_a_sweep(Path(arguments.directory))
-    written = report.write(arguments.directory, arguments.output)
+    written = report.write(arguments.directory, arguments.output, flip_maps=arguments.flip_maps)
     if arguments.json:
         print_json({"report": str(written), "bytes": written.stat().st_size})
     else:

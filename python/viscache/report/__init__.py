@@ -1,5 +1,6 @@
 """Self-contained HTML reports."""
 
+from viscache.report.embed import MOST_FLIP_MAPS
 from viscache.report.write import write
 
-__all__ = ["write"]
+__all__ = ["MOST_FLIP_MAPS", "write"]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import math
 import os
+import re
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import plots, tonemap
+from viscache import plots
+from viscache.checks import require
+from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
 from viscache.report.svg import SHAPES, Mark, number, scatter
 from viscache.store import Store
 from viscache.sweep_table import open_dataset
@@ -19,11 +21,10 @@ from viscache.sweep_table import open_dataset
 if TYPE_CHECKING:
     import xarray
 
-#: Pictures are PNG up to this many settings, high-quality JPEG beyond, to keep the file mailable.
-MOST_PNG_SETTINGS = 24
-#: Widest embedded picture.
-MAX_WIDTH_PX = 640
-DIFFERENCE_GAIN = 16.0
+#: Where the gain of difference maps stands at first.
+DIFFERENCE_GAIN = 16
+#: The page's script, in order.
+SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
 
 _PLAIN = {
     "rel_l1": "relative error L̂_INF", "rmse": "RMSE", "rel_mse": "relative MSE",
@@ -37,7 +38,10 @@ _PLAIN = {
 
 
 def write(
-    sweep: xarray.Dataset | str | os.PathLike[str], path: str | os.PathLike[str] | None = None
+    sweep: xarray.Dataset | str | os.PathLike[str],
+    path: str | os.PathLike[str] | None = None,
+    *,
+    flip_maps: int = MOST_FLIP_MAPS,
 ) -> Path:
     """Write the report of a sweep.
 
@@ -47,6 +51,8 @@ def write(
         What `viscache.sweep` returned, or the directory it ran in. Pictures need the directory.
     path : path, optional
         The HTML file; `report.html` in the directory by default.
+    flip_maps : int >= 0
+        Most FLIP maps, which take seconds each; settings that nothing beats come first.
 
     Returns
     -------
@@ -56,8 +62,9 @@ def write(
     Raises
     ------
     ValueError
-        No sweep there, or none of its points is finished.
+        No sweep there, or none of its points is finished; `flip_maps` below 0.
     """
+    require(flip_maps >= 0, "flip_maps must be >= 0", flip_maps)
     if isinstance(sweep, (str, os.PathLike)):
         dataset = open_dataset(sweep)
         directory: Path | None = Path(sweep)
@@ -74,7 +81,7 @@ def write(
     model = _model(dataset)
     if directory is not None:
         with Store(directory) as store:
-            _add_pictures(model, store)
+            add_pictures(model, store, flip_maps)
     text = _page(model, dataset)
     partial = target.with_name(f".{target.name}.{os.getpid()}.part")
     partial.write_text(text, encoding="utf-8")
@@ -118,48 +125,39 @@ def plain(name: str) -> str:
     return _PLAIN.get(name, name)
 
 
-def _add_pictures(model: dict[str, Any], store: Store) -> None:
-    """Picture, reference and difference of each setting's first repeat, as data URIs."""
-    points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
-    kind = "png" if len(model["settings"]) <= MOST_PNG_SETTINGS else "jpeg"
-    for setting in model["settings"]:
-        point = points.get(tuple(setting["index"]))
-        if point is None or store.get(point["key"]) is None or store.get(point["paired"]) is None:
-            continue
-        frame, reference = store.frame(point["key"]), store.frame(point["paired"])
-        exposure = tonemap.display_exposure(reference.image)
-        if point["paired"] not in model["pictures"]:
-            seen = tonemap.to_srgb8(reference.image, exposure)
-            model["pictures"][point["paired"]] = _uri(seen, kind)
-        difference = tonemap.difference8(frame.image, reference.image, DIFFERENCE_GAIN)
-        setting |= {
-            "reference": point["paired"],
-            "picture": _uri(tonemap.to_srgb8(frame.image, exposure), kind),
-            "difference": _uri(difference, kind),
-            "seed": point["seed"],
-            "parameters": frame.parameters,
-            "sha256": frame.sha256,
-        }
-
-
-def _uri(pixels: Any, kind: str) -> str:
-    data = tonemap.encode(pixels, kind=kind, max_width=MAX_WIDTH_PX)
-    return f"data:image/{kind};base64," + base64.b64encode(data).decode("ascii")
-
-
 def _page(model: dict[str, Any], ds: xarray.Dataset) -> str:
-    template = resources.files("viscache.report").joinpath("template.html").read_text("utf-8")
     pieces = {
         "TITLE": html.escape(f"{ds.attrs['scene']}: the trade of shadow rays for accuracy"),
         "SCENE": html.escape(str(ds.attrs["scene"])),
         "FACTS": _facts(ds, model),
         "PLOTS": _plots(model, ds),
         "TABLE": _table(model),
+        "STYLE": _piece("style.css"),
+        "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
+        "PIXELS": html.escape(_pixels_text(model)),
+        "MOST_FLIP_MAPS": str(sum("flip" in s for s in model["settings"])),
         "DATA": json.dumps(model, allow_nan=False, default=str).replace("</", "<\\/"),
     }
-    for name, text in pieces.items():
-        template = template.replace("{{" + name + "}}", text)
-    return template
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], _piece("template.html"))
+
+
+def _piece(name: str) -> str:
+    return resources.files("viscache.report").joinpath("page", name).read_text("utf-8")
+
+
+def _pixels_text(model: dict[str, Any]) -> str:
+    """What the pictures' numbers are."""
+    if not model["pictures"]:
+        return ""
+    (width, height), frame = model["size"], model["frame"]
+    kept = "half floats"
+    if model["step"] > 1:
+        kept += f" whose errors are rounded to {model['step'] / 1024:.1%}"
+    text = f"Pixels are linear radiance in {kept}; at 0 EV white is {model['white']:.4g}."
+    if frame["width"] < width:
+        shown = f"{frame['width']}×{frame['height']}"
+        text += f" Frames of {width}×{height} are shown by means at {shown}."
+    return text
 
 
 def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
@@ -252,4 +250,6 @@ def _table(model: dict[str, Any]) -> str:
             spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
             cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
         rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    return (
+        f'<table id="settings"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    )

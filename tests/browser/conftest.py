@@ -1,0 +1,60 @@
+"""Fixtures: a report whose pictures are known, and a browser."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "python"))
+import fake_renderer as fake
+from devtools import CHROMIUM, Browser
+from known_report import HEIGHT, WIDTH, Report
+
+
+@pytest.fixture(scope="session")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
+    """A report of 3 × 2 settings, moved away from its directory."""
+    import viscache
+    from viscache import report, sources, sweep_work
+    from viscache.store import Store
+    from viscache.sweep import sweep
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("Whitted", "Embree", "Exact", "Aqvc"):
+            patch.setattr(viscache, name, getattr(fake, name), raising=False)
+        patch.setattr(sweep_work, "render_function", fake.fake_render)
+        patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
+        directory = tmp_path_factory.mktemp("sweep")
+        over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
+        sweep("room", "whitted", over=over, repeats=2, size=(WIDTH, HEIGHT), directory=directory,
+              metrics=["rel_l1"])  # fmt: skip
+    alone = tmp_path_factory.mktemp("alone") / "report.html"
+    report.write(directory, alone, flip_maps=5)
+    with Store(directory) as store:
+        points = [p for p in store.definition()["points"] if p["repeat"] == 0]
+        pictures = {f"s{2 * p['index'][0] + p['index'][1]}": store.frame(p["key"]).image
+                    for p in points}  # fmt: skip
+        return Report(alone, pictures, store.frame(points[0]["paired"]).image)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    if not CHROMIUM:
+        pytest.skip("chromium is not installed")
+    started = Browser(tmp_path_factory.mktemp("profile"))
+    yield started
+    started.close()
+
+
+@pytest.fixture
+def tab(browser: Browser, page: Report) -> Iterator[Browser]:
+    """The browser at its usual size. Every test fails on an error of the page or a request."""
+    browser.errors.clear()
+    browser.size(1200, 1000)
+    yield browser
+    assert browser.errors == []

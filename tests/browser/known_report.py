@@ -1,0 +1,19 @@
+"""A report whose pictures are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+WIDTH, HEIGHT = 64, 48
+
+
+@dataclass(frozen=True)
+class Report:
+    """The file, and each setting's picture and reference in linear radiance."""
+
+    path: Path
+    pictures: dict[str, np.ndarray]
+    reference: np.ndarray
