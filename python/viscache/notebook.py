@@ -64,7 +64,8 @@ class Film:
 
 def png(image: npt.NDArray[np.floating[Any]], exposure: float | None = None) -> bytes:
     """A scene-linear picture as PNG."""
-    return tonemap.encode(tonemap.to_srgb8(np.asarray(image), exposure), max_width=1280)
+    pixels = tonemap.to_srgb8(np.asarray(image), exposure)
+    return tonemap.encode(pixels, max_width=1280, effort=1)  # seen at once, and kept by nobody
 
 
 class Sliders:

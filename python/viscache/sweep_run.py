@@ -61,6 +61,9 @@ class Run:
         self.recent: OrderedDict[str, Frame] = OrderedDict()
         self.table = TableFile(store, plan.names, plan.metrics)
         self.bar: Any = None
+        self.writer = ThreadPoolExecutor(1, thread_name_prefix="sweep-writer")
+        #: Comparisons that are not stored yet: of frames whose pictures are still being written.
+        self.ahead: dict[tuple[str, str], dict[str, float | None]] = {}
         #: Wall seconds of this process, and those of frames, wherever they were rendered.
         self.seconds = {"frames": 0.0, "metrics": 0.0, "store": 0.0, "total": 0.0}
 
@@ -80,6 +83,7 @@ class Run:
             else:
                 self.parallel(executor)
         finally:
+            self.writer.shutdown()
             if self.bar is not None:
                 self.bar.close()
             self.table.rewrite()
@@ -165,14 +169,27 @@ class Run:
             self.store.release(turn)
 
     def keep(self, key: str, frame: Frame, *, alone: bool) -> None:
+        """Store a frame and measure what waited for it; its picture is written meanwhile."""
         frame.provenance["alone"] = alone
-        began = time.perf_counter()
-        self.store.put(key, self.plan.specs[key], frame)
-        if self.references is not None and key in self.is_reference:
-            self.references.adopt(key, self.store)
-        self.seconds["store"] += time.perf_counter() - began
         self._remember(key, frame)
+        writing = self.writer.submit(self.store.put, key, self.plan.specs[key], frame)
+        try:
+            self._measure_ahead(key)
+        finally:
+            began = time.perf_counter()
+            writing.result()
+            if self.references is not None and key in self.is_reference:
+                self.references.adopt(key, self.store)
+            self.seconds["store"] += time.perf_counter() - began
         self.finished(key)
+
+    def _measure_ahead(self, key: str) -> None:
+        """Compare what this frame completes, without storing it: first its picture must be kept."""
+        for number in self.waiting[key]:
+            if self.lacks[number] == 1:
+                for pair in _pairs(self.plan.points[number]):
+                    if key in pair and pair not in self.ahead:
+                        self.ahead[pair] = self._values(*pair, self.plan.metrics)
 
     def finished(self, key: str) -> None:
         """Measure the points that wait for this frame alone."""
@@ -189,10 +206,8 @@ class Run:
 
     def _complete(self, number: int) -> None:
         point = self.plan.points[number]
-        self.measure(point.key, point.paired)
-        if point.converged is not None:
-            self.measure(point.key, point.converged)
-            self.measure(point.paired, point.converged)
+        for key, reference in _pairs(point):
+            self.measure(key, reference)
         for key in _keys(point):
             self.uses[key] -= 1
             if self.uses[key] == 0:
@@ -201,22 +216,33 @@ class Run:
                     self.store.forget_pixels(key)
 
     def measure(self, key: str, reference: str) -> None:
-        known = self.store.compared(key, reference)
-        missing = [m for m in self.plan.metrics if m not in known]
-        if not missing:
-            return
+        """Store the comparison of two frames."""
+        values = self.ahead.pop((key, reference), None)
+        if values is None:
+            known = self.store.compared(key, reference)
+            missing = [m for m in self.plan.metrics if m not in known]
+            if not missing:
+                return
+            values = self._values(key, reference, missing)
+        began = time.perf_counter()
+        self.store.put_comparison(key, reference, values)
+        self.seconds["store"] += time.perf_counter() - began
+
+    def _values(self, key: str, reference: str, metrics: list[str]) -> dict[str, float | None]:
+        """These metrics of a frame against a reference, and each light group's error."""
         began = time.perf_counter()
         a, b = self._frame(key), self._frame(reference)
         read = time.perf_counter()
-        values = dict(_metrics.compare(a, b, metrics=missing))
+        values: dict[str, float | None] = {}
         groups = [g for g in a.counters.get("groups", {}) if g in a.layers and g in b.layers]
         for group in groups:
             pair = (a.layers[group], b.layers[group])
             values[f"rel_l1/{group}"] = _metrics.compare(*pair, metrics=["rel_l1"])["rel_l1"]
-        measured = time.perf_counter()
-        self.store.put_comparison(key, reference, values)
-        self.seconds["metrics"] += measured - read
-        self.seconds["store"] += time.perf_counter() - measured + read - began
+        # FLIP last: it holds the interpreter, and the picture's writer must have begun by then
+        values |= _metrics.compare(a, b, metrics=sorted(metrics, key=lambda m: m == "flip"))
+        self.seconds["metrics"] += time.perf_counter() - read
+        self.seconds["store"] += read - began
+        return values
 
     def _frame(self, key: str) -> Frame:
         if key not in self.recent:
@@ -233,6 +259,14 @@ class Run:
         if self.references is not None:
             for key in self.is_reference:
                 self.store.adopt(key, self.references)
+
+
+def _pairs(point: Point) -> list[tuple[str, str]]:
+    """What a point compares: (frame, reference)."""
+    if point.converged is None:
+        return [(point.key, point.paired)]
+    return [(point.key, point.paired), (point.key, point.converged),
+            (point.paired, point.converged)]  # fmt: skip
 
 
 def _keys(point: Point) -> list[str]:

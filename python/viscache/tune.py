@@ -13,7 +13,7 @@ import math
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +40,10 @@ ENOUGH_TILES, MOST_PARTS = 24, 16
 CHECK_FRAMES = 4
 #: The error that is reached may be off by this factor.
 TOLERANCE = 1.3
+#: Groups of samples that each pixel has of its own: light cells bound their error, not C_E.
+OWN_SAMPLES = {
+    "area": "n_area, n_brdf", "environment": "n_environment, n_brdf", "ambient": "n_samples",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +71,9 @@ class Tuned:
         What was tried, by C_E.
     samples : int
         Tiles or frames behind the interval.
+    groups : dict of str to float
+        What each light group's layer is off by on the same pixels, over the light of the whole
+        picture; where errors do not cancel they add up to `rel_l1`.
     """
 
     target: float
@@ -77,11 +84,45 @@ class Tuned:
     ray_reduction: float
     pilots: tuple[Pilot, ...]
     samples: int
+    groups: dict[str, float]
 
     @property
     def reached(self) -> bool:
         """Whether the error on unseen pixels is within 30 % of the target, or below it."""
         return self.rel_l1 <= self.target * TOLERANCE
+
+    @property
+    def message(self) -> str:
+        """Why the target is not reached and which light group limits it; empty where it is."""
+        if self.reached:
+            return ""
+        near = min(self.pilots, key=lambda p: abs(p.c_e - self.c_e))
+        if near.rel_l1 <= self.target * TOLERANCE:
+            low, high = self.interval
+            text = (
+                f"rel_l1 {self.target:.3g} is not confirmed: pilots had {near.rel_l1:.3g} at C_E ="
+                f" {self.c_e:.3g}, pixels that they did not see have {self.rel_l1:.3g}"
+                f" [{low:.3g}, {high:.3g}]."
+            )
+        else:
+            finest = self.pilots[0]
+            text = (
+                f"No C_E reaches rel_l1 {self.target:.3g}: at {finest.c_e:.3g}, the smallest that"
+                f" was tried, it is {finest.rel_l1:.3g}."
+            )
+        if not self.groups:
+            return text
+        worst = max(self.groups, key=self.groups.__getitem__)
+        text += f" The group {worst!r} limits it, off by {self.groups[worst]:.3g}"
+        rest = sorted((g for g in self.groups if g != worst), key=lambda g: -self.groups[g])
+        text += "".join(f", {g} by {self.groups[g]:.3g}" for g in rest) + "."
+        if worst in OWN_SAMPLES:
+            text += (
+                " Its samples are each pixel's own: the size of their light cells bounds their"
+                f" error, not C_E. More of them ({OWN_SAMPLES[worst]}) make the cells smaller;"
+                " vc.Exact() has no error."
+            )
+        return text
 
     def as_dict(self) -> dict[str, Any]:
         """What `viscache tune --json` prints."""
@@ -89,6 +130,7 @@ class Tuned:
             "target": self.target, "c_e": self.c_e, "rel_l1": self.rel_l1,
             "interval": list(self.interval), "reached": self.reached,
             "ray_reduction": self.ray_reduction, "samples": self.samples,
+            "groups": self.groups, "message": self.message,
             "pilots": [{"c_e": p.c_e, "rel_l1": p.rel_l1, "ray_reduction": p.ray_reduction}
                        for p in self.pilots],
         }  # fmt: skip
@@ -106,7 +148,8 @@ class Tuned:
             for p in self.pilots
         )
         head = "<tr><th>C_E [px]</th><th>rel_l1</th><th>queries per ray</th></tr>"
-        return f"<table><caption>{html.escape(repr(self))}</caption>{head}{rows}</table>"
+        said = f"<p>{html.escape(self.message)}</p>" if self.message else ""
+        return f"<table><caption>{html.escape(repr(self))}</caption>{head}{rows}</table>{said}"
 
 
 def tune(
@@ -141,7 +184,8 @@ def tune(
     Tuned
         `reached` says whether pixels that no pilot saw confirm it. Where even the largest C_E has
         less error than wanted, or the smallest more, that C_E is returned. Under an environment the
-        error has a floor that no C_E goes below, for its directions are clustered too.
+        error has a floor that no C_E goes below, for its directions are clustered too: `message`
+        says so, and which light group limits.
 
     Raises
     ------
@@ -169,11 +213,11 @@ def tune(
     pilots = search(lambda c_e: pilot.error(replace(base, c_e=c_e)), float(rel_l1))
     best = min(pilots, key=lambda p: abs(math.log(max(p.rel_l1, 1e-12) / rel_l1)))
     chosen = replace(base, c_e=best.c_e)
-    found, interval, reduction = check.measured(chosen)
+    found, interval, reduction, groups = check.measured(chosen)
     return Tuned(
         target=float(rel_l1), c_e=best.c_e, visibility=chosen, rel_l1=found, interval=interval,
         ray_reduction=reduction, samples=check.count,
-        pilots=tuple(sorted(pilots, key=lambda p: p.c_e)),
+        pilots=tuple(sorted(pilots, key=lambda p: p.c_e)), groups=groups,
     )  # fmt: skip
 
 
@@ -215,8 +259,8 @@ class _Sample:
         self._render, self._runs = render, runs
         self._exact = [_pieces(render(Exact(), run)) for run in runs]
         self.whole = len(runs) > 1  # a run is one sample, else each of its tiles
-        require(sum(float(p.sum()) for run in self._exact for p in run) > 0,
-                "the picture must have light", "none")  # fmt: skip
+        self._light = sum(float(p["color"].sum()) for run in self._exact for p in run)
+        require(self._light > 0, "the picture must have light", "none")
 
     @property
     def count(self) -> int:
@@ -224,22 +268,28 @@ class _Sample:
         return len(self._runs) if self.whole else len(self._exact[0])
 
     def error(self, visibility: Aqvc) -> Pilot:
-        found, _, reduction = self.measured(visibility)
+        found, _, reduction, _ = self.measured(visibility)
         return Pilot(visibility.c_e, found, reduction)
 
-    def measured(self, visibility: Aqvc) -> tuple[float, tuple[float, float], float]:
-        """rel_l1, its 95 % interval, queries per ray."""
+    def measured(
+        self, visibility: Aqvc
+    ) -> tuple[float, tuple[float, float], float, dict[str, float]]:
+        """rel_l1, its 95 % interval, queries per ray, what each group is off by."""
         wrong, light, queries, rays = [], [], 0, 0
+        groups: dict[str, float] = {}
         for run, exact in zip(self._runs, self._exact, strict=True):
             part = self._render(visibility, run)
             queries += part.frame.counters["queries"]
             rays += part.frame.counters["rays"]
             pieces = list(zip(_pieces(part), exact, strict=True))
-            wrong.append([float(np.abs(a - b).sum()) for a, b in pieces])
-            light.append([float(b.sum()) for _, b in pieces])
+            wrong.append([_off(a, b, "color") for a, b in pieces])
+            light.append([float(b["color"].sum()) for _, b in pieces])
+            for name in [n for n in pieces[0][1] if n != "color"]:
+                off = sum(_off(a, b, name) for a, b in pieces)
+                groups[name] = groups.get(name, 0.0) + off / self._light
         join = (lambda rows: [sum(r) for r in rows]) if self.whole else (lambda rows: rows[0])
         found, interval = ratio(join(wrong), join(light))
-        return found, interval, queries / rays if rays else math.inf
+        return found, interval, queries / rays if rays else math.inf, groups
 
 
 def ratio(over: Sequence[float], under: Sequence[float]) -> tuple[float, tuple[float, float]]:
@@ -257,8 +307,17 @@ def ratio(over: Sequence[float], under: Sequence[float]) -> tuple[float, tuple[f
     return total, (max(0.0, total - half), total + half)
 
 
-def _pieces(part: tiles.Part) -> list[npt.NDArray[np.float64]]:
-    return [cut["color"].astype(np.float64) for cut in part.cuts]
+Piece: TypeAlias = dict[str, npt.NDArray[np.float64]]
+
+
+def _pieces(part: tiles.Part) -> list[Piece]:
+    """Of each tile the picture, and the layers of its light groups."""
+    names = ["color", *part.frame.counters["groups"]]
+    return [{n: cut[n].astype(np.float64) for n in names if n in cut} for cut in part.cuts]
+
+
+def _off(a: Piece, b: Piece, name: str) -> float:
+    return float(np.abs(a[name] - b[name]).sum())
 
 
 def _samples(

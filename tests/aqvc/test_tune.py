@@ -82,6 +82,40 @@ def test_a_target_out_of_reach_is_told() -> None:
     found = vc.tune(scene, vc.Direct(), rel_l1=1e-7, size=(48, 30))
     assert found.c_e < 1.1 * LOWEST_C_E and not found.reached
     assert found.pilots[0].c_e == LOWEST_C_E
+    assert found.message.startswith("No C_E reaches rel_l1 1e-07: at 0.25, the smallest")
+    assert "'point' limits it" in found.message and "pixel's own" not in found.message
+    assert found.message in found._repr_html_().replace("&#x27;", "'")
+
+
+def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
+    scene = vc.scenes.apartment(triangles=2000)
+    whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
+    found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36))
+    finest, coarser = (found.pilots[i].rel_l1 for i in (0, 2))
+    assert not found.reached and finest > 0.75 * coarser > 0.004  # no C_E goes below
+    assert max(found.groups, key=found.groups.__getitem__) == "environment"
+    assert "No C_E reaches rel_l1 0.004: at 0.25" in found.message
+    assert "The group 'environment' limits it" in found.message
+    assert "light cells bounds their error, not C_E." in found.message
+    assert "More of them (n_environment, n_brdf)" in found.message
+
+
+def test_what_the_groups_are_off_by_explains_the_error() -> None:
+    scene = vc.scenes.room(triangles=3000)
+    found = vc.tune(scene, vc.Whitted(n_vpls=32), rel_l1=0.02, size=(96, 60))
+    assert set(found.groups) == {"point", "vpl"} and found.message == ""
+    assert found.rel_l1 <= sum(found.groups.values()) * (1 + 1e-6)
+    assert max(found.groups.values()) <= 1.5 * found.rel_l1
+
+
+def test_an_error_that_only_unseen_pixels_have_is_told_apart_from_a_floor() -> None:
+    found = Tuned(
+        target=0.01, c_e=8.0, visibility=vc.Aqvc(c_e=8), rel_l1=0.02, interval=(0.015, 0.025),
+        ray_reduction=5.0, pilots=(Pilot(4.0, 0.005, 3.0), Pilot(8.0, 0.01, 5.0)), samples=4,
+        groups={"point": 0.02, "vpl": 0.001},
+    )  # fmt: skip
+    assert "is not confirmed: pilots had 0.01 at C_E = 8" in found.message
+    assert "have 0.02 [0.015, 0.025]. The group 'point' limits it, off by 0.02" in found.message
 
 
 def test_a_dark_picture_and_bad_arguments_are_refused() -> None:
@@ -108,7 +142,8 @@ def test_the_command_prints_what_was_found(capsys: pytest.CaptureFixture[str]) -
     got = json.loads(capsys.readouterr().out)
     assert got["reached"] is True and got["target"] == 0.03
     assert cli.main([*words, "--error", "0.00000001"]) == 1
-    assert "reached" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "reached" in printed and "No C_E reaches rel_l1 1e-08" in printed
 
 
 #: Scene, integrator, pixels, target, and how many samples check it: tiles or whole frames.

@@ -27,6 +27,7 @@ SMALL = (
     "vlf-ao",
     "vismap-variance",
     "sweep",
+    "notebook-slider",
 )
 LATER = ("peers",)
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import statistics
 from typing import Any
 
 import numpy as np
+import PIL.Image
 import pytest
 
 import viscache as vc
@@ -56,6 +58,15 @@ def test_a_film_that_is_not_to_refresh_often_shows_the_first_and_the_last(output
     assert film.views == 2
     with pytest.raises(ValueError, match="refresh_s must be >= 0, got -1"):
         Film(refresh_s=-1)
+
+
+def test_a_png_shows_the_tone_mapped_picture_whatever_the_effort() -> None:
+    picture = np.random.default_rng(0).uniform(0, 1.5, (9, 13, 3))
+    wanted = vc.tonemap.to_srgb8(picture, 0.8)
+    pngs = [vc.notebook.png(picture, 0.8)]
+    pngs += [vc.tonemap.encode(wanted, effort=effort) for effort in (0, 6, 9)]
+    for data in pngs:
+        assert (np.asarray(PIL.Image.open(io.BytesIO(data))) == wanted).all()
 
 
 def test_a_slider_that_moves_renders_again() -> None:

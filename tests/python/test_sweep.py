@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 import xarray
 
+from viscache import metrics
 from viscache.frame import Frame
+from viscache.store import Store
 from viscache.sweep import SweepFile, sweep
 from viscache.sweep_table import open_dataset
 
@@ -84,6 +87,57 @@ def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc: Any, tmp_path
                size=(32, 24), metrics=["rel_l1", "ssim"])  # fmt: skip
     assert len(fake_vc.CALLS) == 4
     assert ds.ssim.notnull().all() and "rmse" not in ds
+
+
+def test_a_picture_that_is_lost_is_rendered_and_measured_again(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    arguments: dict[str, Any] = {"over": {"c_e": [4, 8]}, "directory": tmp_path, **SMALL}
+    whole = sweep("room", "whitted", **arguments)
+    lost = tmp_path / rows_of(tmp_path)[1]["frame"]
+    lost.unlink()
+    again = sweep("room", "whitted", **arguments)
+    assert len(fake_vc.CALLS) == 4 and lost.is_file()
+    xarray.testing.assert_equal(whole.rel_l1, again.rel_l1)
+
+
+def test_a_frame_is_measured_while_its_picture_is_written(
+    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    measured = threading.Event()
+    compare, put = metrics.compare, Store.put
+    order: list[str] = []
+
+    def compares(*images: Any, **options: Any) -> Any:
+        order.append("compare")
+        measured.set()
+        return compare(*images, **options)
+
+    def puts(store: Store, key: str, spec: Any, frame: Frame) -> None:
+        cached = frame.counters["rays"] < frame.counters["queries"]
+        assert not cached or measured.wait(60)
+        put(store, key, spec, frame)
+        order.append("put")
+
+    monkeypatch.setattr(metrics, "compare", compares)
+    monkeypatch.setattr(Store, "put", puts)
+    sweep("room", "whitted", over={"c_e": [4]}, directory=tmp_path, size=(32, 24))
+    assert order == ["put", "compare", "compare", "put"]  # of the layer vpl, of the picture
+    assert len(rows_of(tmp_path)) == 1
+
+
+def test_a_frame_that_cannot_be_measured_is_kept(
+    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: Any, **__: Any) -> Any:
+        raise ValueError("a must be finite")
+
+    monkeypatch.setattr(metrics, "compare", fails)
+    with pytest.raises(ValueError, match="a must be finite"):
+        sweep("room", "whitted", over={"c_e": [4]}, directory=tmp_path, **SMALL)
+    monkeypatch.undo()
+    with Store(tmp_path) as store:
+        assert len(store.finished()) == 2 and rows_of(tmp_path) == []
 
 
 def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(

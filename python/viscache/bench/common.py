@@ -20,6 +20,7 @@ __all__ = [
     "Clock",
     "Outcome",
     "Sample",
+    "at_most_figure",
     "build_scene",
     "figure",
     "interleave",
@@ -109,6 +110,16 @@ def figure(
         "high": max(ratios) if ratios else None,
         **more,
     }
+
+
+def at_most_figure(
+    name: str, value: float, unit: str, limit: float | None, **more: Any
+) -> dict[str, Any]:
+    """A figure that holds where its value is at most the limit; None asks for nothing."""
+    made = figure(name, value, unit, **more)
+    made["at_most"] = limit
+    made["holds"] = None if limit is None else bool(value <= limit)
+    return made
 
 
 def ratio_figure(

@@ -13,6 +13,7 @@ from viscache.bench.common import Outcome, machine
 from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.memory import memory
+from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.rays import rays
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
@@ -83,6 +84,10 @@ BENCHES: dict[str, BenchInfo] = {
     "sweep": BenchInfo(
         description="500 points of a sweep: time outside frames and metrics, kills, dask",
         function=sweep,
+    ),
+    "notebook-slider": BenchInfo(
+        description="the C_E slider of a notebook, from the move to the picture that is shown",
+        function=notebook_slider,
     ),
     "peers": BenchInfo(description="caches of other renderers at equal time"),
 }

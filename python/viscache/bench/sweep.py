@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from viscache.bench.common import Outcome, Sample, figure, interleave
+from viscache.bench.common import Outcome, Sample, at_most_figure, figure, interleave
 from viscache.executors import process_pool
 from viscache.integrators import Whitted
 from viscache.store import Store
@@ -31,7 +31,6 @@ QUICK_SCENE = "room?triangles=3000"
 OUTSIDE_AT_MOST = 0.05
 SECONDS_AT_MOST = 900.0
 DASK_AT_MOST = 1.10
-METRICS = ("rel_l1", "rmse", "energy", "flip", "ssim")
 
 #: A sweep that logs every frame it begins: directory, log, scene, points, pixels, VPLs.
 LOGGED = """
@@ -70,7 +69,7 @@ def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
     began, cpu = time.perf_counter(), time.process_time()
     ds = run_sweep(
         QUICK_SCENE if quick else SCENE, Whitted(n_vpls=vpls), over=over, size=(edge, edge),
-        metrics=METRICS, directory=folder,
+        directory=folder,
     )  # fmt: skip
     wall, cpu = time.perf_counter() - began, time.process_time() - cpu
     spent = json.loads(ds.attrs["seconds"])
@@ -81,9 +80,9 @@ def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
                   float(ds.rel_l1[0].mean() >= ds.rel_l1[-1].mean()), 0)  # fmt: skip
     limit = None if quick else SECONDS_AT_MOST
     outcome.figures += [
-        _at_most(f"{points} points at {edge}²", wall, "s", limit, cpu_s=cpu),
-        _at_most(f"{points} points: share of the wall time outside frames and metrics", outside,
-                 "1", None if quick else OUTSIDE_AT_MOST, **spent),
+        at_most_figure(f"{points} points at {edge}²", wall, "s", limit, cpu_s=cpu),
+        at_most_figure(f"{points} points: share of the wall time outside frames and metrics",
+                       outside, "1", None if quick else OUTSIDE_AT_MOST, **spent),
     ]  # fmt: skip
 
 
@@ -106,7 +105,7 @@ def _killed(quick: bool, folder: Path, outcome: Outcome) -> None:
     repeated = _begun(log) - frames
     outcome.check("frames rendered twice, at most one per kill", repeated, kills)
     what = f"{frames} frames and {kills} kills: frames rendered"
-    outcome.figures.append(_at_most(what, frames + repeated, "frames", frames + kills))
+    outcome.figures.append(at_most_figure(what, frames + repeated, "frames", frames + kills))
 
 
 def _start(words: list[str]) -> subprocess.Popen[bytes]:
@@ -166,13 +165,3 @@ def _dask_workers(n: int) -> Iterator[Any]:
     )  # fmt: skip
     with cluster, distributed.Client(cluster, set_as_default=False) as client:
         yield client.get_executor(pure=False)
-
-
-def _at_most(
-    name: str, value: float, unit: str, limit: float | None, **more: Any
-) -> dict[str, Any]:
-    """A figure that holds where its value is at most the limit."""
-    made = figure(name, value, unit, **more)
-    made["at_most"] = limit
-    made["holds"] = None if limit is None else bool(value <= limit)
-    return made

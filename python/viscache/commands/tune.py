@@ -48,4 +48,6 @@ def run(arguments: argparse.Namespace) -> int:
             "target": found.target, "reached": "yes" if found.reached else "no",
             "queries per ray": found.ray_reduction, "pilots": len(found.pilots),
         })  # fmt: skip
+        if found.message:
+            print(found.message)
     return 0 if found.reached else 1
