@@ -19,7 +19,7 @@ public:
     AnalyticCaster(std::vector<Box> boxes, std::vector<Sphere> spheres)
         : boxes_(std::move(boxes)), spheres_(std::move(spheres)) {}
 
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override {
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override {
         for (size_t i = 0; i < rays.size(); ++i) {
             hits[i] = {};
             for (uint32_t k = 0; k < boxes_.size() + spheres_.size(); ++k) {

@@ -121,7 +121,7 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
             std::vector<Ray> rays(last - first);
             std::vector<Hit> hits(last - first);
             for (size_t i = first; i < last; ++i) rays[i - first] = endless(origins[i], directions[i]);
-            caster.intersect(rays, hits);
+            caster.intersect(rays, hits, Coherence::kIncoherent);
             for (size_t i = first; i < last; ++i) {
                 const Hit& h = hits[i - first];
                 const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -20,9 +20,11 @@ RANKS = {
     "correlation": 4,
     "render": 5,
 }
-# The header that hides Embree's versions belongs to the one file that uses Embree.
+# One header hides Embree's versions, another fills its packets, both for the one file that uses it.
 EMBREE_HOME = "cpp/viscache/visibility/embree_caster.cpp"
+EMBREE_PACKETS = "cpp/viscache/visibility/embree_packets.h"
 EMBREE_VERSIONS = "cpp/viscache/visibility/embree.h"
+EMBREE_INCLUDED_BY = {EMBREE_PACKETS: EMBREE_HOME, EMBREE_VERSIONS: EMBREE_PACKETS}
 INCLUDE = re.compile(r"""^\s*#\s*include\s*(["<])([^">]+)[">]""", re.M)
 
 
@@ -36,9 +38,9 @@ def violations(files: Mapping[str, str]) -> Iterator[str]:
         for quote, included in INCLUDE.findall(text):
             outside = PurePosixPath(included).parts
             if re.search(r"^embree\d*/|rtcore", included):
-                if path not in (EMBREE_HOME, EMBREE_VERSIONS):
+                if path != EMBREE_VERSIONS:
                     yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
-            elif f"cpp/{included}" == EMBREE_VERSIONS and path != EMBREE_HOME:
+            elif EMBREE_INCLUDED_BY.get(f"cpp/{included}", path) != path:
                 yield f"{path}: only {EMBREE_HOME} includes Embree, got {included}"
             if re.search(r"^pybind11/|^Python\.h$", included) and parts[:2] != ("cpp", "bindings"):
                 yield f"{path}: only cpp/bindings includes pybind11, got {included}"
@@ -82,6 +84,12 @@ def test_every_rank_has_its_folder() -> None:
             "only cpp/viscache/visibility",
         ),
         ("cpp/viscache/render/a.h", '#include "viscache/visibility/embree.h"', "includes Embree"),
+        (EMBREE_HOME, '#include "viscache/visibility/embree.h"', "includes Embree"),
+        (
+            "cpp/viscache/vlf/a.cpp",
+            '#include "viscache/visibility/embree_packets.h"',
+            "includes Embree",
+        ),
         ("cpp/viscache/math/a.h", "#include <pybind11/numpy.h>", "only cpp/bindings"),
         ("tests/cpp/a.cpp", "#include <embree4/rtcore.h>", "includes Embree"),
         ("cpp/viscache/math/a.h", '#include "viscache/utils/b.h"', "there is no folder utils"),
@@ -98,7 +106,8 @@ def test_a_broken_rule_is_found(path: str, line: str, expected: str) -> None:
     [
         ("cpp/viscache/render/a.cpp", '#include "viscache/aqvc/b.h"'),
         ("cpp/viscache/aqvc/a.cpp", '#include "viscache/aqvc/b.h"'),
-        (EMBREE_HOME, '#include "viscache/visibility/embree.h"'),
+        (EMBREE_HOME, '#include "viscache/visibility/embree_packets.h"'),
+        (EMBREE_PACKETS, '#include "viscache/visibility/embree.h"'),
         (EMBREE_VERSIONS, "#include <embree4/rtcore.h>"),
         ("cpp/bindings/bind_a.cpp", "#include <pybind11/pybind11.h>"),
         ("cpp/viscache/math/a.h", "#include <vector>"),

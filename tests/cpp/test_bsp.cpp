@@ -77,7 +77,8 @@ void hits_are_those_of_one_large_leaf() {
             const Ray ray{o, 0, d, i % 2 ? kInfinity : uniform(0, 3)};
             Hit a, b;
             uint8_t any = 0;
-            all.intersect({&ray, 1}, {&a, 1}), some.intersect({&ray, 1}, {&b, 1});
+            all.intersect({&ray, 1}, {&a, 1}, Coherence::kIncoherent);
+            some.intersect({&ray, 1}, {&b, 1}, Coherence::kIncoherent);
             some.occluded({&ray, 1}, {&any, 1});
             check(a.triangle == b.triangle && a.t == b.t, "the hit of all triangles tried");
             check_equal(bool(any), b.valid(), "any hit of a ray with a nearest one");

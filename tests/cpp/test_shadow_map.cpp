@@ -12,7 +12,7 @@ namespace {
 /// The plane y = 0.
 class Floor final : public RayCaster {
 public:
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override {
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override {
         for (size_t i = 0; i < rays.size(); ++i) {
             const float t = -rays[i].o.y / rays[i].d.y;
             hits[i] = t > rays[i].t_min && t < rays[i].t_max ? Hit{.t = t, .mesh = 0, .triangle = 0} : Hit{};

@@ -11,7 +11,7 @@ namespace {
 /// A ball above the plane y = 0.
 class Ball final : public RayCaster {
 public:
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override {
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override {
         for (size_t i = 0; i < rays.size(); ++i) {
             hits[i] = {};
             if (const float t = distance(rays[i].o, rays[i].d); t > 0) hits[i].t = t, hits[i].mesh = 0;

@@ -138,7 +138,7 @@ private:
                                            (float(i / out.width) + jitter.y) * step_y);
             rays[i - first] = {film_.camera.origin, 0, normalize(d), kInfinity};
         }
-        caster_.intersect(rays, hits);
+        caster_.intersect(rays, hits, Coherence::kCoherent);
         for (size_t i = first; i < last; ++i) {
             const Hit& h = hits[i - first];
             if (!h.valid() || scene_.sphere_light_of(h.mesh) >= 0) {

@@ -8,8 +8,8 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kRaysPerCall = 4096;
-constexpr float kWeak = 3e-3f;  // branches that count for less play Russian roulette
+constexpr size_t kRaysPerCall = 512;  // branches and hits stay in the first-level cache; a multiple of 16
+constexpr float kWeak = 3e-3f;        // branches that count for less play Russian roulette
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
 struct Differential {
@@ -95,53 +95,73 @@ namespace {
 class TilePaths {
 public:
     TilePaths(const EyePathTracer& tracer, EyeTile& out, Counters& counters)
-        : t_(tracer), out_(out), counters_(counters), inverse_spp_(1.f / tracer.frame.spp) {}
+        : t_(tracer),
+          out_(out),
+          counters_(counters),
+          inverse_spp_(1.f / tracer.frame.spp),
+          footprint_(tracer.integrator.p_mode == PMode::kFootprint) {}
 
-    void start(const Tile& tile) {
-        const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
-        out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
-        out_.block.tile_width = uint32_t(out_.width * grid),
-        out_.block.tile_height = uint32_t(out_.height * grid);
-        for (auto [px, py] : morton_pixels(out_.width, out_.height))
-            for (int s = 0; s < spp; ++s) current_.push_back(primary(tile, px, py, s, grid));
-    }
-    void run(const Control& control) {
-        while (!current_.empty()) {
-            step(control);
-            current_.swap(next_);
+    void run(const Tile& tile, const Control& control) {
+        trace_primary(tile, control);
+        // What mirrors and glass sent on
+        while (!next_.empty()) {
+            std::swap(branches_, next_);
             next_.clear();
+            for (size_t first = 0; first < branches_.size(); first += kRaysPerCall)
+                step(std::span(branches_).subspan(first, std::min(kRaysPerCall, branches_.size() - first)),
+                     Coherence::kIncoherent, control);
         }
     }
 
 private:
-    Branch primary(const Tile& tile, int px, int py, int sample, int grid) const {
+    /// All samples of the tile's pixels, along its Morton curve.
+    void trace_primary(const Tile& tile, const Control& control) {
+        const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
+        out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
+        out_.block.tile_width = uint32_t(out_.width * grid),
+        out_.block.tile_height = uint32_t(out_.height * grid);
+        const auto flush = [&] {
+            step(branches_, Coherence::kCoherent, control);
+            branches_.clear();
+        };
+        for (auto [px, py] : morton_pixels(out_.width, out_.height)) {
+            const int x = tile.x0 + px, y = tile.y0 + py;
+            const uint64_t pixel_id = uint64_t(y) * uint64_t(t_.film.width) + uint64_t(x);
+            const PixelPlaces places(t_.frame.seed, pixel_id);
+            for (int s = 0; s < spp; ++s) {
+                const Vec2 jitter = t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(s)];
+                Branch& b = branches_.emplace_back(primary(float(x) + jitter.x, float(y) + jitter.y));
+                b.pixel = uint32_t(py * out_.width + px);
+                b.order_x = uint32_t(px * grid + s % grid), b.order_y = uint32_t(py * grid + s / grid);
+                b.stream = (pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
+                if (branches_.size() == kRaysPerCall) flush();
+            }
+        }
+        flush();
+    }
+
+    /// The branch that starts at a place of the film.
+    Branch primary(float x, float y) const {
         const FilmCamera& film = t_.film;
-        const uint64_t pixel_id = uint64_t(tile.y0 + py) * uint64_t(film.width) + uint64_t(tile.x0 + px);
-        const Vec2 jitter =
-            t_.integrator.centred ? Vec2{0.5f, 0.5f} : pixel_place(t_.frame.seed, pixel_id, uint32_t(sample));
-        const Vec3 raw = film.direction(tile.x0 + px + jitter.x, tile.y0 + py + jitter.y);
+        const Vec3 raw = film.direction(x, y);
         const float norm = length(raw);
         Branch b;
         b.ray = {film.camera.origin, 0, raw / norm, kInfinity};
-        b.pixel = uint32_t(py * out_.width + px);
-        b.order_x = uint32_t(px * grid + sample % grid), b.order_y = uint32_t(py * grid + sample / grid);
-        b.stream = (pixel_id * uint64_t(t_.frame.spp) + uint64_t(sample)) << 10;
         b.camera_cos = 1 / norm;
+        if (!footprint_) return b;
         auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
         b.d.direction_x = unit_change(film.step_x()), b.d.direction_y = unit_change(film.step_y());
         return b;
     }
 
-    void step(const Control& control) {
-        for (size_t first = 0; first < current_.size(); first += kRaysPerCall) {
-            control.check();
-            const size_t n = std::min(kRaysPerCall, current_.size() - first);
-            rays_.resize(n), hits_.assign(n, {});
-            for (size_t i = 0; i < n; ++i) rays_[i] = current_[first + i].ray;
-            t_.caster.intersect(rays_, hits_);
-            for (size_t i = 0; i < n; ++i) arrive(current_[first + i], hits_[i]);
-        }
-        counters_.camera_rays += current_.size();
+    void step(std::span<Branch> branches, Coherence coherence, const Control& control) {
+        control.check();
+        const size_t n = branches.size();
+        rays_.resize(n), hits_.resize(n);
+        for (size_t i = 0; i < n; ++i) rays_[i] = branches[i].ray;
+        t_.caster.intersect(rays_, hits_, coherence);
+        for (size_t i = 0; i < n; ++i) arrive(branches[i], hits_[i]);
+        counters_.camera_rays += n;
     }
 
     void arrive(Branch& b, const Hit& hit) {
@@ -162,7 +182,7 @@ private:
             first.normal += front ? s.ns : -s.ns, first.albedo += s.base_color;
         }
         if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
-        transfer(b.d, b.ray, hit.t, s.ng);
+        if (footprint_) transfer(b.d, b.ray, hit.t, s.ng);
         b.distance += hit.t;
         const Material& material = t_.scene.materials()[size_t(s.material)];
         if (t_.integrator.ambient) {  // geometry alone decides: mirrors and glass are surfaces like others
@@ -205,7 +225,7 @@ private:
     /// D_e = N_S·P_e: eye samples per unit area at the point (AQVC spec, section 5).
     float density(const Branch& b, Vec3 ng, float cos_eye) const {
         const float spp = float(t_.frame.spp);
-        if (t_.integrator.p_mode == PMode::kFootprint) {
+        if (footprint_) {
             const float area = length(cross(b.d.origin_x, b.d.origin_y));
             const float bound = std::fabs(dot(ng, b.ray.d)) / cos_eye;  // ≤ 1: the same clamp as below
             return spp / (area * bound);
@@ -245,7 +265,7 @@ private:
         if (dot(direction, ng) <= 0) n = ng, direction = b.ray.d - n * (2 * dot(b.ray.d, n));
         Branch reflected = b;
         reflected.throughput = b.throughput * factor;
-        reflect_differential(reflected.d, b.ray, s, n);
+        if (footprint_) reflect_differential(reflected.d, b.ray, s, n);
         follow(reflected, s, ng, direction, 0);
     }
 
@@ -263,7 +283,7 @@ private:
         through.index2 = b.index2 / (eta * eta);
         const auto transmitted = viscache::refract(-b.ray.d, n, eta);
         if (!transmitted || dot(*transmitted, ng) >= 0) return lose(through);
-        refract_differential(through.d, b.ray, s, n, eta, *transmitted);
+        if (footprint_) refract_differential(through.d, b.ray, s, n, eta, *transmitted);
         follow(through, s, -ng, *transmitted, 1);
     }
 
@@ -271,7 +291,8 @@ private:
     EyeTile& out_;
     Counters& counters_;
     const float inverse_spp_;
-    std::vector<Branch> current_, next_;
+    const bool footprint_;  ///< differentials are followed
+    std::vector<Branch> branches_, next_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;
 };
@@ -279,9 +300,7 @@ private:
 }  // namespace
 
 void EyePathTracer::trace(const Tile& tile, EyeTile& out, Counters& counters, const Control& control) const {
-    TilePaths paths(*this, out, counters);
-    paths.start(tile);
-    paths.run(control);
+    TilePaths(*this, out, counters).run(tile, control);
 }
 
 }  // namespace viscache

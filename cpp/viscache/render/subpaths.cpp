@@ -81,7 +81,9 @@ void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLi
         rays_.clear(), next_.clear();
         for (const Walker& w : walkers_) rays_.push_back(w.ray);
         hits_.assign(rays_.size(), {});
-        c_.caster.intersect(rays_, hits_);
+        // Primary rays alone stay together
+        const bool primary = transport == Transport::kRadiance && edge == 0;
+        c_.caster.intersect(rays_, hits_, primary ? Coherence::kCoherent : Coherence::kIncoherent);
         (light ? counters.camera_rays : counters.light_rays) += rays_.size();
         for (size_t i = 0; i < walkers_.size(); ++i) {
             Walker& w = walkers_[i];

@@ -80,7 +80,7 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
     bool goes_on = true;
     for (int depth = 0; goes_on && depth < max_depth; ++depth) {
         Hit hit;
-        caster.intersect({&photon.ray, 1}, {&hit, 1});
+        caster.intersect({&photon.ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;
         if (!hit.valid()) return;
         const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,
@@ -156,7 +156,7 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
                     y = (i / columns + u.y) / rows * film.height;
         const Ray ray{film.camera.origin, 0, normalize(film.direction(x, y)), kInfinity};
         Hit hit;
-        caster.intersect({&ray, 1}, {&hit, 1});
+        caster.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;
         if (!hit.valid()) continue;
         const SurfacePoint s = scene.surface(hit.mesh, hit.triangle,

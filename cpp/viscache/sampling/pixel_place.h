@@ -5,11 +5,22 @@
 
 namespace viscache {
 
-/// Place of a sample in its pixel, in [0, 1)²: an Owen-scrambled (0, 2)-sequence of every pixel's own.
+/// Places of the samples in one pixel, in [0, 1)²: an Owen-scrambled (0, 2)-sequence of every pixel's own.
+class PixelPlaces {
+public:
+    PixelPlaces(uint64_t seed, uint64_t pixel) {
+        Rng rng(seed, Purpose::kPixel, pixel, 0);
+        scramble_x_ = rng.next_u32(), scramble_y_ = rng.next_u32();
+    }
+    Vec2 operator[](uint32_t sample) const { return sobol02(sample, scramble_x_, scramble_y_); }
+
+private:
+    uint32_t scramble_x_, scramble_y_;
+};
+
+/// Place of one sample.
 inline Vec2 pixel_place(uint64_t seed, uint64_t pixel, uint32_t sample) {
-    Rng rng(seed, Purpose::kPixel, pixel, 0);
-    const uint32_t scramble_x = rng.next_u32(), scramble_y = rng.next_u32();
-    return sobol02(sample, scramble_x, scramble_y);
+    return PixelPlaces(seed, pixel)[sample];
 }
 
 }  // namespace viscache

@@ -204,7 +204,7 @@ bool BspCaster::any(const Ray& ray) const {
                                             : any_in(WatertightKernel{corners_, ShearedRay(local)}, local);
 }
 
-void BspCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+void BspCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const {
     for (size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i]);
 }
 

@@ -32,7 +32,7 @@ class BspCaster final : public RayCaster {
 public:
     /// Throws std::invalid_argument, or OverBudget for a tree larger than `settings.max_bytes`.
     BspCaster(std::shared_ptr<const Scene> scene, const BspSettings& settings, int threads, Control& control);
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override;
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
 

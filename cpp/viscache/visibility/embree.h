@@ -1,5 +1,6 @@
 #pragma once
-// Embree 3.12+ and 4.x behind one set of names. Included by embree_caster.cpp alone.
+// Embree 3.12+ and 4.x behind one set of names. Included by embree_packets.h alone, which is a part of
+// embree_caster.cpp.
 #if VISCACHE_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
 #else
@@ -25,6 +26,7 @@ public:
     void occluded4(const int* v, RTCScene s, RTCRay4& r) { rtcOccluded4(v, s, &r, &occluded_); }
     void occluded8(const int* v, RTCScene s, RTCRay8& r) { rtcOccluded8(v, s, &r, &occluded_); }
     void occluded16(const int* v, RTCScene s, RTCRay16& r) { rtcOccluded16(v, s, &r, &occluded_); }
+    void intersect8(const int* v, RTCScene s, RTCRayHit8& r) { rtcIntersect8(v, s, &r, &intersect_); }
     void intersect16(const int* v, RTCScene s, RTCRayHit16& r) { rtcIntersect16(v, s, &r, &intersect_); }
     void intersect1(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &r, &intersect_); }
 
@@ -42,6 +44,7 @@ private:
     void occluded4(const int* v, RTCScene s, RTCRay4& r) { rtcOccluded4(v, s, &context_, &r); }
     void occluded8(const int* v, RTCScene s, RTCRay8& r) { rtcOccluded8(v, s, &context_, &r); }
     void occluded16(const int* v, RTCScene s, RTCRay16& r) { rtcOccluded16(v, s, &context_, &r); }
+    void intersect8(const int* v, RTCScene s, RTCRayHit8& r) { rtcIntersect8(v, s, &context_, &r); }
     void intersect16(const int* v, RTCScene s, RTCRayHit16& r) { rtcIntersect16(v, s, &context_, &r); }
     void intersect1(RTCScene s, RTCRayHit& r) { rtcIntersect1(s, &context_, &r); }
 

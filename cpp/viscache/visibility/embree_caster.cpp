@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "viscache/visibility/coherence_trial.h"
-#include "viscache/visibility/embree.h"
+#include "viscache/visibility/embree_packets.h"
 
 namespace viscache {
 
@@ -202,28 +202,13 @@ std::string EmbreeCaster::version() {
            number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }
 
-void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
-    rtc::Query query(Coherence::kIncoherent);
-    for (size_t first = 0; first < rays.size(); first += 16) {
-        const size_t n = std::min<size_t>(16, rays.size() - first);
-        alignas(64) RTCRayHit16 packet;
-        alignas(64) int valid[16];
-        for (size_t i = 0; i < 16; ++i) {
-            const Ray& r = rays[first + std::min(i, n - 1)];
-            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval holds no hit
-            packet.ray.org_x[i] = r.o.x, packet.ray.org_y[i] = r.o.y, packet.ray.org_z[i] = r.o.z;
-            packet.ray.dir_x[i] = r.d.x, packet.ray.dir_y[i] = r.d.y, packet.ray.dir_z[i] = r.d.z;
-            packet.ray.tnear[i] = r.t_min, packet.ray.tfar[i] = r.t_max;
-            packet.ray.time[i] = 0, packet.ray.mask[i] = ~0u, packet.ray.flags[i] = 0, packet.ray.id[i] = 0;
-            packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        }
-        query.intersect16(valid, impl_->top, packet);
-        for (size_t i = 0; i < n; ++i)
-            hits[first + i] =
-                !valid[i] ? Hit{}
-                          : impl_->hit_of(packet.hit.geomID[i], packet.hit.instID[0][i], packet.hit.primID[i],
-                                          packet.hit.u[i], packet.hit.v[i], packet.ray.tfar[i]);
-    }
+void EmbreeCaster::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
+    const auto hit_of = [&](auto... answer) { return impl_->hit_of(answer...); };
+    rtc::Query query(coherence);
+    if (impl_->sound16(coherence))
+        rtc::nearest_packets<RTCRayHit16, 16>(query, impl_->top, rays, hits, hit_of);
+    else
+        rtc::nearest_packets<RTCRayHit8, 8>(query, impl_->top, rays, hits, hit_of);
 }
 
 void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hits) const {
@@ -240,61 +225,16 @@ void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hi
     }
 }
 
-namespace {
-
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay4& rays) {
-    query.occluded4(valid, scene, rays);
-}
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay8& rays) {
-    query.occluded8(valid, scene, rays);
-}
-void trace(rtc::Query& query, RTCScene scene, const int* valid, RTCRay16& rays) {
-    query.occluded16(valid, scene, rays);
-}
-
-/// What all rays share.
-template <class Packet>
-void set_common(Packet& packet) {
-    std::memset(packet.time, 0, sizeof packet.time), std::memset(packet.flags, 0, sizeof packet.flags);
-    std::memset(packet.mask, 0xff, sizeof packet.mask), std::memset(packet.id, 0, sizeof packet.id);
-}
-
-/// Lanes [first, first + width of Packet) of sixteen rays.
-template <class Packet, int kWidth>
-uint32_t occluded_lanes(rtc::Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays,
-                        int first) {
-    alignas(64) Packet packet;
-    alignas(64) int valid[kWidth];
-    constexpr size_t kRow = sizeof(float) * kWidth;
-    std::memcpy(packet.org_x, rays.ox + first, kRow), std::memcpy(packet.org_y, rays.oy + first, kRow);
-    std::memcpy(packet.org_z, rays.oz + first, kRow), std::memcpy(packet.tnear, rays.t_min + first, kRow);
-    std::memcpy(packet.dir_x, rays.dx + first, kRow), std::memcpy(packet.dir_y, rays.dy + first, kRow);
-    std::memcpy(packet.dir_z, rays.dz + first, kRow), std::memcpy(packet.tfar, rays.t_max + first, kRow);
-    set_common(packet);
-    for (int i = 0; i < kWidth; ++i) {
-        // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
-        const bool active = (mask >> i & 1) && packet.tfar[i] > packet.tnear[i];
-        valid[i] = active ? -1 : 0;
-        packet.tfar[i] = active ? packet.tfar[i] : kInfinity;
-    }
-    trace(query, scene, valid, packet);
-    uint32_t occluded = 0;
-    for (int i = 0; i < kWidth; ++i) occluded |= uint32_t(valid[i] && packet.tfar[i] < 0) << i;
-    return occluded;
-}
-
-}  // namespace
-
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
     const RTCScene top = impl_->top;
     // Incoherent packets of 8 are as fast as those of 16 or faster (misses of the quantized cache: 5 %).
     // Without AVX-512, Embree would sort a packet of 16 again.
     if (impl_->native16 && coherence == Coherence::kCoherent && impl_->sound16(coherence))
-        return uint16_t(occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
+        return uint16_t(rtc::occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     uint32_t occluded = 0;
-    if (mask & 0xff) occluded = occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
-    if (mask >> 8) occluded |= occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;
+    if (mask & 0xff) occluded = rtc::occluded_lanes<RTCRay8, 8>(query, top, mask & 0xffu, rays, 0);
+    if (mask >> 8) occluded |= rtc::occluded_lanes<RTCRay8, 8>(query, top, uint32_t(mask >> 8), rays, 8) << 8;
     return uint16_t(occluded);
 }
 
@@ -314,164 +254,30 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
     }
 }
 
-namespace {
-
-/// Which ray is asked as number i of a call.
-struct AsGiven {
-    size_t first;
-    size_t operator()(size_t i) const { return first + i; }
-};
-struct Sorted {
-    const uint32_t* order;
-    size_t operator()(size_t i) const { return order[i]; }
-};
-
-/// Packets of kWidth neighbours, filled straight from the arrays. The answer of ray k goes to occluded[k].
-template <class Packet, int kWidth, class Number>
-void occluded_packets(rtc::Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
-                      uint8_t* occluded) {
-    alignas(64) Packet packet;
-    alignas(64) int valid[kWidth];
-    set_common(packet);
-    for (size_t at = 0; at < count; at += kWidth) {
-        const size_t n = std::min<size_t>(kWidth, count - at);
-        for (size_t i = 0; i < kWidth; ++i) {
-            const size_t k = number(at + std::min(i, n - 1));
-            const Vec3 o = rays.origin[k], d = rays.direction[k];
-            const float t = rays.t_max[k * rays.t_stride];
-            const bool active =
-                i < n && t > 0 && !(d == Vec3{});  // a ray without direction has nowhere to go
-            valid[i] = active ? -1 : 0;
-            packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z, packet.tnear[i] = 0;
-            packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z,
-            packet.tfar[i] = active ? t : kInfinity;
-        }
-        trace(query, scene, valid, packet);
-        // Where Embree splits wide packets it traces lanes that are off as well
-        for (size_t i = 0; i < n; ++i) occluded[number(at + i)] = valid[i] && packet.tfar[i] < 0;
-    }
-}
-
-template <class Number>
-void occluded_singly(rtc::Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
-                     uint8_t* occluded) {
-    for (size_t i = 0; i < count; ++i) {
-        const size_t k = number(i);
-        const Vec3 o = rays.origin[k], d = rays.direction[k];
-        const float t = rays.t_max[k * rays.t_stride];
-        occluded[k] = 0;
-        if (!(t > 0) || d == Vec3{}) continue;
-        RTCRay ray{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, t, ~0u, 0, 0};
-        query.occluded1(scene, ray);
-        occluded[k] = ray.tfar < 0;
-    }
-}
-
-template <class Number>
-void occluded_by_plan(RTCScene scene, const RayArrays& rays, Number number, size_t count, uint8_t* occluded,
-                      const PacketPlan& plan) {
-    rtc::Query query(plan.coherence);
-    switch (plan.width) {
-        case 1: return occluded_singly(query, scene, rays, number, count, occluded);
-        case 4: return occluded_packets<RTCRay4, 4>(query, scene, rays, number, count, occluded);
-        case 8: return occluded_packets<RTCRay8, 8>(query, scene, rays, number, count, occluded);
-        case 16: return occluded_packets<RTCRay16, 16>(query, scene, rays, number, count, occluded);
-        default:
-            throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
-    }
-}
-
-}  // namespace
-
 void EmbreeCaster::occluded(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
                             const PacketPlan& plan) const {
-    occluded_by_plan(impl_->top, rays, AsGiven{first}, count, occluded, impl_->sound(plan));
+    rtc::occluded_by_plan(impl_->top, rays, rtc::AsGiven{first}, count, occluded, impl_->sound(plan));
 }
 
 void EmbreeCaster::occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
                             const PacketPlan& plan) const {
-    occluded_by_plan(impl_->top, rays, Sorted{order.data()}, order.size(), occluded, impl_->sound(plan));
+    rtc::occluded_by_plan(impl_->top, rays, rtc::Sorted{order.data()}, order.size(), occluded,
+                          impl_->sound(plan));
 }
-
-namespace {
-
-/// Sends kWidth lanes along the axes at their sides; returns the lanes blocked. Origins are in the packet.
-template <class Packet, int kWidth>
-uint32_t blocked_lanes(rtc::Query& query, RTCScene scene, Packet& packet, const int* valid, float t_max) {
-    for (int i = 0; i < kWidth; ++i) packet.tnear[i] = 0, packet.tfar[i] = t_max;
-    trace(query, scene, valid, packet);
-    uint32_t blocked = 0;
-    for (int i = 0; i < kWidth; ++i) blocked |= uint32_t(packet.tfar[i] < 0) << i;
-    return blocked;
-}
-
-template <class Packet, int kWidth>
-void trace_along(rtc::Query& query, RTCScene scene, const PointLanes& p, Vec3 axis, float t_max,
-                 uint16_t* blocked) {
-    alignas(64) Packet packet;
-    alignas(64) int valid[kWidth];
-    constexpr size_t kRow = sizeof(float) * kWidth;
-    set_common(packet);
-    for (size_t at = 0; at < p.packets * 16; at += kWidth) {
-        const uint32_t asked = uint32_t(p.asked[at / 16]) >> (at % 16);
-        std::memcpy(packet.org_x, p.x + at, kRow), std::memcpy(packet.org_y, p.y + at, kRow);
-        std::memcpy(packet.org_z, p.z + at, kRow);
-        for (int i = 0; i < kWidth; ++i) {
-            const size_t k = at + size_t(i);
-            const float side = axis.x * p.nx[k] + axis.y * p.ny[k] + axis.z * p.nz[k] >= 0 ? 1.f : -1.f;
-            packet.dir_x[i] = side * axis.x, packet.dir_y[i] = side * axis.y, packet.dir_z[i] = side * axis.z;
-            valid[i] = -int(asked >> i & 1);
-        }
-        const uint32_t found =
-            blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & asked & ((1u << kWidth) - 1);
-        if (at % 16 == 0) blocked[at / 16] = 0;
-        blocked[at / 16] = uint16_t(blocked[at / 16] | found << (at % 16));
-    }
-}
-
-template <class Packet, int kWidth>
-void trace_from(rtc::Query& query, RTCScene scene, Vec3 o, Vec3 n, const AxisLanes& axes, float t_max,
-                Word* blocked) {
-    alignas(64) Packet packet;
-    alignas(64) int valid[kWidth];
-    set_common(packet);
-    for (int i = 0; i < kWidth; ++i) packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z;
-    for (size_t at = 0; at < axes.count; at += kWidth) {
-        for (int i = 0; i < kWidth; ++i) {
-            const size_t k = at + size_t(i);
-            const float x = axes.x[k], y = axes.y[k], z = axes.z[k];
-            const float side = x * n.x + y * n.y + z * n.z >= 0 ? 1.f : -1.f;
-            packet.dir_x[i] = side * x, packet.dir_y[i] = side * y, packet.dir_z[i] = side * z;
-            valid[i] = k < axes.count ? -1 : 0;
-        }
-        const size_t left = std::min<size_t>(kWidth, axes.count - at);
-        const uint32_t found =
-            blocked_lanes<Packet, kWidth>(query, scene, packet, valid, t_max) & ((1u << left) - 1);
-        if (at % kWordBits == 0) blocked[at / kWordBits] = 0;
-        blocked[at / kWordBits] |= Word{found} << (at % kWordBits);
-    }
-}
-
-/// Plans for shared directions.
-bool is_wide(const PacketPlan& plan) {
-    if (plan.width != 8 && plan.width != 16)
-        throw std::invalid_argument("width must be 8 or 16, got " + std::to_string(plan.width));
-    return plan.width == 16;
-}
-
-}  // namespace
 
 void EmbreeCaster::blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,
                                  const PacketPlan& plan) const {
     rtc::Query query(plan.coherence);
-    const auto run = is_wide(impl_->sound(plan)) ? trace_along<RTCRay16, 16> : trace_along<RTCRay8, 8>;
+    const auto run =
+        rtc::is_wide(impl_->sound(plan)) ? rtc::trace_along<RTCRay16, 16> : rtc::trace_along<RTCRay8, 8>;
     run(query, impl_->top, points, axis, t_max, blocked);
 }
 
 void EmbreeCaster::blocked_from(Vec3 origin, Vec3 normal, const AxisLanes& axes, float t_max, Word* blocked,
                                 const PacketPlan& plan) const {
     rtc::Query query(plan.coherence);
-    const auto run = is_wide(impl_->sound(plan)) ? trace_from<RTCRay16, 16> : trace_from<RTCRay8, 8>;
+    const auto run =
+        rtc::is_wide(impl_->sound(plan)) ? rtc::trace_from<RTCRay16, 16> : rtc::trace_from<RTCRay8, 8>;
     run(query, impl_->top, origin, normal, axes, t_max, blocked);
 }
 

@@ -20,7 +20,7 @@ class EmbreeCaster final : public RayCaster {
 public:
     explicit EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions options = {});
     ~EmbreeCaster() override;
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override;
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
     /// Any hit of rays [first, first + count); the answer of ray k goes to occluded[k].

@@ -13,8 +13,8 @@ struct alignas(64) RayPacket16 {
     float dx[16], dy[16], dz[16], t_max[16];
 };
 
-/// Packets whose rays start near each other and end near each other may ask for coherent traversal. Never
-/// changes an answer.
+/// Neighbouring rays that start near each other and end near each other may ask for coherent traversal. It
+/// changes no answer, but of several hits at one distance the nearest may be another.
 enum class Coherence { kIncoherent, kCoherent };
 
 constexpr uint32_t kNoHit = 0xffffffffu;
@@ -34,7 +34,7 @@ class RayCaster {
 public:
     virtual ~RayCaster() = default;
     /// Nearest hit of every ray.
-    virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits) const = 0;
+    virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const = 0;
     /// Any hit: sets occluded[i] to 1 or 0.
     virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const = 0;
     /// Any hit of the lanes in `mask`; returns the mask of occluded lanes. `rays` may be overwritten.

@@ -91,7 +91,7 @@ void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size
     std::vector<size_t> texels;
     std::vector<Hit> hits(kPieceRays);
     const auto flush = [&] {
-        caster.intersect(rays, std::span(hits).first(rays.size()));
+        caster.intersect(rays, std::span(hits).first(rays.size()), Coherence::kCoherent);
         for (size_t i = 0; i < rays.size(); ++i) depth[texels[i]] = hits[i].valid() ? hits[i].t : kInfinity;
         rays.clear(), texels.clear();
     };

@@ -21,7 +21,7 @@ public:
         for (Vec2 p : places)
             rays.push_back({film_.camera.origin, 0, normalize(film_.direction(p.x, p.y)), kInfinity});
         std::vector<Hit> hits(rays.size());
-        caster_.intersect(rays, hits);
+        caster_.intersect(rays, hits, Coherence::kCoherent);
         PixelPoints out;
         for (size_t i = 0; i < rays.size(); ++i) out.points.push_back(point(rays[i], hits[i], out));
         return out;

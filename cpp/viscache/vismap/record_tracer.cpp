@@ -55,7 +55,7 @@ void RecordTracer::trace_nearest(std::span<const Vec3> positions, std::span<cons
             if (dot(pattern_[k], normals[i]) > 0)
                 rays.push_back({origin, 0, pattern_[k], kInfinity}), cells.push_back(k);
         std::vector<Hit> hits(rays.size());
-        caster_.intersect(rays, hits);
+        caster_.intersect(rays, hits, Coherence::kIncoherent);
         for (size_t k = 0; k < hits.size(); ++k)
             if (hits[k].valid())
                 out.ambient[i].nearest_hit = std::min(out.ambient[i].nearest_hit, hits[k].t);

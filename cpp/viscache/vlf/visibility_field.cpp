@@ -126,7 +126,7 @@ void VisibilityField::for_rays(std::span<const Ray> rays, Trace trace) const {
     }
 }
 
-void VisibilityField::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+void VisibilityField::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const {
     std::fill(hits.begin(), hits.end(), Hit{});
     for_rays(rays,
              [&](size_t i, const View& view, const Ray& ray) { hits[i] = nearest_in(view, ray, nullptr); });

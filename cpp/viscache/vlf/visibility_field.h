@@ -59,7 +59,7 @@ public:
     /// `settings.max_bytes`. A lazy field keeps below that by giving up subfields.
     VisibilityField(std::shared_ptr<const Scene> scene, const FieldSettings& settings, int threads,
                     Control& control);
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const override;
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
 
