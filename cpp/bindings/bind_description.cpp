@@ -59,13 +59,19 @@ void bind_description(py::module_& m) {
         .value("DIELECTRIC", MaterialKind::kDielectric)
         .finalize();
 
-    py::class_<SceneDescription>(m, "SceneDescription", "A scene that can still be changed.")
+    py::class_<SceneDescription>(
+        m, "SceneDescription",
+        "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
+        "Vectors are three numbers, lengths are in scene units, light is in linear RGB.")
         .def(py::init<>())
-        .def_readwrite("name", &SceneDescription::name)
+        .def_readwrite("name", &SceneDescription::name, "Shown with the scene.")
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
              py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
              py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
-             py::arg("in_world") = true, py::arg("name") = "", "Add a triangle mesh; returns its index.")
+             py::arg("in_world") = true, py::arg("name") = "",
+             "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
+             "2),\n"
+             "emission in W/(m²·sr). Returns its index.")
         .def(
             "add_material",
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
@@ -78,32 +84,38 @@ void bind_description(py::module_& m) {
             py::arg("base_color") = Float3{.5f, .5f, .5f}, py::arg("specular") = Float3{1, 1, 1},
             py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
             py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
-            "Add a material; returns its index.")
+            "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
+            "refraction, textures are indices of images, -1 for none.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
                 d.instances.push_back({std::move(meshes), affine_from(to_world)});
                 return int(d.instances.size()) - 1;
             },
-            py::arg("meshes"), py::arg("to_world"), "Place meshes (added with in_world=False) once more.")
+            py::arg("meshes"), py::arg("to_world"),
+            "Place meshes (added with in_world=False) once more by an affine (3, 4) or (4, 4) matrix; "
+            "returns\n"
+            "its index.")
         .def(
             "add_point_light",
             [](SceneDescription& d, Float3 position, Float3 intensity) {
                 d.point_lights.push_back({vec3(position), vec3(intensity)});
             },
-            py::arg("position"), py::arg("intensity"), "Intensity in W/sr.")
+            py::arg("position"), py::arg("intensity"), "Add a point light; intensity in W/sr.")
         .def(
             "add_directional_light",
             [](SceneDescription& d, Float3 direction, Float3 irradiance) {
                 d.directional_lights.push_back({normalize(vec3(direction)), vec3(irradiance)});
             },
-            py::arg("direction"), py::arg("irradiance"), "`direction` points towards the light.")
+            py::arg("direction"), py::arg("irradiance"),
+            "Add a directional light: `direction` points towards it, irradiance in W/m² across it.")
         .def(
             "add_sphere_light",
             [](SceneDescription& d, Float3 center, float radius, Float3 radiance) {
                 d.sphere_lights.push_back({vec3(center), radius, vec3(radiance)});
             },
-            py::arg("center"), py::arg("radius"), py::arg("radiance"))
+            py::arg("center"), py::arg("radius"), py::arg("radiance"),
+            "Add a sphere that emits; radiance in W/(m²·sr).")
         .def("add_image", &add_image, py::arg("pixels"), "Add an image (H, W, C), linear; returns its index.")
         .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
              "Give the pixels of a pending image.")
@@ -124,8 +136,12 @@ void bind_description(py::module_& m) {
                 d.environment = Environment{vec3(scale), image, to_world ? affine_from(*to_world) : Affine{}};
             },
             py::arg("scale") = Float3{1, 1, 1}, py::kw_only(), py::arg("image") = -1,
-            py::arg("to_world") = py::none(), "Constant radiance, or a lat-long image scaled.")
-        .def("clear_environment", [](SceneDescription& d) { d.environment.reset(); })
+            py::arg("to_world") = py::none(),
+            "Light from infinity: constant radiance in W/(m²·sr), or a lat-long image (an index) times "
+            "scale.")
+        .def(
+            "clear_environment", [](SceneDescription& d) { d.environment.reset(); },
+            "Leave the environment out.")
         .def(
             "add_camera",
             [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
@@ -137,26 +153,33 @@ void bind_description(py::module_& m) {
             py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},
             py::arg("fov_deg") = 45.f, py::arg("width") = 640, py::arg("height") = 400,
             py::arg("horizontal") = false, py::arg("name") = "camera",
-            "`fov_deg` is vertical unless horizontal=True.")
+            "Add a pinhole camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in "
+            "pixels.")
         .def(
             "warn",
             [](SceneDescription& d, std::string where, std::string text) {
                 d.warnings.push_back({std::move(where), std::move(text)});
             },
-            py::arg("where"), py::arg("text"))
-        .def_property_readonly("warnings",
-                               [](const SceneDescription& d) {
-                                   std::vector<std::pair<std::string, std::string>> out;
-                                   for (const Warning& w : d.warnings) out.emplace_back(w.where, w.text);
-                                   return out;
-                               })
-        .def_property_readonly("n_meshes", [](const SceneDescription& d) { return d.meshes.size(); })
-        .def_property_readonly("n_lights", [](const SceneDescription& d) {
-            size_t emitters = 0;
-            for (const Mesh& mesh : d.meshes) emitters += max_component(mesh.emission) > 0;
-            return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() + emitters +
-                   d.environment.has_value();
-        });
+            py::arg("where"), py::arg("text"), "Add a warning for the scene's users, with its place.")
+        .def_property_readonly(
+            "warnings",
+            [](const SceneDescription& d) {
+                std::vector<std::pair<std::string, std::string>> out;
+                for (const Warning& w : d.warnings) out.emplace_back(w.where, w.text);
+                return out;
+            },
+            "Place and text of every warning.")
+        .def_property_readonly(
+            "n_meshes", [](const SceneDescription& d) { return d.meshes.size(); }, "Meshes added so far.")
+        .def_property_readonly(
+            "n_lights",
+            [](const SceneDescription& d) {
+                size_t emitters = 0;
+                for (const Mesh& mesh : d.meshes) emitters += max_component(mesh.emission) > 0;
+                return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() +
+                       emitters + d.environment.has_value();
+            },
+            "Lights added so far: emitting meshes and the environment count as one each.");
 }
 
 }  // namespace viscache::bindings

@@ -159,16 +159,21 @@ void bind_render(py::module_& m) {
         .def_readwrite("threads", &FrameSettings::threads)
         .def_readwrite("part", &FrameSettings::part)
         .def_readwrite("parts", &FrameSettings::parts);
-    py::class_<Camera>(m, "Camera", "A pinhole camera.")
-        .def_readwrite("name", &Camera::name)
-        .def_readwrite("fov_rad", &Camera::fov_y_rad)
-        .def_readwrite("fov_is_horizontal", &Camera::fov_is_horizontal)
-        .def_readwrite("width", &Camera::width)
-        .def_readwrite("height", &Camera::height)
-        .def_property_readonly("origin", [](const Camera& c) { return array3(c.origin); })
-        .def_property_readonly("forward", [](const Camera& c) { return array3(c.forward); })
-        .def_property_readonly("right", [](const Camera& c) { return array3(c.right); })
-        .def_property_readonly("up", [](const Camera& c) { return array3(c.up); });
+    py::class_<Camera>(m, "Camera", "A pinhole camera; made by `viscache.look_at` or a scene file.")
+        .def_readwrite("name", &Camera::name, "As the file names it.")
+        .def_readwrite("fov_rad", &Camera::fov_y_rad, "Full angle of view, radians.")
+        .def_readwrite("fov_is_horizontal", &Camera::fov_is_horizontal,
+                       "Whether `fov_rad` is across the width instead of the height.")
+        .def_readwrite("width", &Camera::width, "Pixels.")
+        .def_readwrite("height", &Camera::height, "Pixels.")
+        .def_property_readonly(
+            "origin", [](const Camera& c) { return array3(c.origin); }, "Where it is, scene units.")
+        .def_property_readonly(
+            "forward", [](const Camera& c) { return array3(c.forward); }, "Where it looks, unit.")
+        .def_property_readonly(
+            "right", [](const Camera& c) { return array3(c.right); }, "Right in the picture, unit.")
+        .def_property_readonly(
+            "up", [](const Camera& c) { return array3(c.up); }, "Up in the picture, unit.");
     m.def("scene_cameras", [](const Scene& s) { return s.description().cameras; }, py::arg("scene"));
     m.def(
         "look_at",

@@ -203,6 +203,7 @@ def max_abs(a: Image, b: Image) -> float:
     return float(np.abs(a - b).max())
 
 
+#: Name to function of two (H, W, C) scene-linear images, the image and its reference.
 METRICS: dict[str, Callable[[Image, Image], float | None]] = {
     "rmse": rmse,
     "rel_mse": rel_mse,

@@ -44,9 +44,6 @@ class Bsp:
         5 + log2 of the number of triangles by default.
     leaf_size : int in [1, 1024]
         Cells of as many triangles or fewer are not halved.
-    fit : {"sphere", "psf_box"}
-        What a direction's tiles cover: the square around the scene's bounding sphere, or the box of
-        the triangles seen along it: finer tiles where a scene is flat. Never changes an answer.
     kernel : {"watertight", "wald"}
         "wald" is the paper's: fewer operations, but a ray may slip through an edge.
     max_bytes : int >= 1
@@ -107,6 +104,9 @@ class Vlf:
     tile_ranges : bool
         Depths are parted over each tile's own range, or over the scene's, which saves no memory:
         a tile keeps its range in either case, so that rays beside it can pass.
+    fit : {"sphere", "psf_box"}
+        What a direction's tiles cover: the square around the scene's bounding sphere, or the box of
+        the triangles seen along it: finer tiles where a scene is flat. Never changes an answer.
     kernel : {"watertight", "wald"}
         "wald" is the paper's: fewer operations, but a ray may slip through an edge.
     head_room : float in [1, 1000]

@@ -356,6 +356,8 @@ class Scene:
             In units of the direction's length.
         rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
+        threads : int, optional
+            All cores by default.
 
         Returns
         -------

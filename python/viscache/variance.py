@@ -30,8 +30,9 @@ class VarianceRatio:
     ratio: float
     """Σ variance / Σ variance over pixels, of linear luminance."""
     low: float
+    """Lower end of the 95 % interval of `ratio`, by bootstrap over renders."""
     high: float
-    """95 % interval by bootstrap over renders."""
+    """Its upper end."""
     trimmed: float
     """The ratio without the thousandth of the pixels that varies most in both together."""
     worse_share: float

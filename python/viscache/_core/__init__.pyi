@@ -30,18 +30,19 @@ class MaterialKind(enum.Enum):
         ...
 class SceneDescription:
     """
-    A scene that can still be changed.
+    A scene that can still be changed; `viscache.Scene.from_description` freezes it.
+    
+    Vectors are three numbers, lengths are in scene units, light is in linear RGB.
     """
-    name: str
     def __init__(self) -> None:
         ...
     def add_camera(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 1.0, 0.0], fov_deg: typing.SupportsFloat | typing.SupportsIndex = 45.0, width: typing.SupportsInt | typing.SupportsIndex = 640, height: typing.SupportsInt | typing.SupportsIndex = 400, horizontal: bool = False, name: str = 'camera') -> None:
         """
-        `fov_deg` is vertical unless horizontal=True.
+        Add a pinhole camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in pixels.
         """
     def add_directional_light(self, direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], irradiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
-        `direction` points towards the light.
+        Add a directional light: `direction` points towards it, irradiance in W/m² across it.
         """
     def add_image(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> int:
         """
@@ -49,28 +50,35 @@ class SceneDescription:
         """
     def add_instance(self, meshes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> int:
         """
-        Place meshes (added with in_world=False) once more.
+        Place meshes (added with in_world=False) once more by an affine (3, 4) or (4, 4) matrix; returns
+        its index.
         """
     def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5) -> int:
         """
-        Add a material; returns its index.
+        Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of
+        refraction, textures are indices of images, -1 for none.
         """
     def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '') -> int:
         """
-        Add a triangle mesh; returns its index.
+        Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, 2),
+        emission in W/(m²·sr). Returns its index.
         """
     def add_point_light(self, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], intensity: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
-        Intensity in W/sr.
+        Add a point light; intensity in W/sr.
         """
     def add_sphere_light(self, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
-        ...
+        """
+        Add a sphere that emits; radiance in W/(m²·sr).
+        """
     def bounds(self) -> tuple[typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"]]:
         """
         Lowest and highest corner of the placed meshes and the sphere lights.
         """
     def clear_environment(self) -> None:
-        ...
+        """
+        Leave the environment out.
+        """
     def image_pixels(self, index: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
         """
         Linear pixels (H, W, C) of a decoded image.
@@ -81,14 +89,16 @@ class SceneDescription:
         """
     def set_environment(self, scale: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], *, image: typing.SupportsInt | typing.SupportsIndex = -1, to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None) -> None:
         """
-        Constant radiance, or a lat-long image scaled.
+        Light from infinity: constant radiance in W/(m²·sr), or a lat-long image (an index) times scale.
         """
     def set_image(self, index: typing.SupportsInt | typing.SupportsIndex, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
         Give the pixels of a pending image.
         """
     def warn(self, where: str, text: str) -> None:
-        ...
+        """
+        Add a warning for the scene's users, with its place.
+        """
     @property
     def cameras(self) -> list:
         """
@@ -121,9 +131,21 @@ class SceneDescription:
         """
     @property
     def n_lights(self) -> int:
-        ...
+        """
+        Lights added so far: emitting meshes and the environment count as one each.
+        """
     @property
     def n_meshes(self) -> int:
+        """
+        Meshes added so far.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Shown with the scene.
+        """
+    @name.setter
+    def name(self, arg0: str) -> None:
         ...
     @property
     def triangle_count(self) -> int:
@@ -132,7 +154,9 @@ class SceneDescription:
         """
     @property
     def warnings(self) -> list[tuple[str, str]]:
-        ...
+        """
+        Place and text of every warning.
+        """
 class Scene:
     """
     An immutable scene.
@@ -382,37 +406,65 @@ class FrameSettings:
         ...
 class Camera:
     """
-    A pinhole camera.
+    A pinhole camera; made by `viscache.look_at` or a scene file.
     """
-    fov_is_horizontal: bool
-    name: str
     @property
     def forward(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        Where it looks, unit.
+        """
+    @property
+    def fov_is_horizontal(self) -> bool:
+        """
+        Whether `fov_rad` is across the width instead of the height.
+        """
+    @fov_is_horizontal.setter
+    def fov_is_horizontal(self, arg0: bool) -> None:
         ...
     @property
     def fov_rad(self) -> float:
-        ...
+        """
+        Full angle of view, radians.
+        """
     @fov_rad.setter
     def fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def height(self) -> int:
-        ...
+        """
+        Pixels.
+        """
     @height.setter
     def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
-    def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+    def name(self) -> str:
+        """
+        As the file names it.
+        """
+    @name.setter
+    def name(self, arg0: str) -> None:
         ...
+    @property
+    def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        Where it is, scene units.
+        """
     @property
     def right(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
-        ...
+        """
+        Right in the picture, unit.
+        """
     @property
     def up(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
-        ...
+        """
+        Up in the picture, unit.
+        """
     @property
     def width(self) -> int:
-        ...
+        """
+        Pixels.
+        """
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...

@@ -71,7 +71,7 @@ def predicted_variance_ratio(
 ) -> Floats:
     """Variance left by a control variate made from records this far apart: mean of 1 − ρ².
 
-    A record per `spacing`² of surface serves the points around it within r = spacing/√π, a disc of
+    A record per spacing² of surface serves the points around it within r = spacing/√π, a disc of
     that area. The mean is over all pairs with d < r and θ < theta_max_deg, whose share in d is that
     of a point and its record where points lie evenly. With the best α a control variate leaves
     1 − ρ² of the variance (Eq. 5 of the paper).

@@ -258,7 +258,8 @@ def correlate(
     group : (N,) int, optional
         Groups 0, 1, … that the jackknife leaves out one by one; 16 blocks of space by default.
         Points of a group must be in random order where pairs are sampled.
-    pairs, seed, d_edges, theta_edges_deg, d_max, slice_d, slice_theta_deg, undefined, min_bits,
+    pairs, seed, d_edges, theta_edges_deg, d_max, slice_d, slice_theta_deg, undefined, min_bits
+        As `measure` takes them.
     store, executor, threads, progress
         As `measure` takes them.
 

@@ -134,6 +134,8 @@ def tile_list(group: npt.NDArray[np.int32], tile: int = TILE) -> npt.NDArray[Any
     ----------
     group : (N,) int32
         Group of every point, never decreasing.
+    tile : int
+        Points along a block's edge, at most.
 
     Returns
     -------
@@ -195,7 +197,7 @@ def pair_statistics(
     ρ is the Pearson correlation of two rows of bits, (T·n11 − n1·n2)/(√(n1(T − n1)) √(n2(T − n2))),
     from exact integers. d² = (x² + y²) + z² of the difference of positions in float32 lies at or
     past an edge if it is >= the edge's square in float64. The angle does likewise by the squared
-    chord |n − n'|² and 4 sin²(edge/2), which is exact to 1e-5 degrees below 179.
+    chord `|n − n'|²` and 4 sin²(edge/2), which is exact to 1e-5 degrees below 179.
 
     Parameters
     ----------
@@ -214,6 +216,8 @@ def pair_statistics(
         angle of 180 closes its bin.
     tiles : (K,) int, optional
         Numbers of tiles in `tile_list(group, tile)`; all where None.
+    tile : int
+        Points along a tile's edge, at most, as in `tile_list`.
     d_near : float, optional
         An edge of d: only pairs at or past it are counted, since `near_pairs` counts the others.
     domain : {"sphere", "joint", "union"}
@@ -339,6 +343,10 @@ def intersections(
     Parameters
     ----------
     bits_a, bits_b : (NA, W), (NB, W) uint64
+    threads : int, optional
+        All cores where None.
+    isa : {"portable", "avx2", "avx512"}, optional
+        Variant of the kernels; the best where None. Without effect on the result.
 
     Returns
     -------

@@ -113,6 +113,12 @@ def surface_points(
         Same seed, same points, whatever the number of threads.
     normals : {"geometric", "shading"}
         Those of the angle θ; visibility always belongs to the geometric ones.
+    threads : int, optional
+        All cores by default.
+
+    Returns
+    -------
+    SurfacePoints
 
     Raises
     ------

@@ -39,8 +39,12 @@ def reproduce_all(
     ----------
     directory : path
         Made where missing.
+    quick : bool
+        Small sizes: seconds a figure instead of minutes.
     size : (width, height), optional
         For the figures that allow it.
+    progress : bool
+        Show bars.
     older : bool
         Also take results of other versions of the code.
     on_result : callable, optional

@@ -66,6 +66,7 @@ class FigureInfo:
         return self.function is not None
 
 
+#: Name to figure, in the order of the papers.
 FIGURES: dict[str, FigureInfo] = {
     "aqvc-fig2": FigureInfo(
         description="cells that follow normals and footprints",
@@ -217,6 +218,8 @@ def reproduce(
         Made where missing. Gets the picture, `NAME.md` with the table and `NAME.json`.
     quick : bool
         Small sizes: seconds instead of minutes.
+    progress : bool
+        Show a bar.
     size : (width, height), optional
         Of the rendered pictures in pixels, for the figures that allow it.
 

@@ -32,6 +32,7 @@ class SceneInfo:
     """Name to default, in the order of the signature."""
 
 
+#: Name to scene, in the order `viscache scenes` lists them.
 SCENES: dict[str, SceneInfo] = {}
 
 

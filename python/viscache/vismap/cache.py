@@ -292,6 +292,12 @@ class VisibilityMapCache:
             Normals unit, on the side that asks.
         d_max : float or (N,) float, >= 0
             How far records are looked for, in scene units; 0: there is no point.
+        threads : int, optional
+            All cores by default.
+
+        Returns
+        -------
+        Lookup
 
         Raises
         ------

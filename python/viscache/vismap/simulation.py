@@ -128,11 +128,22 @@ def simulate(
     ways : sequence of Way
     samples : sequence of int >= 1
         Per pixel and pass, or in all where the way is `one_shot`.
+    camera : str, int or Camera, optional
+        As `viscache.render` takes it.
     size : (width, height)
         Of the picture: pixels decide how far records are looked for.
     n_pixels : int >= 1
         Drawn from those that see a surface, all of them if there are fewer.
     replicates : int >= 2
+        Independent estimates of every pixel.
+    seed : int >= 0
+        Of the pixels and their samples.
+    threads : int, optional
+        All cores by default.
+
+    Returns
+    -------
+    PixelEstimates
 
     Raises
     ------

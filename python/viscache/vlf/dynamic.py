@@ -112,8 +112,11 @@ class DynamicField:
         Parameters
         ----------
         vertices : (V, 3) float
+            In scene units.
         triangles : (T, 3) int
             Vertex indices. Triangles without area are never hit.
+        threads : int, optional
+            All cores by default.
 
         Returns
         -------
@@ -153,6 +156,8 @@ class DynamicField:
         number : int
         matrix : (3, 4) or (4, 4) float
             From where it was inserted to where it goes: transforms do not add up.
+        threads : int, optional
+            All cores by default.
 
         Raises
         ------

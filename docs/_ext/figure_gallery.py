@@ -1,0 +1,154 @@
+"""`{figure-gallery} aqvc`: every figure of one paper, with its results where there are some.
+
+Results are those of `viscache reproduce all -o DIR`, given as `scripts/docs --figures DIR`. Without
+them the figures are listed with what they show and the command that makes them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.statemachine import StringList
+from PIL import Image
+from sphinx.application import Sphinx
+from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+from viscache.figures.registry import FIGURES, FigureInfo
+
+#: Pictures wider than this are shrunk: pages should open at once.
+WIDTH_PX = 1400
+#: Longer tables are folded, except for the rows that do not hold.
+MOST_ROWS = 8
+log = logging.getLogger(__name__)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    app.add_config_value("viscache_figures", "", "env")
+    app.add_directive("figure-gallery", FigureGallery)
+    app.add_directive("figure-summary", FigureSummary)
+    return {"parallel_read_safe": True}
+
+
+class FigureSummary(SphinxDirective):
+    """Where the pictures on this page come from, and how many bands hold."""
+
+    def run(self) -> list[nodes.Node]:
+        found = [r for name in FIGURES if (r := result(self.config.viscache_figures, name))]
+        if not found:
+            return markdown(self, [
+                "This copy of the site was built without results, so it lists the figures only:"
+                " `scripts/docs --figures DIR` shows those of `viscache reproduce all -o DIR`.",
+            ])  # fmt: skip
+        rows = [row for r in found for row in r["rows"] if row["holds"] is not None]
+        kind = "quick" if all(r["quick"] for r in found) else "full"
+        made = found[0]["provenance"]
+        held = sum(row["holds"] for row in rows)
+        return markdown(self, [
+            f"Below: a {kind} run of viscache {made['viscache']} with Embree {made['embree']}"
+            f" ({made['isa']}), {len(found)} figures and tables, {held} of {len(rows)} bands"
+            " hold. " + ("Quick runs are seconds each, with small scenes and pictures: they show"
+            " what a figure looks like, and their numbers are not the ones to quote. Those of full"
+            " runs stand in [Performance](/performance.md)." if kind == "quick" else ""),
+        ])  # fmt: skip
+
+
+class FigureGallery(SphinxDirective):
+    """Sections of the figures whose names begin with the argument."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        lines: list[str] = []
+        for name, info in FIGURES.items():
+            if name.startswith(self.arguments[0] + "-") and info.is_there:
+                lines += self._section(name, info)
+        return markdown(self, lines)
+
+    def _section(self, name: str, info: FigureInfo) -> list[str]:
+        found = result(self.config.viscache_figures, name)
+        quick = " --quick" if found and found["quick"] else ""
+        lines = [f"## {name}", "", sentence(info.description), ""]
+        lines += ["```sh", f"viscache reproduce {name} -o DIR{quick}", "```", ""]
+        if found is None:
+            return lines
+        if "error" in found:
+            log.warning("%s ended with an error: %s", name, found["error"])
+        for file in found["files"]:
+            if file.endswith(".png"):
+                lines += [f"![{name}: {info.description}]({self._picture(Path(file))})", ""]
+        lines += table(found["rows"]) + [text for note in found["notes"] for text in (note, "")]
+        for left in found["skipped"]:
+            lines += [f"Left out: {left['what']}: {left['reason']}", ""]
+        return lines
+
+    def _picture(self, given: Path) -> str:
+        """A small copy of a result's picture, as a path from the page."""
+        source = Path(self.config.viscache_figures) / given.name
+        self.env.note_dependency(str(source))
+        folder = Path(self.env.app.doctreedir) / "gallery"
+        folder.mkdir(parents=True, exist_ok=True)
+        copy = folder / f"{source.stem}.webp"
+        with Image.open(source) as picture:
+            shown = picture.convert("RGB")
+            shown.thumbnail((WIDTH_PX, 4 * WIDTH_PX))
+            shown.save(copy, "WEBP", quality=90)
+        page = Path(self.env.doc2path(self.env.docname))
+        return Path(os.path.relpath(copy, page.parent)).as_posix()
+
+
+def markdown(directive: SphinxDirective, lines: list[str]) -> list[nodes.Node]:
+    """Nodes of lines of Markdown, sections among them."""
+    parent = nodes.Element()
+    directive.state.nested_parse(StringList(lines, "gallery"), 0, parent, match_titles=True)
+    return parent.children
+
+
+def result(folder: str, name: str) -> dict[str, Any] | None:
+    """What a run left of a figure."""
+    path = Path(folder) / f"{name}.json"
+    if not folder or not path.is_file():
+        return None
+    found: dict[str, Any] = json.loads(path.read_text("utf-8"))
+    return found
+
+
+def table(rows: list[dict[str, Any]]) -> list[str]:
+    """Markdown of rows; long tables fold all but what does not hold."""
+    if not rows:
+        return []
+    missed = [row for row in rows if row["holds"] is False]
+    if len(rows) <= MOST_ROWS:
+        return _lines(rows)
+    banded = sum(row["holds"] is not None for row in rows)
+    title = f"{len(rows)} rows, {banded - len(missed)} of {banded} bands hold"
+    folded = [f":::{{dropdown}} {title}", "", *_lines(rows), ":::", ""]
+    return (["Does not hold:", "", *_lines(missed)] if missed else []) + folded
+
+
+def _lines(rows: list[dict[str, Any]]) -> list[str]:
+    lines = ["| what | printed | measured | band | holds |", "| --- | ---: | ---: | --- | --- |"]
+    for row in rows:
+        band = "" if row["band"] is None else " … ".join(
+            number(end, sign) for end, sign in zip(row["band"], ("−∞", "∞"), strict=True)
+        )  # fmt: skip
+        holds = {None: "", True: "yes", False: "**no**"}[row["holds"]]
+        cells = [row["what"], number(row["printed"]), number(row["measured"]), band, holds]
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return [*lines, ""]
+
+
+def number(value: Any, missing: str = "") -> str:
+    """Four digits; an open end of a band is infinite."""
+    if value is None or isinstance(value, str):
+        return value or missing
+    return missing if math.isinf(value) else f"{value:.4g}"
+
+
+def sentence(text: str) -> str:
+    return text[0].upper() + text[1:] + ("" if text.endswith(".") else ".")

@@ -1,0 +1,62 @@
+"""What the site's own extensions find. The site itself is built by a stage of CI."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from types import ModuleType
+
+import pytest
+
+from codebase.repository import ROOT, text
+
+
+def extension(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look there
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_missed_goals_are_found_with_their_section_and_column() -> None:
+    page = (
+        "## A part: two\n| frame | goal |\n| --- | --- |\n| one | 5: missed |\n| two | 6 |\n\n"
+        "| other | |\n| --- | --- |\n| three | missed, just |\n"
+    )
+    rows = extension("missed_rows")
+    found = [(row.section, row.what, row.words) for row in rows.missed(page)]
+    assert found == [("A part: two", "one", "goal: 5: missed"), ("A part: two", "three",
+                                                                 "missed, just")]  # fmt: skip
+    assert rows.anchor("A part: two") == "a-part-two"
+
+
+def test_the_page_of_measurements_tells_of_missed_goals() -> None:
+    found = list(extension("missed_rows").missed(text("docs/performance.md")))
+    assert len(found) >= 10
+    assert {"Whole frames with the quantized cache", "Rays"} <= {row.section for row in found}
+
+
+@pytest.mark.parametrize(
+    ("page", "suffix"),
+    [
+        ('<script src="https://cdn.example/a.js"></script>', ".html"),
+        ('<link rel="stylesheet" href="//fonts.example/a.css">', ".html"),
+        ('<img src="http://example/a.png">', ".html"),
+        ("<style>@import 'https://example/a.css';</style>", ".html"),
+        ('<p style="background: url(https://example/a.png)">', ".html"),
+        ("@font-face { src: url('https://example/a.woff2') }", ".css"),
+    ],
+)
+def test_what_a_page_fetches_from_elsewhere_is_found(page: str, suffix: str) -> None:
+    assert len(list(extension("self_contained").outside(page, suffix))) == 1
+
+
+def test_links_and_local_files_are_not_taken_for_it() -> None:
+    page = (
+        '<a href="https://example.org">x</a><script src="_static/a.js"></script>'
+        '<img src="data:image/png;base64,aaaa"><pre>url(https://example.org)</pre>'
+    )
+    assert list(extension("self_contained").outside(page, ".html")) == []
+    assert list(extension("self_contained").outside("a { src: url(../a.woff2) }", ".css")) == []

@@ -1,0 +1,124 @@
+"""Tutorial and how-tos do what they say: their code runs, and prints what stands below it."""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from codebase.repository import paths, text
+from viscache import cli
+from viscache.sweep import SweepFile
+
+#: How far a printed number may be off.
+TOLERANCE = 0.25
+#: Pages that take more than a second or two.
+SLOW = {"docs/howto/correlation.md", "docs/howto/sweep.md", "docs/howto/unbiased.md"}
+PAGES = [
+    p
+    for p in paths(".md", under="docs/")
+    if p.startswith(("docs/howto/", "docs/tutorial", "docs/which-cache"))
+]
+SHELL = [p for p in paths(".md") if p.startswith(("docs/", "README", "notebooks/"))]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.S | re.M)
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
+
+
+@dataclass(frozen=True)
+class Block:
+    kind: str
+    text: str
+    line: int
+
+
+def blocks(source: str) -> Iterator[Block]:
+    for match in BLOCK.finditer(source):
+        yield Block(match[1], match[2], source[: match.start()].count("\n") + 2)
+
+
+def alike(said: str, printed: str) -> bool:
+    """Equal, but for numbers with a decimal point, or from 10 on, which may be off a little."""
+    if re.sub(r"\s", "", NUMBER.sub("#", said)) != re.sub(r"\s", "", NUMBER.sub("#", printed)):
+        return False
+    pairs = zip(NUMBER.findall(said), NUMBER.findall(printed), strict=True)
+    return all(
+        a == b or ((float(a) >= 10 or "." in a) and abs(float(a) - float(b))
+                   <= TOLERANCE * max(abs(float(a)), abs(float(b))))
+        for a, b in pairs
+    )  # fmt: skip
+
+
+def run(source: str, name: str) -> int:
+    """Run a page's Python in one namespace and compare its outputs; how many blocks there were."""
+    space: dict[str, object] = {"__name__": "page"}
+    printed, ran = "", 0
+    for block in blocks(source):
+        if block.kind == "python":
+            out = io.StringIO()
+            tree = ast.parse(block.text, name)
+            ast.increment_lineno(tree, block.line - 1)
+            with redirect_stdout(out):
+                exec(compile(tree, name, "exec"), space)
+            printed, ran = out.getvalue(), ran + 1
+        elif block.kind == "text":
+            assert alike(block.text, printed), (
+                f"{name}:{block.line} says\n{block.text}\ngot\n{printed}"
+            )
+        elif block.kind == "toml" and sys.version_info >= (3, 11):
+            import tomllib
+
+            SweepFile.from_table(tomllib.loads(block.text))
+    return ran
+
+
+@pytest.mark.parametrize(
+    "page", [pytest.param(p, marks=pytest.mark.slow if p in SLOW else ()) for p in PAGES]
+)
+def test_the_code_of_a_page_runs_and_prints_what_it_says(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run(text(page), page)
+
+
+def test_most_pages_have_code() -> None:
+    assert "docs/tutorial.md" in PAGES and set(PAGES) >= SLOW
+    with_code = [p for p in PAGES if any(b.kind == "python" for b in blocks(text(p)))]
+    assert len(with_code) > len(PAGES) / 2
+
+
+def test_a_page_that_says_something_else_is_found() -> None:
+    page = "```python\nprint('a', 10.0, 3)\n```\n```text\n{}\n```\n"
+    assert run(page.format("a 11.0 3"), "page") == 1
+    for wrong in ("b 10.0 3", "a 14.0 3", "a 10.0 4", "a 10.0"):
+        with pytest.raises(AssertionError, match="page:5 says"):
+            run(page.format(wrong), "page")
+
+
+def commands(source: str) -> Iterator[list[str]]:
+    """Command lines of viscache in shell blocks; a comment ends one."""
+    for block in blocks(source):
+        for line in re.sub(r"\\\n", " ", block.text).splitlines() if block.kind == "sh" else ():
+            words = shlex.split(line, comments=True)
+            if words[:1] == ["viscache"]:
+                yield words[1:]
+
+
+@pytest.mark.parametrize("page", [p for p in SHELL if any(commands(text(p)))])
+def test_command_lines_on_pages_are_understood(page: str) -> None:
+    for words in commands(text(page)):
+        cli._parser(words).parse_args(words)
+
+
+def test_a_wrong_command_line_is_found(capsys: pytest.CaptureFixture[str]) -> None:
+    (words,) = commands("```sh\nviscache render room \\\n  --sise 4x4 -o a.exr  # small\n```\n")
+    with pytest.raises((SystemExit, ValueError)):
+        cli._parser(words).parse_args(words)
