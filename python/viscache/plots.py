@@ -1,56 +1,55 @@
-"""Figures of a sweep. Every function returns a matplotlib Figure and leaves pyplot alone."""
+"""Figures of a sweep for papers. Each returns a matplotlib Figure and leaves pyplot alone."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscache.metrics import confidence_interval
+from viscache import labels
+from viscache.checks import require
 from viscache.settings import nearest
+from viscache.swept import (
+    COLORS,
+    MOST_MARKERS,
+    MOST_NAMED,
+    colors_for,
+    error_of,
+    first_of_levels,
+    is_grid,
+    levels_of,
+    looks_of,
+    numbers_of,
+    pareto,
+    settings_of,
+)
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-#: Okabe and Ito's colours, told apart by colour-blind readers too.
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#f0e442")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+__all__ = [
+    "COLORS", "FORMATS", "MARKERS", "colors_for", "heatmap", "label", "pairs", "pareto", "save",
+    "save_all", "settings_of", "trade",
+]  # fmt: skip
 
-#: Name → (symbol or words, unit).
-LABELS: dict[str, tuple[str, str]] = {
-    "c_e": ("$C_E$", "px"),
-    "c_n": ("$C_N$", ""),
-    "c_z": ("$C_Z$", ""),
-    "c_r": ("$C_R$", ""),
-    "c_msr": ("$C_{MSR}$", ""),
-    "c_w": ("$C_W$", ""),
-    "n_vpls": ("VPLs", ""),
-    "n_tiles": ("tiles $n$", ""),
-    "n_directions": ("directions $l$", ""),
-    "rel_l1": (r"relative error $\hat L_{\mathrm{INF}}$", ""),
-    "converged_rel_l1": (r"total relative error $\hat L_{\mathrm{INF}}$", ""),
-    "rmse": ("RMSE", "radiance"),
-    "rel_mse": ("relative MSE", ""),
-    "energy": ("energy error", ""),
-    "flip": ("mean HDR-FLIP", ""),
-    "ssim": ("SSIM", ""),
-    "max_abs": ("largest error", "radiance"),
-    "total_s": ("time per frame", "s"),
-    "visibility_s": ("visibility time", "s"),
-    "cpu_s": ("CPU time", "s"),
-    "rays": ("shadow rays", ""),
-    "queries": ("visibility queries", ""),
-    "ray_reduction": ("queries per ray", ""),
-    "speedup": ("speed-up over exact", "×"),
-    "cpu_speedup": ("CPU speed-up over exact", "×"),
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+#: What `save` writes: text stays text, and PDFs hold TrueType fonts, as publishers ask.
+FORMATS = ("svg", "png", "pdf")
+_SAVED: dict[Any, Any] = {"svg.fonttype": "none", "svg.hashsalt": "viscache", "pdf.fonttype": 42}
+_NO_DATE: dict[str, dict[str, Any]] = {
+    "svg": {"Date": None},
+    "png": {},
+    "pdf": {"CreationDate": None},
 }
 
 
 def label(name: str) -> str:
     """A variable's axis label: symbol or words, unit in brackets."""
-    words, unit = LABELS.get(name, (name.replace("_", " "), ""))
-    return f"{words} [{unit}]" if unit else words
+    return labels.mathtext(name)
 
 
 def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
@@ -66,32 +65,39 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
     Returns
     -------
     Figure
-        Means over repeats with 95 % intervals. The first swept parameter sets the colour, the
-        second the marker. The line joins the settings that nothing beats in both.
+        Means over repeats with 95 % intervals. The first swept parameter sets the colour (and the
+        marker, or its value stands at a point), the second the marker. The line is the Pareto
+        front: it joins the settings that nothing beats in both. Dashed: the exact frame's cost.
     """
     _require(ds, x, y)
     from matplotlib.figure import Figure
 
     settings = settings_of(ds, x, y)
     names = list(settings[0]["values"]) if settings else []
-    levels = [list(dict.fromkeys(str(s["values"][n]) for s in settings)) for n in names[:2]]
+    levels = levels_of(settings, names[:2])
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.add_subplot()
-    colors = colors_for(len(levels[0]) if levels else 1)
+    looks = looks_of(levels)
     for setting in settings:
-        texts = [str(setting["values"][n]) for n in names[:2]]
-        color = colors[levels[0].index(texts[0])] if texts else COLORS[0]
-        marker = MARKERS[levels[1].index(texts[1]) % len(MARKERS)] if len(texts) > 1 else "o"
+        color, marker = looks([setting["values"][n] for n in names[:2]])
         (px, ex), (py, ey) = setting[x], setting[y]
         errors: dict[str, Any] = {"xerr": ex or None, "yerr": ey or None}
-        axes.errorbar(px, py, **errors, fmt=marker, color=color, ms=6, lw=1, capsize=2, zorder=3)
+        axes.errorbar(px, py, **errors, fmt=MARKERS[marker], color=color, ms=6, lw=1, capsize=2,
+                      zorder=3)  # fmt: skip
     front = pareto([(s[x][0], s[y][0]) for s in settings])
-    axes.plot([p[0] for p in front], [p[1] for p in front], color="0.6", lw=1, zorder=1)
+    axes.plot([p[0] for p in front], [p[1] for p in front], color="0.5", lw=1, zorder=1,
+              label="Pareto front")  # fmt: skip
+    if f"exact_{x}" in ds:
+        axes.axvline(float(ds[f"exact_{x}"].mean()), color="0.5", lw=1, ls="--", zorder=1,
+                     label="exact visibility")  # fmt: skip
     for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
         axis.set_label_text(label(name))
         if _spans([s[name][0] for s in settings]):
             _logarithmic(axes, axis)
-    _legend(axes, names, levels, colors)
+    for setting in first_of_levels(settings, names, x):
+        axes.annotate(labels.level(setting["values"][names[0]]), (setting[x][0], setting[y][0]),
+                      xytext=(5, 4), textcoords="offset points", fontsize=7)  # fmt: skip
+    _legend(axes, names, levels, looks)
     axes.grid(True, which="major", color="0.9")
     axes.set_axisbelow(True)
     return figure
@@ -100,7 +106,23 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
 def heatmap(
     ds: xarray.Dataset, x: str | None = None, y: str | None = None, value: str = "rel_l1"
 ) -> Figure:
-    """One variable over two swept parameters, its mean over all other dims written in each cell."""
+    """One variable over two swept parameters.
+
+    Parameters
+    ----------
+    ds : Dataset of `viscache.sweep`
+        Over a grid.
+    x, y : str, optional
+        Two of the swept parameters; the first two by default.
+    value : str
+        Variable of the dataset.
+
+    Returns
+    -------
+    Figure
+        Each cell's colour and number are the mean over repeats and all other parameters. Colours
+        are logarithmic where values are positive and span more than a factor of 3.
+    """
     from matplotlib.figure import Figure
 
     swept = [str(d) for d in ds.dims if d not in ("repeat", "group", "point")]
@@ -113,15 +135,25 @@ def heatmap(
     figure = Figure(figsize=(1.6 + 0.9 * cells.shape[1], 1.4 + 0.6 * cells.shape[0]),
                     layout="constrained")  # fmt: skip
     axes = figure.add_subplot()
-    image = axes.imshow(cells, cmap="cividis", aspect="auto", origin="lower")
-    figure.colorbar(image, label=label(value))
-    middle = np.nanmean([np.nanmin(cells), np.nanmax(cells)]) if np.isfinite(cells).any() else 0
+    norm = "log" if _spans(cells[np.isfinite(cells)]) else "linear"
+    image: Any = axes.imshow(cells, cmap="cividis", norm=norm, aspect="auto", origin="lower")
+    bar = figure.colorbar(image, label=label(value))
+    if norm == "log":
+        _ticks_1_2_5(bar.ax.yaxis)
     for (row, column), cell in np.ndenumerate(cells):
-        color = "white" if cell < middle else "black"
-        axes.text(column, row, f"{cell:.3g}", ha="center", va="center", color=color, fontsize=9)
+        color = "white" if image.norm(cell) < 0.5 else "black"
+        axes.text(
+            column,
+            row,
+            labels.number(float(f"{cell:.3g}")),
+            ha="center",
+            va="center",
+            color=color,
+            fontsize=9,
+        )
     axes.set(xlabel=label(x), ylabel=label(y))
-    axes.set_xticks(range(cells.shape[1]), [f"{v}" for v in ds[x].values])
-    axes.set_yticks(range(cells.shape[0]), [f"{v}" for v in ds[y].values])
+    axes.set_xticks(range(cells.shape[1]), [labels.level(v) for v in ds[x].values.tolist()])
+    axes.set_yticks(range(cells.shape[0]), [labels.level(v) for v in ds[y].values.tolist()])
     return figure
 
 
@@ -138,19 +170,15 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
     Returns
     -------
     Figure
-        Below the diagonal a point per setting, coloured by its mean over repeats; on the diagonal
-        the value over one parameter. Axes and colours are logarithmic where values are positive
-        and span more than a factor of 3.
+        Below the diagonal a point per setting, coloured by its mean over repeats, larger where
+        that is greater; on the diagonal the value over one parameter. Axes and colours are
+        logarithmic where values are positive and span more than a factor of 3.
     """
     _require(ds, value)
     from matplotlib.figure import Figure
 
     settings = settings_of(ds, value)
-    names = [
-        n
-        for n in (settings[0]["values"] if settings else {})
-        if all(isinstance(s["values"][n], (int, float)) for s in settings)
-    ]
+    names = numbers_of(settings)
     if len(names) < 2:
         raise ValueError(f"pairs needs two swept parameters of numbers, got {names}")
     means = np.array([s[value][0] for s in settings])
@@ -159,13 +187,14 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
     figure = Figure(figsize=(1.2 + 1.9 * k, 0.8 + 1.7 * k), layout="constrained")
     grid = figure.subplots(k, k, squeeze=False)
     norm = "log" if _spans(means) else "linear"
+    sizes = 10 + 24 * np.argsort(np.argsort(means)) / max(1, len(means) - 1)
     shown: Any = None
     for (row, column), axes in np.ndenumerate(grid):
         if column > row:
             axes.set_axis_off()
             continue
         over = means if row == column else columns[names[row]]
-        style: dict[str, Any] = {"c": means, "cmap": "cividis", "norm": norm, "s": 18}
+        style: dict[str, Any] = {"c": means, "cmap": "cividis", "norm": norm, "s": sizes}
         shown = axes.scatter(columns[names[column]], over, **style)
         for axis, values in ((axes.xaxis, columns[names[column]]), (axes.yaxis, over)):
             if _spans(values):
@@ -181,50 +210,69 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
     return figure
 
 
-def settings_of(ds: xarray.Dataset, *variables: str) -> list[dict[str, Any]]:
-    """Every setting with its means over repeats.
+def save(
+    figure: Figure, path: str | os.PathLike[str], formats: Iterable[str] = FORMATS
+) -> list[Path]:
+    """Write a figure as files for a paper; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+    path : path
+        Without suffix: every format adds its own. The folder is made.
+    formats : iterable of {"svg", "png", "pdf"}
+        PNG has 300 pixels per inch.
 
     Returns
     -------
-    list of dict
-        `{"index": (...), "values": {name: value}, variable: (mean, half of its 95 % interval)}`;
-        settings without a finished repeat are left out; the half is 0 with one repeat.
+    list of Path
+        The files written.
     """
-    dims = [str(d) for d in ds.dims if d not in ("repeat", "group")]
-    names = [str(n) for n, c in ds.coords.items() if set(c.dims) <= set(dims) and c.dims]
-    names = [n for n in names if n != "point"]
-    result = []
-    for index in np.ndindex(*(ds.sizes[d] for d in dims)):
-        chosen = ds.isel(dict(zip(dims, index, strict=True)))
-        setting: dict[str, Any] = {"index": index, "values": {n: chosen[n].item() for n in names}}
-        for variable in variables:
-            samples = [float(v) for v in chosen[variable].values.ravel() if np.isfinite(v)]
-            if not samples:
-                break
-            low, high = confidence_interval(samples) if len(samples) > 1 else (0.0, 0.0)
-            setting[variable] = (float(np.mean(samples)), (high - low) / 2)
-        else:
-            result.append(setting)
-    return result
-
-
-def colors_for(levels: int) -> tuple[str, ...]:
-    """At least `levels` colours, all different: `COLORS`, or a scale where they do not suffice."""
-    if levels <= len(COLORS):
-        return COLORS
     import matplotlib
 
-    scale = matplotlib.colormaps["viridis"](np.linspace(0, 0.95, levels))
-    return tuple(matplotlib.colors.to_hex(c) for c in scale)
+    wanted = [formats] if isinstance(formats, str) else list(formats)
+    for kind in wanted:
+        require(kind in FORMATS, f"formats must be of {FORMATS}", kind)
+    stem = Path(path)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    files = [stem.with_name(f"{stem.name}.{kind}") for kind in wanted]
+    for file, kind in zip(files, wanted, strict=True):
+        with matplotlib.rc_context(_SAVED):
+            figure.savefig(file, dpi=300, metadata=_NO_DATE[kind])
+    return files
 
 
-def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The points that no other beats in both coordinates (smaller is better), in order."""
-    best: list[tuple[float, float]] = []
-    for point in sorted(set(points)):
-        if not best or point[1] < best[-1][1]:
-            best.append(point)
-    return best
+def save_all(
+    ds: xarray.Dataset, folder: str | os.PathLike[str], formats: Iterable[str] = FORMATS
+) -> list[Path]:
+    """Write every figure that a sweep's parameters allow.
+
+    Trade plots over time and rays; heat maps of error and rays where a grid has two parameters;
+    pair plots of three parameters of numbers, or of two from a random design.
+
+    Parameters
+    ----------
+    ds : Dataset of `viscache.sweep`
+    folder : path
+        Gets `trade-total_s.pdf`, `heatmap-rel_l1.pdf`, `pairs-rel_l1.pdf` and so on.
+    formats : iterable of {"svg", "png", "pdf"}
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
+    error = error_of(ds)
+    costs = [c for c in ("total_s", "rays") if c in ds and bool(ds[c].notnull().any())]
+    figures = {f"trade-{cost}": trade(ds, cost, error) for cost in costs}
+    if is_grid(ds):
+        figures |= {f"heatmap-{v}": heatmap(ds, value=v) for v in (error, *costs[-1:])}
+    settings = settings_of(ds, error)
+    if len(numbers_of(settings)) >= (2 if "point" in ds.dims else 3):
+        figures[f"pairs-{error}"] = pairs(ds, error)
+    kinds = [formats] if isinstance(formats, str) else list(formats)
+    written = (save(figure, Path(folder) / name, kinds) for name, figure in figures.items())
+    return [file for files in written for file in files]
 
 
 def _require(ds: xarray.Dataset, *names: str) -> None:
@@ -246,30 +294,37 @@ def _logarithmic(axes: Any, axis: Any) -> None:
 
 
 def _ticks_1_2_5(axis: Any) -> None:
-    """Ticks of a logarithmic axis at 1, 2, 5, with numbers as people write them."""
+    """Ticks of a logarithmic axis at 1, 2, 5; at every digit of a short one, at 1 of a long one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+    low, high = axis.get_view_interval()
+    digits: Sequence[float] = range(1, 10) if high < 6 * low else (1, 2, 5)
+    axis.set_major_locator(LogLocator(subs=digits if high < 500 * low else (1,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: labels.number(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
-def _legend(axes: Any, names: list[str], levels: list[list[str]], colors: tuple[str, ...]) -> None:
+def _legend(
+    axes: Any,
+    names: Sequence[str],
+    levels: Sequence[Sequence[Any]],
+    looks: Callable[[Sequence[Any]], tuple[str, int]],
+) -> None:
+    """Names up to `MOST_NAMED` levels of a parameter, and the ends of more."""
     from matplotlib.lines import Line2D
 
-    handles = []
-    for i, (name, texts) in enumerate(zip(names, levels, strict=False)):
-        for j, text in enumerate(texts):
-            color = colors[j] if i == 0 else "0.4"
-            marker = "o" if i == 0 else MARKERS[j % len(MARKERS)]
-            what = LABELS.get(name, (name, ""))[0]
-            style: dict[str, Any] = {
-                "ls": "",
-                "color": color,
-                "marker": marker,
-                "label": f"{what} = {text}",
-            }
-            handles.append(Line2D([], [], **style))
-    if handles:
-        axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left",
-                    bbox_to_anchor=(1, 1))  # fmt: skip
+    handles: list[Any] = []
+    for i, (name, values) in enumerate(zip(names, levels, strict=False)):
+        named = values if len(values) <= MOST_NAMED else [values[0], values[-1]]
+        if i and len(values) > MOST_MARKERS:
+            continue
+        for j, value in enumerate(named):
+            color, marker = looks([value if k == i else known[0] for k, known in enumerate(levels)])
+            shape = MARKERS[marker if i or len(levels) == 1 else 0]
+            style: dict[str, Any] = {"ls": "", "color": color if i == 0 else "0.4"}
+            more = " …" if named is not values and j == 0 else ""
+            words = f"{labels.mathtext(name, unit=False)} = {labels.level(value)}{more}"
+            handles.append(Line2D([], [], **style, marker=shape, label=words))
+    handles += [h for h in axes.get_lines() if not h.get_label().startswith("_")]
+    axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left",
+                bbox_to_anchor=(1, 1))  # fmt: skip

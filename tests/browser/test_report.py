@@ -42,6 +42,19 @@ def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab: Browser, page: R
     tab.wait_for("location.hash.startsWith('#select=s5&')")
 
 
+def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(
+    tab: Browser, page: Report
+) -> None:
+    shown(tab, page)
+    cell = "document.querySelector('#heatmap-rays .cell[data-id=s3]')"
+    tab.eval(f"{cell}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
+    tab.wait_for("document.documentElement.dataset.shown === 's3 signed'")
+    chosen = "[...document.querySelectorAll('.cell.selected')].map(c => c.dataset.id)"
+    assert tab.eval(chosen) == ["s3", "s3"]
+    tab.eval(f"{cell}.dispatchEvent(new MouseEvent('mousemove', {{clientX: 9, clientY: 9}}))")
+    assert tab.text("hover") == "C_E = 8, C_N = 8"
+
+
 def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
     shown(tab, page)
     order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"

@@ -154,6 +154,14 @@ def test_ctrl_c_gives_130_and_keeps_what_was_finished(
     assert len(fake_vc.CALLS) == 4
     status, text, _ = run(capsys, "report", out)
     assert status == 0 and Path(text.strip()).read_text("utf-8").startswith("<!doctype html>")
+    status, text, _ = run(capsys, "report", out, "--flip-maps", "0", "--plots", f"{out}/figures",
+                          "--format", "pdf", "--format", "svg", "--json")  # fmt: skip
+    drawn = [Path(p) for p in json.loads(text)["plots"]]
+    assert [p.name for p in drawn] == [f"trade-{c}.{k}" for c in ("total_s", "rays")
+                                       for k in ("pdf", "svg")]  # fmt: skip
+    assert all(p.stat().st_size > 2000 for p in drawn)
+    status, _, err = run(capsys, "report", out, "--format", "pdf")
+    assert status == 2 and "--format must come with --plots FOLDER" in err
 
 
 def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from reference import report_pictures as pictures
-from viscache import designs, plots, report
+from viscache import designs, report
 from viscache.designs import Range
-from viscache.report.svg import Axis, number
+from viscache.labels import number
+from viscache.report.svg import Axis
 from viscache.sweep import sweep
 
 
@@ -49,7 +50,8 @@ def series(text: str) -> tuple[list[tuple[str, str]], list[list[str]]]:
     plot = text.split("</svg>")[0].rpartition("<svg")[2]
     points = re.findall(r'class="point"[^>]* d="([^"]*)"[^>]* fill="([^"]*)"', plot)
     rows = re.findall(r'<p class="key">(.*?)</p>', text)
-    return [(fill, d) for d, fill in points], [re.findall(r"</svg>([^<]*)<", r) for r in rows]
+    words = [re.findall(r"</svg>(.*?)</span>", row) for row in rows]
+    return [(fill, d) for d, fill in points], words
 
 
 def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
@@ -58,7 +60,9 @@ def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
     points, key = series(page(fake_vc, tmp_path / "s", tmp_path / "r.html"))
     assert len(points) == len(set(points)) == 6
     assert len({fill for fill, _ in points}) == 3 and len({shape for _, shape in points}) == 2
-    assert key == [["C_E = 4", "C_E = 8", "C_E = 16"], ["C_N = 4", "C_N = 8"]]
+    first, second = ([f"<i>C</i><sub>{n}</sub> = {v}" for v in values]
+                     for n, values in (("E", (4, 8, 16)), ("N", (4, 8))))  # fmt: skip
+    assert key == [first, second, ["Pareto front: nothing is better in both"]]
 
 
 def test_many_levels_of_one_parameter_have_colours_of_their_own(
@@ -68,7 +72,7 @@ def test_many_levels_of_one_parameter_have_colours_of_their_own(
                metrics=["rel_l1"])  # fmt: skip
     points, key = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
     assert len({fill for fill, _ in points}) == 10 and len({shape for _, shape in points}) == 1
-    assert [len(row) for row in key] == [10]
+    assert [len(row) for row in key] == [10, 1]
 
 
 def test_a_sweep_without_a_directory_has_a_report_without_pictures(
@@ -91,6 +95,57 @@ def test_a_directory_without_a_sweep_is_refused(tmp_path: Path) -> None:
         report.write(tmp_path)
 
 
+def cells(text: str, plot: str) -> list[tuple[str, str]]:
+    """(id of the setting, number written) of a heat map's cells, column by column from below."""
+    svg = re.search(rf'<svg id="{plot}".*?</svg>', text, re.S)[0]
+    found = re.findall(r'<g class="cell"( data-id="s\d+")?><rect.*?>([^<]*)</text></g>', svg)
+    return [(which.strip().removeprefix("data-id=").strip('"'), shown) for which, shown in found]
+
+
+def test_a_grid_has_heat_maps_whose_cells_are_the_settings(fake_vc: Any, tmp_path: Path) -> None:
+    text = page(fake_vc, None, tmp_path / "r.html")
+    error = cells(text, "heatmap-rel_l1")
+    assert [which for which, _ in error] == [f"s{i}" for i in range(6)]
+    assert [shown for _, shown in error] == ["0.04", "0.04", "0.08", "0.08", "0.16", "0.16"]
+    assert len(cells(text, "heatmap-rays")) == 6 and "pairs-rel_l1" not in text
+    assert "<tspan" in text and "[px]" in text  # C_E with its index and unit
+
+
+def test_three_parameters_have_pair_plots_and_heat_maps_of_means(
+    fake_vc: Any, tmp_path: Path
+) -> None:
+    over = {"c_e": [4, 8], "c_n": [4, 8, 16], "integrator.n_vpls": [10, 30]}
+    ds = sweep("room", "whitted", over=over, size=(16, 12), metrics=["rel_l1"])
+    text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
+    rays = cells(text, "heatmap-rays")
+    assert [which for which, _ in rays] == [""] * 6  # means over VPLs belong to no one setting
+    assert rays[0][1] == "240"  # (10 + 30) / 2 · 16 · 12 / 4²
+    assert "Means over 1 more parameter." in text
+    svg = re.search(r'<svg id="pairs-rel_l1".*?</svg>', text, re.S)[0]
+    dots = re.findall(r'<circle class="dot" data-id="(s\d+)" cx="([\d.]+)" cy="([\d.]+)"', svg)
+    assert len(dots) == 6 * 12  # three pairs and the diagonal
+    assert len({x for _, x, _ in dots[:12]}) == 2 and len({y for *_, y in dots[12:24]}) == 3
+    assert "VPLs" in svg and "[px]" in svg
+
+
+def test_a_random_design_has_pair_plots_and_short_words(fake_vc: Any, tmp_path: Path) -> None:
+    points = designs.latin_hypercube({"c_e": Range(2, 32, "log"), "c_n": Range(2, 64)}, 14)
+    ds = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
+    text = report.write(ds, tmp_path / "r.html").read_text("utf-8")
+    assert "heatmap" not in text and 'id="pairs-rel_l1"' in text
+    ordered = sorted(p["c_e"] for p in points)
+    ends = f"{ordered[0]:.5g} to {ordered[-1]:.5g}"
+    assert f"C_E: 14 values from {ends}" in text
+    _, key = series(text)
+    assert len(key[0]) == 2 and key[0][0].endswith(f"= {ordered[0]:.5g} …")
+
+
+def test_one_parameter_has_markers_besides_colours(fake_vc: Any, tmp_path: Path) -> None:
+    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16]}, size=(16, 12), metrics=["rel_l1"])
+    points, _ = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
+    assert len({fill for fill, _ in points}) == len({shape for _, shape in points}) == 3
+
+
 def test_axes_have_round_ticks_inside_their_range() -> None:
     wide = Axis([0.001, 2.0], 0, 100)
     assert wide.log and 0.01 in wide.ticks() and wide(0.001) < wide(0.01) < wide(2.0)
@@ -99,56 +154,6 @@ def test_axes_have_round_ticks_inside_their_range() -> None:
     assert all(0 <= narrow(t) <= 100 for t in narrow.ticks())
     assert Axis([5.0], 0, 1)(5.0) == pytest.approx(0.5)
     assert [number(v) for v in (0.02, 15000, 2e6, 3.5)] == ["0.02", "15k", "2M", "3.5"]
-
-
-def test_the_front_joins_what_nothing_beats() -> None:
-    points = [(1.0, 5.0), (2.0, 3.0), (2.5, 4.0), (3.0, 1.0), (4.0, 1.0)]
-    assert plots.pareto(points) == [(1.0, 5.0), (2.0, 3.0), (3.0, 1.0)]
-
-
-def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
-    import matplotlib.pyplot as plt
-
-    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, repeats=2, size=(32, 24),
-               metrics=["rel_l1"])  # fmt: skip
-    figure = plots.trade(ds, x="rays")
-    axes = figure.axes[0]
-    assert axes.get_xlabel() == "shadow rays" and "INF" in axes.get_ylabel()
-    assert axes.get_xscale() == "log" and len(axes.containers) == 6
-    legend = [t.get_text() for t in axes.get_legend().get_texts()]
-    assert legend[0] == "$C_E$ = 4" and len(legend) == 5
-    map_axes = plots.heatmap(ds, value="speedup").axes[0]
-    assert map_axes.get_xlabel() == "$C_E$ [px]" and len(map_axes.texts) == 6
-    assert plt.get_fignums() == []
-    with pytest.raises(ValueError, match="no variable 'rel_l2'; did you mean 'rel_l1'"):
-        plots.trade(ds, y="rel_l2")
-    with pytest.raises(ValueError, match="two of the swept dims"):
-        plots.heatmap(ds, x="c_q")
-
-
-def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    over = {"c_e": Range(2, 32, "log"), "c_n": Range(2, 16, whole=True), "preset": ["a", "b"],
-            "integrator.n_vpls": [1, 2, 3]}  # fmt: skip
-    points = designs.latin_hypercube(over, 12)
-    ds = sweep("room", "whitted", over=points, size=(32, 24), metrics=["rel_l1"])
-    figure = plots.pairs(ds)
-    shown = [a for a in figure.axes if a.axison and a.collections and a.get_label() == ""]
-    assert len(shown) == 6  # three parameters are numbers: three pairs and the diagonal
-    first, pair = shown[0], shown[1]
-    np.testing.assert_allclose(first.collections[0].get_offsets()[:, 1], ds.rel_l1[:, 0])
-    np.testing.assert_allclose(pair.collections[0].get_offsets(), np.stack([ds.c_e, ds.c_n], 1))
-    np.testing.assert_allclose(pair.collections[0].get_array(), ds.rel_l1[:, 0])
-    assert first.get_xscale() == "log" and "INF" in first.get_ylabel()
-    assert shown[-1].get_xlabel() == "VPLs" and shown[3].get_xlabel() == "$C_E$ [px]"
-    for kind in ("svg", "png", "pdf"):
-        figure.savefig(tmp_path / f"a.{kind}")
-        assert (tmp_path / f"a.{kind}").stat().st_size > 2000
-    assert plt.get_fignums() == []
-    with pytest.raises(ValueError, match=r"two swept parameters of numbers, got \['c_e'\]"):
-        plots.pairs(sweep("room", "whitted", over={"c_e": [4, 8]}, size=(32, 24),
-                          metrics=["rel_l1"]))  # fmt: skip
 
 
 def test_a_dark_room_around_a_bright_window_is_shown_brighter_within_a_limit() -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from viscache import report
+from viscache import plots, report
 from viscache.commands.shared import print_json
 from viscache.store import Store
+from viscache.sweep_table import open_dataset
 
 MOST_NAMED = 5  # files of a directory that holds no sweep
 
@@ -19,16 +20,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--flip-maps", type=int, default=report.MOST_FLIP_MAPS, metavar="N",
         help="most FLIP maps, which take seconds each; the best settings first (%(default)s)",
     )  # fmt: skip
+    parser.add_argument(
+        "--plots", metavar="FOLDER", help="write the plots there too, each as a file for papers"
+    )
+    parser.add_argument(
+        "--format", action="append", choices=plots.FORMATS, help="of --plots; repeat for more (all)"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
+    if arguments.format and arguments.plots is None:
+        raise ValueError("--format must come with --plots FOLDER")
     _check_holds_a_sweep(Path(arguments.directory))
     written = report.write(arguments.directory, arguments.output, flip_maps=arguments.flip_maps)
+    drawn: list[Path] = []
+    if arguments.plots is not None:
+        formats = arguments.format or plots.FORMATS
+        drawn = plots.save_all(open_dataset(arguments.directory), arguments.plots, formats)
     if arguments.json:
-        print_json({"report": str(written), "bytes": written.stat().st_size})
+        found = {"report": str(written), "bytes": written.stat().st_size}
+        print_json(found | ({"plots": [str(p) for p in drawn]} if drawn else {}))
     else:
-        print(written)
+        print(written, *drawn, sep="\n")
     return 0
 
 

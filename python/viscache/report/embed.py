@@ -7,9 +7,9 @@ from typing import Any
 
 from viscache import tonemap
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
-from viscache.plots import pareto
 from viscache.report import pictures
 from viscache.store import Store
+from viscache.swept import pareto
 
 #: FLIP takes seconds a picture: by default no more than so many maps are made.
 MOST_FLIP_MAPS = 24

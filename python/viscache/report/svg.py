@@ -1,4 +1,4 @@
-"""Scatter plots as inline SVG: one `<path class="point" data-id=… d=…>` per setting."""
+"""Plots as inline SVG. Scatter plots have one `<path class="point" data-id=… d=…>` per setting."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ import html
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+from viscache import labels
+from viscache.labels import number
+from viscache.swept import pareto
 
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
@@ -35,6 +39,7 @@ class Mark:
     color: str
     shape: str  #: outline around (0, 0)
     text: str
+    beside: str = ""  #: written next to it
 
 
 class Axis:
@@ -63,7 +68,8 @@ class Axis:
         """Numbers of the form 1, 2, 5 times a power of ten inside the axis."""
         if self.log:
             decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-            steps = (1, 2, 5) if len(decades) <= 5 else (1,)
+            narrow = self.high < 6 * self.low
+            steps = range(1, 10) if narrow else (1, 2, 5) if len(decades) <= 5 else (1,)
             candidates = [s * 10.0**d for d in decades for s in steps]
         else:
             rough = (self.high - self.low) / 5
@@ -74,68 +80,100 @@ class Axis:
         return [t for t in candidates if self.low <= t <= self.high]
 
 
-def number(value: float) -> str:
-    """A number as an axis shows it: 0.02, 1500, 2M."""
-    for limit, suffix in ((1e9, "G"), (1e6, "M"), (1e4, "k")):
-        if abs(value) >= limit:
-            scale = 1e3 if suffix == "k" else limit
-            return f"{value / scale:.4g}{suffix}"
-    return f"{value:.4g}"
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Area:
+    """The rectangle of a plot inside its picture, in pixels."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+
+def frame(x: Axis, y: Axis, area: Area, *, x_ticks: bool = True, y_ticks: bool = True) -> str:
+    """Grid lines, numbers at them and the two axes."""
+    parts = []
+    for tick in x.ticks():
+        at = f"{x(tick):.1f}"
+        parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{area.top}" y2="{area.bottom}"/>')
+        if x_ticks:
+            parts.append(f'<text class="tick" x="{at}" y="{area.bottom + 16}" text-anchor="middle">'
+                         f"{number(tick)}</text>")  # fmt: skip
+    for tick in y.ticks():
+        at = f"{y(tick):.1f}"
+        parts.append(f'<line class="grid" x1="{area.left}" x2="{area.right}" y1="{at}" y2="{at}"/>')
+        if y_ticks:
+            parts.append(f'<text class="tick" x="{area.left - 8}" y="{at}" dy=".35em" '
+                         f'text-anchor="end">{number(tick)}</text>')  # fmt: skip
+    parts.append(f'<path class="axis" d="M{area.left} {area.top}V{area.bottom}H{area.right}"/>')
+    return "".join(parts)
+
+
+def across(area: Area, y: float, name: str) -> str:
+    """A variable's label below an area."""
+    return (f'<text class="label" x="{(area.left + area.right) / 2}" y="{y}" text-anchor="middle">'
+            f"{labels.as_svg(name)}</text>")  # fmt: skip
+
+
+def upwards(area: Area, x: float, name: str) -> str:
+    """A variable's label beside an area, turned."""
+    return (f'<text class="label" transform="translate({x} {(area.top + area.bottom) / 2}) '
+            f'rotate(-90)" text-anchor="middle">{labels.as_svg(name)}</text>')  # fmt: skip
 
 
 def scatter(
-    plot_id: str, marks: Sequence[Mark], x_label: str, y_label: str, exact: float | None = None
+    plot_id: str, marks: Sequence[Mark], x_name: str, y_name: str, exact: float | None = None
 ) -> str:
-    """The plot; `exact` draws a dashed line at the exact frame's mean cost."""
-    across = [m.x for m in marks] + ([exact] if exact is not None and math.isfinite(exact) else [])
-    x = Axis(across, LEFT, WIDTH - RIGHT)
-    y = Axis([m.y for m in marks], HEIGHT - BOTTOM, TOP)
+    """The plot of two variables, with the line through what no other mark beats in both.
+
+    `exact` draws a dashed line at the exact frame's mean cost.
+    """
+    costs = [m.x for m in marks] + ([exact] if exact is not None and math.isfinite(exact) else [])
+    area = Area(left=LEFT, top=TOP, right=WIDTH - RIGHT, bottom=HEIGHT - BOTTOM)
+    x = Axis(costs, area.left, area.right)
+    y = Axis([m.y for m in marks], area.bottom, area.top)
     parts = [
         f'<svg id="{plot_id}" class="plot" viewBox="0 0 {WIDTH} {HEIGHT}" role="group" '
-        f'aria-label="{html.escape(y_label)} against {html.escape(x_label)}">'
+        f'aria-label="{html.escape(labels.plain(y_name))} against '
+        f'{html.escape(labels.plain(x_name))}">',
+        frame(x, y, area),
+        across(area, HEIGHT - 8, x_name),
+        upwards(area, 14, y_name),
     ]
-    right, bottom = WIDTH - RIGHT, HEIGHT - BOTTOM
-    for tick in x.ticks():
-        at = f"{x(tick):.1f}"
-        parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{TOP}" y2="{bottom}"/>')
-        parts.append(f'<text class="tick" x="{at}" y="{bottom + 16}" text-anchor="middle">'
-                     f"{number(tick)}</text>")  # fmt: skip
-    for tick in y.ticks():
-        at = f"{y(tick):.1f}"
-        parts.append(f'<line class="grid" x1="{LEFT}" x2="{right}" y1="{at}" y2="{at}"/>')
-        parts.append(f'<text class="tick" x="{LEFT - 8}" y="{at}" dy=".35em" text-anchor="end">'
-                     f"{number(tick)}</text>")  # fmt: skip
-    parts.append(f'<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/>')
-    middle = (LEFT + right) / 2
-    parts.append(f'<text class="label" x="{middle}" y="{HEIGHT - 8}" text-anchor="middle">'
-                 f"{html.escape(x_label)}</text>")  # fmt: skip
-    parts.append(f'<text class="label" transform="translate(14 {(TOP + bottom) / 2}) rotate(-90)" '
-                 f'text-anchor="middle">{html.escape(y_label)}</text>')  # fmt: skip
     if exact is not None and math.isfinite(exact):
         line = x(exact)
         parts.append(
-            f'<line class="exact" x1="{line:.1f}" x2="{line:.1f}" y1="{TOP}" y2="{bottom}"/>'
+            f'<line class="exact" x1="{line:.1f}" x2="{line:.1f}" y1="{TOP}" y2="{area.bottom}"/>'
         )
         parts.append(f'<text class="tick" x="{line - 5:.1f}" y="{TOP + 10}" text-anchor="end">'
                      "exact</text>")  # fmt: skip
+    front = pareto([(m.x, m.y) for m in marks])
+    points = " ".join(f"{x(px):.1f},{y(py):.1f}" for px, py in front)
+    parts.append(f'<polyline class="front" points="{points}"/>')
     parts.append(
         f'<clipPath id="{plot_id}-area"><rect x="{LEFT}" y="{TOP}" '
-        f'width="{right - LEFT}" height="{bottom - TOP}"/></clipPath>'
+        f'width="{area.right - LEFT}" height="{area.bottom - TOP}"/></clipPath>'
     )
+    parts += [_bars(m, x, y, f"url(#{plot_id}-area)") for m in marks]
     for m in marks:
-        bars = []
-        if m.half_x:
-            bars.append(f"M{x(m.x - m.half_x):.1f} {y(m.y):.1f}H{x(m.x + m.half_x):.1f}")
-        if m.half_y:
-            bars.append(f"M{x(m.x):.1f} {y(m.y - m.half_y):.1f}V{y(m.y + m.half_y):.1f}")
-        if bars:
-            area, path = f"url(#{plot_id}-area)", "".join(bars)
-            parts.append(f'<path class="bar" clip-path="{area}" stroke="{m.color}" d="{path}"/>')
-    for m in marks:
+        at = f"{x(m.x):.1f} {y(m.y):.1f}"
         parts.append(
-            f'<path class="point" data-id="{m.id}" d="{m.shape}" '
-            f'transform="translate({x(m.x):.1f} {y(m.y):.1f})" fill="{m.color}" tabindex="0" '
-            f'role="button" aria-label="{html.escape(m.text)}">'
+            f'<path class="point" data-id="{m.id}" d="{m.shape}" transform="translate({at})" '
+            f'fill="{m.color}" tabindex="0" role="button" aria-label="{html.escape(m.text)}">'
             f"<title>{html.escape(m.text)}</title></path>"
         )
+        if m.beside:
+            parts.append(f'<text class="tick" x="{x(m.x) + 9:.1f}" y="{y(m.y) - 6:.1f}">'
+                         f"{html.escape(m.beside)}</text>")  # fmt: skip
     return "".join(parts) + "</svg>"
+
+
+def _bars(m: Mark, x: Axis, y: Axis, area: str) -> str:
+    """The 95 % intervals of a mark."""
+    bars = []
+    if m.half_x:
+        bars.append(f"M{x(m.x - m.half_x):.1f} {y(m.y):.1f}H{x(m.x + m.half_x):.1f}")
+    if m.half_y:
+        bars.append(f"M{x(m.x):.1f} {y(m.y - m.half_y):.1f}V{y(m.y + m.half_y):.1f}")
+    path = "".join(bars)
+    return f'<path class="bar" clip-path="{area}" stroke="{m.color}" d="{path}"/>' if bars else ""

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import html
 import json
-import math
 import os
 import re
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import plots
+from viscache import labels
 from viscache.checks import require
+from viscache.labels import number, plain
+from viscache.report import draw
 from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
-from viscache.report.svg import SHAPES, Mark, number, scatter
 from viscache.store import Store
 from viscache.sweep_table import open_dataset
+from viscache.swept import MOST_NAMED, levels_of, settings_of
 
 if TYPE_CHECKING:
     import xarray
@@ -25,16 +26,6 @@ if TYPE_CHECKING:
 DIFFERENCE_GAIN = 16
 #: The page's script, in order.
 SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
-
-_PLAIN = {
-    "rel_l1": "relative error L̂_INF", "rmse": "RMSE", "rel_mse": "relative MSE",
-    "energy": "energy error", "flip": "HDR-FLIP", "ssim": "SSIM", "max_abs": "largest error",
-    "total_s": "time per frame [s]", "visibility_s": "visibility [s]", "cpu_s": "CPU [s]",
-    "rays": "shadow rays", "queries": "queries", "ray_reduction": "queries per ray",
-    "speedup": "speed-up over exact", "cpu_speedup": "CPU speed-up",
-    "c_e": "C_E", "c_n": "C_N", "c_z": "C_Z", "c_r": "C_R",
-    "n_vpls": "VPLs",
-}  # fmt: skip
 
 
 def write(
@@ -99,15 +90,15 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     columns = [c for c in wanted if c in ds and bool(ds[c].notnull().any())]
     if not columns or not metrics:
         raise ValueError("the sweep has no finished point")
-    settings = plots.settings_of(ds, metrics[0])
-    by_column = {c: {s["index"]: s[c] for s in plots.settings_of(ds, c)} for c in columns}
+    settings = settings_of(ds, metrics[0])
+    by_column = {c: {s["index"]: s[c] for s in settings_of(ds, c)} for c in columns}
     names = list(settings[0]["values"]) if settings else []
     rows = []
     for i, setting in enumerate(settings):
         values = {k: v.item() if hasattr(v, "item") else v for k, v in setting["values"].items()}
         found = {c: by_column[c].get(setting["index"]) for c in columns}
         cells = {c: None if v is None else list(v) for c, v in found.items()}
-        text = ", ".join(f"{_PLAIN.get(k, k)} = {v}" for k, v in values.items())
+        text = ", ".join(f"{plain(k, unit=False)} = {labels.level(v)}" for k, v in values.items())
         rows.append({"id": f"s{i}", "index": list(setting["index"]), "values": values,
                      "cells": cells, "text": text})  # fmt: skip
     return {
@@ -118,19 +109,12 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def plain(name: str) -> str:
-    """A column's words without markup."""
-    if name.startswith("converged_"):
-        return "total " + plain(name.removeprefix("converged_"))
-    return _PLAIN.get(name, name)
-
-
 def _page(model: dict[str, Any], ds: xarray.Dataset) -> str:
     pieces = {
         "TITLE": html.escape(f"{ds.attrs['scene']}: the trade of shadow rays for accuracy"),
         "SCENE": html.escape(str(ds.attrs["scene"])),
         "FACTS": _facts(ds, model),
-        "PLOTS": _plots(model, ds),
+        "PLOTS": draw.plots(model, ds),
         "TABLE": _table(model),
         "STYLE": _piece("style.css"),
         "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
@@ -165,10 +149,8 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
     settings = {role: json.loads(ds.attrs[role]) for role in ("integrator", "visibility", "rays")}
     width, height = json.loads(ds.attrs["size"])
     made = json.loads(ds.attrs["provenance"])
-    levels = {
-        n: dict.fromkeys(str(s["values"][n]) for s in model["settings"]) for n in model["names"]
-    }
-    swept = "; ".join(f"{plain(n)} ∈ {{{', '.join(texts)}}}" for n, texts in levels.items())
+    found = zip(model["names"], levels_of(model["settings"], model["names"]), strict=True)
+    swept = "; ".join(_levels_text(name, levels) for name, levels in found)
     facts = {
         "Swept": swept,
         "Frame": f"{width}×{height}, {ds.attrs['spp']} sample(s) per pixel, "
@@ -184,63 +166,28 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
     )
 
 
+def _levels_text(name: str, levels: list[Any]) -> str:
+    """A swept parameter and its values, or how many there are."""
+    words, texts = plain(name, unit=False), [labels.level(v) for v in levels]
+    if len(levels) > MOST_NAMED:
+        return f"{words}: {len(levels)} values from {texts[0]} to {texts[-1]}"
+    return f"{words} ∈ {{{', '.join(texts)}}}"
+
+
 def _settings_text(table: dict[str, Any]) -> str:
     rest = ", ".join(f"{k} = {v}" for k, v in table.items() if k != "name" and v not in (None, {}))
     return f"{table['name']}" + (f" ({rest})" if rest else "")
 
 
-def _plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
-    metric = model["metrics"][0]
-    looks, key = _looks(model)
-    figures = []
-    for column, exact in (("total_s", "exact_total_s"), ("rays", "exact_rays")):
-        if column not in model["columns"]:
-            continue
-        marks = []
-        for s in model["settings"]:
-            (px, hx), (py, hy) = s["cells"][column] or (math.nan, 0), s["cells"][metric]
-            if math.isfinite(px):
-                color, shape = looks[s["id"]]
-                text = f"{s['text']}: {plain(metric)} {py:.4g}, {plain(column)} {number(px)}"
-                marks.append(Mark(id=s["id"], x=px, y=py, half_x=hx, half_y=hy, color=color,
-                                  shape=shape, text=text))  # fmt: skip
-        line = float(ds[exact].mean()) if exact in ds else None
-        svg = scatter(f"plot-{column}", marks, plain(column), plain(metric), line)
-        figures.append(f"<figure>{svg}</figure>")
-    return f'<div class="plots">{"".join(figures)}</div>{key}'
-
-
-def _looks(model: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], str]:
-    """Colour and outline of each setting, by first and second swept parameter, and their key."""
-    names = model["names"][:2]
-    levels = [list(dict.fromkeys(str(s["values"][n]) for s in model["settings"])) for n in names]
-    colors = plots.colors_for(len(levels[0]) if levels else 1)
-    looks = {}
-    for s in model["settings"]:
-        at = [texts.index(str(s["values"][n])) for n, texts in zip(names, levels, strict=True)]
-        first, second = [*at, 0, 0][:2]
-        looks[s["id"]] = (colors[first], SHAPES[second % len(SHAPES)])
-    rows = []
-    for i, (name, texts) in enumerate(zip(names, levels, strict=True)):
-        row = ""
-        for j, text in enumerate(texts):
-            shape, style = SHAPES[j % len(SHAPES) if i else 0], "" if i else f'fill="{colors[j]}"'
-            row += f'<span><svg viewBox="-8 -8 16 16"><path {style} d="{shape}"/></svg>'
-            row += html.escape(f"{plain(name)} = {text}") + "</span>"
-        rows.append(f'<p class="key">{row}</p>')
-    return looks, "".join(rows)
-
-
 def _table(model: dict[str, Any]) -> str:
     heads = [*model["names"], *model["columns"]]
     head = "".join(
-        f'<th scope="col" data-column="{html.escape(h)}">'
-        f"<button>{html.escape(plain(h))}</button></th>"
+        f'<th scope="col" data-column="{html.escape(h)}"><button>{labels.as_html(h)}</button></th>'
         for h in heads
     )
     rows = []
     for s in model["settings"]:
-        cells = [f"<td>{html.escape(str(s['values'][n]))}</td>" for n in model["names"]]
+        cells = [f"<td>{html.escape(labels.level(s['values'][n]))}</td>" for n in model["names"]]
         for column in model["columns"]:
             cell = s["cells"][column]
             if cell is None:

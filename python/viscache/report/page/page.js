@@ -47,6 +47,7 @@ function show() {
   if (!s) return;
   for (const node of all("[data-id]")) {
     node.classList.toggle("selected", node.dataset.id === s.id);
+    if (node.matches(".cell.selected")) node.parentNode.append(node);  // its frame above its neighbours
     if (node.tagName === "TR") node.setAttribute("aria-selected", node.dataset.id === s.id);
   }
   $("chosen").textContent = s.text + (s.seed === undefined ? "" : `, seed ${s.seed}`);
@@ -101,16 +102,18 @@ for (const node of all(".point, #settings tbody tr")) {
     if (e.key === "Enter" || e.key === " ") { e.preventDefault(); change({ select: node.dataset.id }); }
   });
 }
-for (const point of all(".point")) {
-  const tip = $("hover");
-  point.addEventListener("mousemove", e => {
-    tip.textContent = point.getAttribute("aria-label");
+const tip = $("hover"), tipped = all(".point, .cell[data-id], .dot");
+for (const node of tipped) {
+  const text = node.getAttribute("aria-label") ?? byId.get(node.dataset.id).text;
+  if (!node.matches(".point")) node.addEventListener("click", () => change({ select: node.dataset.id }));
+  node.addEventListener("mousemove", e => {
+    tip.textContent = text;
     tip.style.display = "block";
     tip.style.left = Math.max(4, Math.min(e.clientX + 14, innerWidth - 350)) + "px";
     tip.style.top = e.clientY + 14 + "px";
   });
-  point.addEventListener("mouseleave", () => { tip.style.display = "none"; });
-  point.querySelector("title").remove();
+  node.addEventListener("mouseleave", () => { tip.style.display = "none"; });
+  node.querySelector("title")?.remove();
 }
 all("#settings thead th").forEach(h => h.firstChild.addEventListener("click", () => sortBy(h)));
 

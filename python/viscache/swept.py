@@ -1,0 +1,130 @@
+"""A sweep's settings as plots and reports show them: means, looks, and what nothing beats."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscache.metrics import confidence_interval
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Okabe and Ito's colours, told apart by colour-blind readers too.
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#f0e442")
+#: So many markers are told apart.
+MOST_MARKERS = 8
+#: More levels of a parameter than this are not named one by one.
+MOST_NAMED = 12
+
+
+def settings_of(ds: xarray.Dataset, *variables: str) -> list[dict[str, Any]]:
+    """Every setting with its means over repeats.
+
+    Returns
+    -------
+    list of dict
+        `{"index": (...), "values": {name: value}, variable: (mean, half of its 95 % interval)}`;
+        settings without a finished repeat are left out; the half is 0 with one repeat.
+    """
+    dims = [str(d) for d in ds.dims if d not in ("repeat", "group")]
+    names = [str(n) for n, c in ds.coords.items() if set(c.dims) <= set(dims) and c.dims]
+    names = [n for n in names if n != "point"]
+    result = []
+    for index in np.ndindex(*(ds.sizes[d] for d in dims)):
+        chosen = ds.isel(dict(zip(dims, index, strict=True)))
+        setting: dict[str, Any] = {"index": index, "values": {n: chosen[n].item() for n in names}}
+        for variable in variables:
+            samples = [float(v) for v in chosen[variable].values.ravel() if np.isfinite(v)]
+            if not samples:
+                break
+            low, high = confidence_interval(samples) if len(samples) > 1 else (0.0, 0.0)
+            setting[variable] = (float(np.mean(samples)), (high - low) / 2)
+        else:
+            result.append(setting)
+    return result
+
+
+def levels_of(settings: Sequence[dict[str, Any]], names: Sequence[str]) -> list[list[Any]]:
+    """The different values of parameters: numbers in order, others as they come."""
+    found = [list(dict.fromkeys(s["values"][n] for s in settings)) for n in names]
+    numbers = set(numbers_of(settings))
+    return [sorted(v) if n in numbers else v for n, v in zip(names, found, strict=True)]
+
+
+def error_of(ds: xarray.Dataset) -> str:
+    """The sweep's first metric."""
+    return str(json.loads(ds.attrs["metrics"])[0])
+
+
+def is_grid(ds: xarray.Dataset) -> bool:
+    """Whether two parameters or more were swept as a grid."""
+    return sum(d not in ("repeat", "group", "point") for d in ds.dims) >= 2
+
+
+def numbers_of(settings: Sequence[dict[str, Any]]) -> list[str]:
+    """The swept parameters whose values are numbers that differ."""
+    names = settings[0]["values"] if settings else {}
+    columns = {n: [s["values"][n] for s in settings] for n in names}
+    return [
+        n
+        for n, values in columns.items()
+        if all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values)
+        and len(set(values)) > 1
+    ]
+
+
+def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The points that no other beats in both coordinates (smaller is better), in order."""
+    best: list[tuple[float, float]] = []
+    for point in sorted(set(points)):
+        if not best or point[1] < best[-1][1]:
+            best.append(point)
+    return best
+
+
+def looks_of(levels: Sequence[Sequence[Any]]) -> Callable[[Sequence[Any]], tuple[str, int]]:
+    """Colour, and number of the marker, of a setting by the values of its first two parameters.
+
+    The first sets the colour, the second the marker; a single one sets both. Past eight levels
+    there is one marker: eight are told apart.
+    """
+    colors = colors_for(len(levels[0]) if levels else 1)
+
+    def look(values: Sequence[Any]) -> tuple[str, int]:
+        at = [known.index(value) for known, value in zip(levels, values, strict=True)]
+        by = min(1, len(at) - 1)
+        marker = at[by] if at and len(levels[by]) <= MOST_MARKERS else 0
+        return colors[at[0] if at else 0], marker
+
+    return look
+
+
+def first_of_levels(
+    settings: Sequence[dict[str, Any]], names: Sequence[str], x: str
+) -> list[dict[str, Any]]:
+    """With two parameters, the dearest setting of every level of the first.
+
+    The level is written beside it, so that colours are not all that tells levels apart.
+    """
+    if len(names) < 2:
+        return []
+    dearest: dict[Any, dict[str, Any]] = {}
+    for setting in settings:
+        level = setting["values"][names[0]]
+        if level not in dearest or setting[x][0] > dearest[level][x][0]:
+            dearest[level] = setting
+    return list(dearest.values()) if len(dearest) <= MOST_NAMED else []
+
+
+def colors_for(levels: int) -> tuple[str, ...]:
+    """At least `levels` colours, all different: `COLORS`, or a scale where they do not suffice."""
+    if levels <= len(COLORS):
+        return COLORS
+    import matplotlib
+
+    scale = matplotlib.colormaps["viridis"](np.linspace(0.1, 0.95, levels))
+    return tuple(matplotlib.colors.to_hex(c) for c in scale)
