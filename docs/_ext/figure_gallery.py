@@ -16,6 +16,7 @@ from docutils import nodes
 from docutils.statemachine import StringList
 from PIL import Image
 from sphinx.application import Sphinx
+from sphinx.transforms import SphinxTransform
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
@@ -32,7 +33,23 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_config_value("viscache_figures", "", "env")
     app.add_directive("figure-gallery", FigureGallery)
     app.add_directive("figure-summary", FigureSummary)
+    app.add_directive("figure-cards", FigureCards)
+    app.add_transform(FigureNames)
     return {"parallel_read_safe": True}
+
+
+class FigureNames(SphinxTransform):
+    """The cards refer to a figure's section by its name."""
+
+    default_priority = 840  # before Sphinx collects what can be referred to
+
+    def apply(self, **_: Any) -> None:
+        for section in self.document.findall(nodes.section):
+            name = section.next_node(nodes.title).astext().partition(":")[0]
+            if self.env.docname.startswith("gallery/") and name in FIGURES:
+                section["names"].append(name)
+                section["ids"].insert(0, name)
+                self.document.note_explicit_target(section)
 
 
 class FigureSummary(SphinxDirective):
@@ -58,6 +75,23 @@ class FigureSummary(SphinxDirective):
         ])  # fmt: skip
 
 
+class FigureCards(SphinxDirective):
+    """A card for every figure of one paper, with its first picture."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        lines = ["::::{grid} 2 2 3 4", ":gutter: 2", ""]
+        for name, info in chosen(self.arguments[0]):
+            found = result(self.config.viscache_figures, name)
+            lines += [f":::{{grid-item-card}} {name}", f":link: {name}", ":link-type: ref"]
+            lines.append(f":link-alt: {name}")
+            if files := pictures(found):
+                lines += [f":img-bottom: {picture(self, files[0])}", ":class-img-bottom: thumbnail"]
+            lines += ["", info.description, ":::", ""]
+        return markdown(self, [*lines, "::::"])
+
+
 class FigureGallery(SphinxDirective):
     """Sections of the figures whose names begin with the argument."""
 
@@ -65,41 +99,50 @@ class FigureGallery(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         lines: list[str] = []
-        for name, info in FIGURES.items():
-            if name.startswith(self.arguments[0] + "-") and info.is_there:
-                lines += self._section(name, info)
+        for name, info in chosen(self.arguments[0]):
+            lines += self._section(name, info)
         return markdown(self, lines)
 
     def _section(self, name: str, info: FigureInfo) -> list[str]:
         found = result(self.config.viscache_figures, name)
         quick = " --quick" if found and found["quick"] else ""
-        lines = [f"## {name}", "", sentence(info.description), ""]
+        lines = [f"## {name}: {info.description}", ""]
         lines += ["```sh", f"viscache reproduce {name} -o DIR{quick}", "```", ""]
         if found is None:
             return lines
         if "error" in found:
             log.warning("%s ended with an error: %s", name, found["error"])
-        for file in found["files"]:
-            if file.endswith(".png"):
-                lines += [f"![{name}: {info.description}]({self._picture(Path(file))})", ""]
+        for file in pictures(found):
+            lines += [f"![{name}: {info.description}]({picture(self, file)})", ""]
         lines += table(found["rows"]) + [text for note in found["notes"] for text in (note, "")]
         for left in found["skipped"]:
             lines += [f"Left out: {left['what']}: {left['reason']}", ""]
         return lines
 
-    def _picture(self, given: Path) -> str:
-        """A small copy of a result's picture, as a path from the page."""
-        source = Path(self.config.viscache_figures) / given.name
-        self.env.note_dependency(str(source))
-        folder = Path(self.env.app.doctreedir) / "gallery"
-        folder.mkdir(parents=True, exist_ok=True)
-        copy = folder / f"{source.stem}.webp"
-        with Image.open(source) as picture:
-            shown = picture.convert("RGB")
-            shown.thumbnail((WIDTH_PX, 4 * WIDTH_PX))
-            shown.save(copy, "WEBP", quality=90)
-        page = Path(self.env.doc2path(self.env.docname))
-        return Path(os.path.relpath(copy, page.parent)).as_posix()
+
+def chosen(paper: str) -> list[tuple[str, FigureInfo]]:
+    """The figures of a paper that are there."""
+    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-") and i.is_there]
+
+
+def pictures(found: dict[str, Any] | None) -> list[str]:
+    """Names of a result's pictures."""
+    return [Path(file).name for file in found["files"] if file.endswith(".png")] if found else []
+
+
+def picture(directive: SphinxDirective, name: str) -> str:
+    """A small copy of a result's picture, as a path from the page."""
+    env = directive.env
+    source = Path(directive.config.viscache_figures) / name
+    env.note_dependency(str(source))
+    folder = Path(env.app.doctreedir) / "gallery"
+    folder.mkdir(parents=True, exist_ok=True)
+    copy = folder / f"{source.stem}.webp"
+    with Image.open(source) as image:
+        shown = image.convert("RGB")
+        shown.thumbnail((WIDTH_PX, 4 * WIDTH_PX))
+        shown.save(copy, "WEBP", quality=90)
+    return Path(os.path.relpath(copy, Path(env.doc2path(env.docname)).parent)).as_posix()
 
 
 def markdown(directive: SphinxDirective, lines: list[str]) -> list[nodes.Node]:
@@ -148,7 +191,3 @@ def number(value: Any, missing: str = "") -> str:
     if value is None or isinstance(value, str):
         return value or missing
     return missing if math.isinf(value) else f"{value:.4g}"
-
-
-def sentence(text: str) -> str:
-    return text[0].upper() + text[1:] + ("" if text.endswith(".") else ".")

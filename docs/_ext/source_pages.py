@@ -60,7 +60,8 @@ def link_files(app: Sphinx, doctree: nodes.document) -> None:
     page = app.env.docname
     for node in list(doctree.findall(addnodes.download_reference)):
         file = (Path(app.srcdir) / page).parent.joinpath(node["reftarget"]).resolve()
-        if file.is_file() and file.is_relative_to(ROOT) and not file.is_relative_to(app.srcdir):
+        elsewhere = file.is_relative_to(ROOT) and not file.is_relative_to(app.srcdir)
+        if elsewhere and file.is_file() and file.suffix != ".ipynb":
             path = file.relative_to(ROOT).as_posix()
             node.replace_self(_reference(app, page, path, None, node.astext()))
     for literal in list(doctree.findall(nodes.literal)):

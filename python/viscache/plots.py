@@ -36,6 +36,7 @@ __all__ = [
     "save_all", "settings_of", "trade",
 ]  # fmt: skip
 
+#: One for each value of the second swept parameter.
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 #: What `save` writes: text stays text, and PDFs hold TrueType fonts, as publishers ask.
 FORMATS = ("svg", "png", "pdf")
