@@ -28,3 +28,6 @@ def test_a_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     printed = [o.text for c in notebook.cells if c.cell_type == "code" for o in c.outputs
                if o.output_type == "stream" and o.name == "stdout"]  # fmt: skip
     assert printed
+    pictures = [o for c in notebook.cells if c.cell_type == "code" for o in c.outputs
+                if "image/png" in o.get("data", {})]  # fmt: skip
+    assert len(pictures) >= (2 if path.stem[:2].isdigit() else 0)

@@ -78,6 +78,21 @@ def test_the_leaves_of_a_tile_hold_the_triangles_that_touch_it(settings: dict[st
         assert different <= 2e-3 * sum(map(len, expected))
 
 
+def test_a_picture_of_an_axis_counts_its_entries_where_the_triangles_lie() -> None:
+    f = built(vc.Scene.from_arrays(*soup(800)), bsp_depth=3)
+    assert sum(int(f.tile_entries(k).sum()) for k in range(33)) == f.stats["references"]
+    frame = vc.vlf.direction_frames(33)[5].astype(float)
+    places = np.array([[0.6, -0.3, 0.1], [-0.6, 0.3, -0.1]]) @ frame  # from u, v, w
+    corners = (places[:, None] + 1e-3 * np.eye(3)).reshape(6, 3)
+    two = vc.Scene.from_arrays(corners, np.arange(6).reshape(2, 3))
+    shown = vc.VisibilityField(two, 33, 16).tile_entries(5)
+    radius = np.linalg.norm(corners - (corners.min(0) + corners.max(0)) / 2, axis=1).max()
+    for u, v, _ in places @ frame.T / radius:
+        row, column = int((v + 1) / 2 * 16), int((u + 1) / 2 * 16)
+        assert shown[row, column] >= 1 and shown[column, row] == 0
+    assert shown.shape == (16, 16) and (shown > 0).sum() <= 8
+
+
 def test_every_depth_of_a_triangle_has_it_in_its_leaf() -> None:
     """Straddling triangles are in all leaves between their depths in the tile."""
     f = built(vc.Scene.from_arrays(*soup(800)), bsp_depth=4, leaf_target=1)

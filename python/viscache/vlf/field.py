@@ -129,6 +129,24 @@ class VisibilityField:
         core = (settings or Vlf()).core()
         return _core.vlf.predicted_bytes(scene._core, core, checked_threads(threads))
 
+    def tile_entries(self, direction: int) -> npt.NDArray[np.int64]:
+        """How many entries each tile of one axis lists: a picture of the scene along it.
+
+        Parameters
+        ----------
+        direction : int in [0, l)
+            The axis, as in `viscache.vlf.directions`.
+
+        Returns
+        -------
+        (n, n) int64
+            Row by v, column by u of `viscache.vlf.direction_frames`; a triangle that lies in
+            several parts of a tile's depth counts in each. A lazy field builds the axis first.
+        """
+        lists = self._core.subfield(direction)
+        ends = lists["first_id"][lists["first_leaf"]].astype(np.int64)
+        return np.asarray(np.diff(ends).reshape(self.n_tiles, self.n_tiles))
+
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
