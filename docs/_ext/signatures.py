@@ -9,6 +9,8 @@ from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.domains.python import PyXRefRole
+from sphinx.environment import BuildEnvironment
+from sphinx.util.nodes import make_refnode
 
 _INNER = r"((?:[^\[\]]|\[[^\[\]]*\])+)"
 _NUMBER = r"typing\.Supports(Float|Int) \| typing\.SupportsIndex"
@@ -46,6 +48,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("autodoc-process-docstring", lambda *a: keep(kept, *a), priority=400)
     app.connect("autodoc-process-docstring", lambda *a: put_back(kept, *a), priority=600)
     app.connect("doctree-read", shorten_arrays)
+    app.connect("missing-reference", from_package)
     return {"parallel_read_safe": True}
 
 
@@ -56,6 +59,19 @@ class Known(PyXRefRole):
         if re.fullmatch(r"[A-Za-z_][\w.]*(?:\(\))?", text):
             return super().__call__("py:obj", rawtext, text, *rest, **more)
         return [nodes.literal(rawtext, nodes.unescape(text))], []
+
+
+def from_package(
+    app: Sphinx, env: BuildEnvironment, node: addnodes.pending_xref, shown: nodes.Element
+) -> nodes.reference | None:
+    """`Aqvc` and `vc.Aqvc()` in the docstring of another module are `viscache.Aqvc`."""
+    if node.get("reftype") != "obj":
+        return None
+    name = "viscache." + node["reftarget"].removeprefix("vc.").removesuffix("()")
+    found = env.get_domain("py").objects.get(name)  # type: ignore[attr-defined]
+    if found is None:
+        return None
+    return make_refnode(app.builder, node["refdoc"], found.docname, found.node_id, shown, name)
 
 
 def shorten(

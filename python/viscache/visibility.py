@@ -155,7 +155,7 @@ class Aqvc:
         C_E of each connection by what it would carry unoccluded: C_E·(mean f / f)^(1/p). Only where
         refinement is on and in the form "waves"; others ignore it.
     contribution_power : float in [0.1, 100]
-        p. 2.5: brighter connections get cells as much finer as errors count more.
+        The exponent p, 2.5: brighter connections get cells as much finer as errors count more.
     contribution_lift : float in [1, 1024]
         The coarsest level is this many C_E. 2.
     contribution_slack : int in [0, 32]

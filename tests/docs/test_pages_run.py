@@ -21,7 +21,10 @@ from viscache.sweep import SweepFile
 #: How far a printed number may be off.
 TOLERANCE = 0.25
 #: Pages that take more than a second or two.
-SLOW = {"docs/howto/correlation.md", "docs/howto/sweep.md", "docs/howto/unbiased.md"}
+SLOW = {
+    f"docs/howto/{page}.md"
+    for page in ("ambient-occlusion", "correlation", "pytest", "report", "sweep", "unbiased")
+}
 PAGES = [
     p
     for p in paths(".md", under="docs/")
