@@ -55,6 +55,18 @@ def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(
     assert tab.text("hover") == "C_E = 8, C_N = 8"
 
 
+def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_path: Path) -> None:
+    from viscache import report
+
+    alone = report.write_difference(page.pictures["s4"], page.reference, tmp_path / "p.html",
+                                    name="a.exr")  # fmt: skip
+    tab.open(alone, "map=flip")
+    tab.wait_for("document.documentElement.dataset.shown === 's0 flip'")
+    assert tab.text("chosen") == "a.exr" and tab.eval("$('against').parentNode.hidden") is True
+    assert tab.eval("document.getElementById('nomap').hidden") is True
+    assert tab.eval("document.querySelectorAll('#settings td').length") == 7  # the metrics
+
+
 def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
     shown(tab, page)
     order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"

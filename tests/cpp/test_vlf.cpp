@@ -63,7 +63,8 @@ void odd_rays_stay_in_their_lists() {
                     const Ray ray = odd_ray();
                     Hit hit;
                     uint8_t any = 0;
-                    field.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent), field.occluded({&ray, 1}, {&any, 1});
+                    field.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent),
+                        field.occluded({&ray, 1}, {&any, 1});
                     check_equal(bool(any), hit.valid(), "any hit of a ray with a nearest one");
                     check(!hit.valid() || (hit.t >= ray.t_min && hit.t <= ray.t_max), "hits lie on the ray");
                 }

@@ -37,10 +37,13 @@ def test_diff_prints_every_metric_as_one_json_object(
     capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
 ) -> None:
     png = tmp_path / "d.png"
-    status, out, err = run(capsys, "diff", *pair, "--json", "--png", str(png))
+    status, out, err = run(capsys, "diff", *pair, "--json", "--png", str(png),
+                           "--html", str(tmp_path / "d.html"))  # fmt: skip
     got = json.loads(out)
     assert status == 0 and err == "" and png.read_bytes()[:4] == b"\x89PNG"
     assert set(got) == {"rmse", "rel_mse", "rel_l1", "energy", "flip", "ssim", "max_abs"}
+    page = (tmp_path / "d.html").read_text("utf-8")
+    assert "<title>a.exr − b.exr</title>" in page
     assert got["rel_l1"] == pytest.approx(0.1, rel=1e-5)
     assert got["energy"] == pytest.approx(0.1, rel=1e-5)
 

@@ -161,6 +161,46 @@ def test_flip_maps_are_made_for_what_nothing_beats_first(fake_vc: Any, tmp_path:
         report.write(tmp_path, flip_maps=-1)
 
 
+def test_flip_maps_are_kept_for_the_next_report(
+    fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = page.model(run(tmp_path, flip_maps=2))
+    assert len(list((tmp_path / "flip").iterdir())) == 1  # c_n changes nothing in the stand-in
+    monkeypatch.setattr(metrics, "flip_map", lambda *_: pytest.fail("was made again"))
+    again = page.model(report.write(tmp_path, flip_maps=2).read_text("utf-8"))
+    assert [s.get("flip") for s in again["settings"]] == [s.get("flip") for s in first["settings"]]
+
+
+def test_wide_frames_are_shown_by_means_and_the_page_says_so(fake_vc: Any, tmp_path: Path) -> None:
+    run(tmp_path)
+    text = report.write(tmp_path, width=24, flip_maps=1).read_text("utf-8")
+    data = page.model(text)
+    assert data["frame"] == {"width": 24, "height": 16}
+    assert "Frames of 48×32 are shown by means at 24×16." in text
+    image, _ = frames_of(tmp_path, data["settings"][3])
+    means = image.reshape(16, 2, 24, 2, 3).mean((1, 3))
+    found = page.values(page.picture(data, data["settings"][3])) * data["white"]
+    np.testing.assert_allclose(found, means, rtol=6e-4)
+    mapped = next(s for s in data["settings"] if "flip" in s)
+    assert page.flip(data, mapped).shape == (16, 24)
+    with pytest.raises(ValueError, match="width must be >= 1, got 0"):
+        report.write(tmp_path, width=0)
+
+
+def test_a_page_of_two_pictures_has_their_radiance_and_errors(tmp_path: Path) -> None:
+    reference = np.random.default_rng(5).uniform(0.01, 10, (12, 20, 1))
+    image = reference * 1.25
+    path = report.write_difference(image, reference, tmp_path / "p.html", name="<a>", width=20)
+    text = path.read_text("utf-8")
+    data = page.model(text)
+    found = page.values(page.picture(data, data["settings"][0])) * data["white"]
+    np.testing.assert_allclose(found, np.repeat(image, 3, 2), rtol=6e-4)
+    assert data["settings"][0]["cells"]["rel_l1"][0] == pytest.approx(0.25, rel=1e-5)
+    assert "<a>" not in text and "&lt;a&gt;" in text and "default-src 'none'" in text
+    with pytest.raises(ValueError, match="one shape"):
+        report.write_difference(image, reference[:6], tmp_path / "q.html")
+
+
 def test_many_pixels_are_kept_coarsely_and_the_page_says_so(
     fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from viscache import plots, report
 from viscache.commands.shared import print_json
+from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.store import Store
 from viscache.sweep_table import open_dataset
 
@@ -21,6 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="most FLIP maps, which take seconds each; the best settings first (%(default)s)",
     )  # fmt: skip
     parser.add_argument(
+        "--width", type=int, default=MAX_WIDTH_PX, metavar="PX",
+        help="widest picture; wider frames are shown as means over pixels (%(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
         "--plots", metavar="FOLDER", help="write the plots there too, each as a file for papers"
     )
     parser.add_argument(
@@ -33,7 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format and arguments.plots is None:
         raise ValueError("--format must come with --plots FOLDER")
     _check_holds_a_sweep(Path(arguments.directory))
-    written = report.write(arguments.directory, arguments.output, flip_maps=arguments.flip_maps)
+    written = report.write(
+        arguments.directory, arguments.output, flip_maps=arguments.flip_maps, width=arguments.width
+    )
     drawn: list[Path] = []
     if arguments.plots is not None:
         formats = arguments.format or plots.FORMATS

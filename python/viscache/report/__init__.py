@@ -1,6 +1,7 @@
 """Self-contained HTML reports."""
 
 from viscache.report.embed import MOST_FLIP_MAPS
+from viscache.report.pair import write_difference
 from viscache.report.write import write
 
-__all__ = ["MOST_FLIP_MAPS", "write"]
+__all__ = ["MOST_FLIP_MAPS", "write", "write_difference"]

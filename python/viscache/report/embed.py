@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import os
+from pathlib import Path
 from typing import Any
 
 from viscache import tonemap
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
+from viscache.report.pictures import FloatImage
 from viscache.store import Store
 from viscache.swept import pareto
 
@@ -15,11 +18,55 @@ from viscache.swept import pareto
 MOST_FLIP_MAPS = 24
 
 
-def add_pictures(model: dict[str, Any], store: Store, flip_maps: int = MOST_FLIP_MAPS) -> None:
+class Packer:
+    """Packs pictures into a page's model, all at the exposure of the first reference.
+
+    So they can be compared with each other too. `count` settings of a page decide, with their
+    size, whether errors are rounded.
+    """
+
+    def __init__(self, model: dict[str, Any], count: int, width: int) -> None:
+        self.model, self.count, self.width = model, count, width
+        self.exposure: float | None = None
+        self._references: dict[str, pictures.Codes] = {}
+
+    def add(
+        self, setting: dict[str, Any], image: FloatImage, reference: FloatImage, key: str
+    ) -> None:
+        """The picture of a setting, against the reference of this key."""
+        if self.exposure is None:
+            self.exposure = tonemap.display_exposure(reference)
+            self._describe(reference)
+        if key not in self._references:
+            self._references[key] = self._codes(reference)
+            self.model["pictures"][key] = pictures.pack_reference(self._references[key])
+        packed = pictures.pack_difference(
+            self._codes(image), self._references[key], self.model["step"]
+        )
+        setting |= {"reference": key, "difference": packed}
+
+    def _codes(self, image: FloatImage) -> pictures.Codes:
+        assert self.exposure is not None
+        small = pictures.shrunk(pictures.three_channels(image), self.width)
+        return pictures.codes(small, self.exposure)
+
+    def _describe(self, reference: FloatImage) -> None:
+        """What the page must know to unpack pictures and to name their values."""
+        height, width = pictures.shrunk(reference[:, :, :1], self.width).shape[:2]
+        exact = self.count * width * height <= pictures.MOST_EXACT_PIXELS
+        self.model |= {
+            "frame": {"width": width, "height": height},
+            "step": 1 if exact else pictures.COARSE_STEP,
+            "white": 1.0 / (self.exposure or 1.0),
+            "colors": pictures.scales(),
+            "flip_ppd": FLIP_PIXELS_PER_DEGREE,
+        }
+
+
+def add_pictures(model: dict[str, Any], store: Store, flip_maps: int, width: int) -> None:
     """Adds reference, picture and FLIP map of each setting's first repeat to the page's model.
 
-    All pictures of a page have one exposure, that of the first reference: they can be compared
-    with each other too. FLIP maps go to the settings that nothing beats first.
+    FLIP maps go to the settings that nothing beats first, and are kept in the sweep's folder.
     """
     points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
     mapped = {s["id"] for s in _best_first(model)[:flip_maps]}
@@ -28,45 +75,35 @@ def add_pictures(model: dict[str, Any], store: Store, flip_maps: int = MOST_FLIP
         point = points.get(tuple(setting["index"]))
         if point and store.get(point["key"]) and store.get(point["paired"]):
             finished.append((setting, point))
-    exposure: float | None = None
-    references: dict[str, pictures.Codes] = {}
+    packer = Packer(model, len(finished), width)
     for setting, point in finished:
         frame, reference = store.frame(point["key"]), store.frame(point["paired"])
-        if exposure is None:
-            exposure = tonemap.display_exposure(reference.image)
-            _describe(model, reference.size, len(finished), exposure)
-        if point["paired"] not in references:
-            packed = _codes(reference.image, exposure)
-            references[point["paired"]] = packed
-            model["pictures"][point["paired"]] = pictures.pack_reference(packed)
-        codes, base = _codes(frame.image, exposure), references[point["paired"]]
-        setting |= {
-            "reference": point["paired"],
-            "difference": pictures.pack_difference(codes, base, model["step"]),
-            "seed": point["seed"],
-            "parameters": frame.parameters,
-            "sha256": frame.sha256,
-        }
+        packer.add(setting, frame.image, reference.image, point["paired"])
+        setting |= {"seed": point["seed"], "parameters": frame.parameters, "sha256": frame.sha256}
         if setting["id"] in mapped:
-            setting["flip"] = pictures.flip_map(frame.image, reference.image)
+            kept = f"{frame.sha256[:16]}-{reference.sha256[:16]}-{width}.json"
+            folder = store.directory / "flip" if store.directory else None
+            setting["flip"] = _flip_map(frame.image, reference.image, width, folder, kept)
 
 
-def _codes(image: pictures.FloatImage, exposure: float) -> pictures.Codes:
-    return pictures.codes(pictures.shrunk(pictures.three_channels(image)), exposure)
+def _flip_map(
+    image: FloatImage, reference: FloatImage, width: int, folder: Path | None, kept: str
+) -> dict[str, Any] | None:
+    """The packed map, from the folder where it was made before."""
+    if folder is not None and (folder / kept).exists():
+        return dict(json.loads((folder / kept).read_text("utf-8")))
+    made = pictures.flip_map(image, reference, width)
+    if folder is not None and made is not None:
+        folder.mkdir(exist_ok=True)
+        write_whole(folder / kept, json.dumps(made))
+    return made
 
 
-def _describe(model: dict[str, Any], size: Sequence[int], count: int, exposure: float) -> None:
-    """What the page must know to unpack pictures and to name their values."""
-    width = min(size[0], pictures.MAX_WIDTH_PX)
-    height = size[1] if width == size[0] else max(1, round(size[1] * width / size[0]))
-    exact = count * width * height <= pictures.MOST_EXACT_PIXELS
-    model |= {
-        "frame": {"width": width, "height": height},
-        "step": 1 if exact else pictures.COARSE_STEP,
-        "white": 1.0 / exposure,
-        "colors": pictures.scales(),
-        "flip_ppd": FLIP_PIXELS_PER_DEGREE,
-    }
+def write_whole(target: Path, text: str) -> None:
+    """A file that is there whole or not at all."""
+    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(target)
 
 
 def _best_first(model: dict[str, Any]) -> list[dict[str, Any]]:

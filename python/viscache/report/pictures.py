@@ -57,14 +57,16 @@ def pack_map(values: FloatImage) -> str:
     return _deflated(np.round(255.0 * np.clip(values, 0.0, 1.0)).astype(np.uint8))
 
 
-def flip_map(image: FloatImage, reference: FloatImage) -> dict[str, Any] | None:
+def flip_map(
+    image: FloatImage, reference: FloatImage, width: int = MAX_WIDTH_PX
+) -> dict[str, Any] | None:
     """HDR-FLIP's packed map and its mean, as `metrics.flip` has it; None where it is undefined."""
     if not (np.isfinite(image).all() and np.isfinite(reference).all()):
         return None
     found = metrics.flip_map(image.astype(np.float64), reference.astype(np.float64))
     if found is None:
         return None
-    return {"map": pack_map(shrunk(found[0][:, :, None])[:, :, 0]), "mean": found[1]}
+    return {"map": pack_map(shrunk(found[0][:, :, None], width)[:, :, 0]), "mean": found[1]}
 
 
 def shrunk(image: FloatImage, max_width: int = MAX_WIDTH_PX) -> FloatImage:

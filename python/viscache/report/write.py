@@ -5,16 +5,16 @@ from __future__ import annotations
 import html
 import json
 import os
-import re
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache import labels
 from viscache.checks import require
-from viscache.labels import number, plain
-from viscache.report import draw
+from viscache.labels import plain
+from viscache.report import assemble, draw
+from viscache.report.assemble import write_page
 from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
+from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.store import Store
 from viscache.sweep_table import open_dataset
 from viscache.swept import MOST_NAMED, levels_of, settings_of
@@ -22,10 +22,10 @@ from viscache.swept import MOST_NAMED, levels_of, settings_of
 if TYPE_CHECKING:
     import xarray
 
-#: Where the gain of difference maps stands at first.
-DIFFERENCE_GAIN = 16
-#: The page's script, in order.
-SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
+_NOTES = (
+    "Means over repeats ± half of the 95 % confidence interval (Student's t). Errors are against "
+    "the exact frame of equal seed and samples; “total” errors are against the converged reference."
+)
 
 
 def write(
@@ -33,6 +33,7 @@ def write(
     path: str | os.PathLike[str] | None = None,
     *,
     flip_maps: int = MOST_FLIP_MAPS,
+    width: int = MAX_WIDTH_PX,
 ) -> Path:
     """Write the report of a sweep.
 
@@ -43,7 +44,10 @@ def write(
     path : path, optional
         The HTML file; `report.html` in the directory by default.
     flip_maps : int >= 0
-        Most FLIP maps, which take seconds each; settings that nothing beats come first.
+        Most FLIP maps, which take seconds each; settings that nothing beats come first. Made
+        ones are kept in the sweep's directory.
+    width : int >= 1
+        Widest picture; wider frames are shown as means over pixels.
 
     Returns
     -------
@@ -53,9 +57,10 @@ def write(
     Raises
     ------
     ValueError
-        No sweep there, or none of its points is finished; `flip_maps` below 0.
+        No sweep there, or none of its points is finished; `flip_maps` below 0, `width` below 1.
     """
     require(flip_maps >= 0, "flip_maps must be >= 0", flip_maps)
+    require(width >= 1, "width must be >= 1", width)
     if isinstance(sweep, (str, os.PathLike)):
         dataset = open_dataset(sweep)
         directory: Path | None = Path(sweep)
@@ -72,11 +77,18 @@ def write(
     model = _model(dataset)
     if directory is not None:
         with Store(directory) as store:
-            add_pictures(model, store, flip_maps)
-    text = _page(model, dataset)
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(target)
+            add_pictures(model, store, flip_maps, width)
+    scene = html.escape(str(dataset.attrs["scene"]))
+    texts = {
+        "TITLE": f"{scene}: the trade of shadow rays for accuracy",
+        "HEADING": scene,
+        "SUBTITLE": "Shadow rays traded for accuracy, and what the trade costs",
+        "FACTS": _facts(dataset, model),
+        "PLOTS": "<h2>The trade</h2>" + draw.plots(model, dataset),
+        "TABLE_HEADING": "Every setting",
+        "NOTES": _NOTES,
+    }
+    write_page(target, model, texts)
     return target
 
 
@@ -105,43 +117,8 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
         "names": names, "metrics": metrics, "columns": columns, "settings": rows,
         "labels": {n: plain(n) for n in [*names, *columns]}, "pictures": {},
         "size": json.loads(ds.attrs["size"]),
-        "repeats": int(ds.sizes["repeat"]), "gain": DIFFERENCE_GAIN,
+        "repeats": int(ds.sizes["repeat"]),
     }  # fmt: skip
-
-
-def _page(model: dict[str, Any], ds: xarray.Dataset) -> str:
-    pieces = {
-        "TITLE": html.escape(f"{ds.attrs['scene']}: the trade of shadow rays for accuracy"),
-        "SCENE": html.escape(str(ds.attrs["scene"])),
-        "FACTS": _facts(ds, model),
-        "PLOTS": draw.plots(model, ds),
-        "TABLE": _table(model),
-        "STYLE": _piece("style.css"),
-        "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
-        "PIXELS": html.escape(_pixels_text(model)),
-        "MOST_FLIP_MAPS": str(sum("flip" in s for s in model["settings"])),
-        "DATA": json.dumps(model, allow_nan=False, default=str).replace("</", "<\\/"),
-    }
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], _piece("template.html"))
-
-
-def _piece(name: str) -> str:
-    return resources.files("viscache.report").joinpath("page", name).read_text("utf-8")
-
-
-def _pixels_text(model: dict[str, Any]) -> str:
-    """What the pictures' numbers are."""
-    if not model["pictures"]:
-        return ""
-    (width, height), frame = model["size"], model["frame"]
-    kept = "half floats"
-    if model["step"] > 1:
-        kept += f" whose errors are rounded to {model['step'] / 1024:.1%}"
-    text = f"Pixels are linear radiance in {kept}; at 0 EV white is {model['white']:.4g}."
-    if frame["width"] < width:
-        shown = f"{frame['width']}×{frame['height']}"
-        text += f" Frames of {width}×{height} are shown by means at {shown}."
-    return text
 
 
 def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
@@ -161,9 +138,7 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
         "Processor": str(ds.attrs["cpu"]),
         "Date": str(made.get("date", "unknown")),
     }
-    return "".join(
-        f"<div><dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd></div>" for k, v in facts.items()
-    )
+    return assemble.facts(facts)
 
 
 def _levels_text(name: str, levels: list[Any]) -> str:
@@ -177,26 +152,3 @@ def _levels_text(name: str, levels: list[Any]) -> str:
 def _settings_text(table: dict[str, Any]) -> str:
     rest = ", ".join(f"{k} = {v}" for k, v in table.items() if k != "name" and v not in (None, {}))
     return f"{table['name']}" + (f" ({rest})" if rest else "")
-
-
-def _table(model: dict[str, Any]) -> str:
-    heads = [*model["names"], *model["columns"]]
-    head = "".join(
-        f'<th scope="col" data-column="{html.escape(h)}"><button>{labels.as_html(h)}</button></th>'
-        for h in heads
-    )
-    rows = []
-    for s in model["settings"]:
-        cells = [f"<td>{html.escape(labels.level(s['values'][n]))}</td>" for n in model["names"]]
-        for column in model["columns"]:
-            cell = s["cells"][column]
-            if cell is None:
-                cells.append('<td data-value="">–</td>')
-                continue
-            mean, half = cell
-            spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
-            cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
-        rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
-    return (
-        f'<table id="settings"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
-    )

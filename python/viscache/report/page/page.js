@@ -118,6 +118,7 @@ for (const node of tipped) {
 all("#settings thead th").forEach(h => h.firstChild.addEventListener("click", () => sortBy(h)));
 
 for (const s of data.settings) if (s.difference) $("against").append(new Option(s.text, s.id));
+$("against").parentNode.hidden = $("against").options.length < 3;  // the reference and one setting
 $("against").addEventListener("change", e => change({ against: e.target.value }));
 $("kind").addEventListener("change", e => change({ map: e.target.value }));
 $("gain").replaceChildren(...GAINS.map(gain => new Option(`${gain}×`, gain)));

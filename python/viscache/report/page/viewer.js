@@ -78,7 +78,7 @@ function describe(s, other) {
   $("left").textContent = against() ? s.text : "picture";
   $("caption").textContent = CAPTIONS[state.map](right, s);
   $("picture").setAttribute("aria-label", `Picture of ${s.text}`);
-  $("reference").setAttribute("aria-label", other ? `Picture of ${other.text}` : "Reference: exact visibility");
+  $("reference").setAttribute("aria-label", other ? `Picture of ${other.text}` : "Reference");
   $("map").setAttribute("aria-label", `${$("kind").selectedOptions[0].textContent}: ${$("caption").textContent}`);
 }
 

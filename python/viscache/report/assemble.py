@@ -1,0 +1,94 @@
+"""A page put together: its template, style, script, table and data in one file."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from viscache import labels
+from viscache.labels import number
+from viscache.report.embed import write_whole
+
+#: Where the gain of difference maps stands at first.
+DIFFERENCE_GAIN = 16
+#: The page's script, in order.
+SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
+
+
+def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) -> None:
+    """Write a page.
+
+    Parameters
+    ----------
+    target : path
+    model : dict
+        What the script shows: names, columns, settings, pictures (`embed.Packer`), size.
+    texts : mapping
+        HTML of the template's TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES.
+    """
+    pieces = {
+        **texts,
+        "TABLE": _table(model),
+        "STYLE": _piece("style.css"),
+        "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
+        "PIXELS": html.escape(_pixels_text(model)),
+        "FLIP_MAPS": str(sum("flip" in s for s in model["settings"])),
+        "DATA": json.dumps({"gain": DIFFERENCE_GAIN, **model}, allow_nan=False, default=str)
+        .replace("<", "\\u003c"),
+    }  # fmt: skip
+    text = re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], _piece("template.html"))
+    write_whole(target, text)
+
+
+def facts(table: Mapping[str, str]) -> str:
+    """The rows of a page's header."""
+    return "".join(
+        f"<div><dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd></div>" for k, v in table.items()
+    )
+
+
+def _piece(name: str) -> str:
+    return resources.files("viscache.report").joinpath("page", name).read_text("utf-8")
+
+
+def _pixels_text(model: dict[str, Any]) -> str:
+    """What the pictures' numbers are."""
+    if not model["pictures"]:
+        return ""
+    (width, height), frame = model["size"], model["frame"]
+    kept = "half floats"
+    if model["step"] > 1:
+        kept += f" whose errors are rounded to {model['step'] / 1024:.1%}"
+    text = f"Pixels are linear radiance in {kept}; at 0 EV white is {model['white']:.4g}."
+    if frame["width"] < width:
+        shown = f"{frame['width']}×{frame['height']}"
+        text += f" Frames of {width}×{height} are shown by means at {shown}."
+    return text
+
+
+def _table(model: dict[str, Any]) -> str:
+    heads = [*model["names"], *model["columns"]]
+    head = "".join(
+        f'<th scope="col" data-column="{html.escape(h)}"><button>{labels.as_html(h)}</button></th>'
+        for h in heads
+    )
+    rows = []
+    for s in model["settings"]:
+        cells = [f"<td>{html.escape(labels.level(s['values'][n]))}</td>" for n in model["names"]]
+        for column in model["columns"]:
+            cell = s["cells"][column]
+            if cell is None:
+                cells.append('<td data-value="">–</td>')
+                continue
+            mean, half = cell
+            spread = f" <small>± {number(float(f'{half:.2g}'))}</small>" if half else ""
+            cells.append(f'<td data-value="{mean!r}">{number(mean)}{spread}</td>')
+        rows.append(f'<tr data-id="{s["id"]}" tabindex="0">{"".join(cells)}</tr>')
+    return (
+        f'<table id="settings"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    )
