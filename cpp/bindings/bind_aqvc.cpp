@@ -80,6 +80,7 @@ void bind_aqvc(py::module_& m) {
     c.def(py::init(&from_keywords));
     c.def_readwrite("c_e", &AqvcParameters::c_e);
     c.def_readwrite("c_e_group", &AqvcParameters::c_e_group);
+    c.def_readwrite("c_l", &AqvcParameters::c_l);
     c.def_readwrite("c_n", &AqvcParameters::c_n);
     c.def_readwrite("c_z", &AqvcParameters::c_z);
     c.def_readwrite("c_r", &AqvcParameters::c_r);

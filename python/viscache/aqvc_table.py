@@ -16,7 +16,7 @@ __all__ = ["AqvcTable"]
 
 #: Parameters on which keys, or what is kept under them, depend: the same in all frames of a table.
 KEYED_BY = (
-    *("c_n", "c_z", "c_r", "normal_mode", "grid_offset", "grid_seed", "scale_free"),
+    *("c_l", "c_n", "c_z", "c_r", "normal_mode", "grid_offset", "grid_seed", "scale_free"),
     *("res_rule", "env_rule", "vpl_key", "hash", "digest_bits"),
 )
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 LABELS: dict[str, tuple[str, str]] = {
     # The quantized cache
     "c_e": ("$C_E$", "px"),
+    "c_l": ("$C_L$", ""),
     "c_n": ("$C_N$", ""),
     "c_z": ("$C_Z$", ""),
     "c_r": ("$C_R$", ""),

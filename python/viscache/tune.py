@@ -40,6 +40,8 @@ ENOUGH_TILES, MOST_PARTS = 24, 16
 CHECK_FRAMES = 4
 #: The error that is reached may be off by this factor.
 TOLERANCE = 1.3
+#: C_L is halved so often at most, at a C_E so small that light cells alone err.
+MOST_HALVINGS, FINE_C_E = 6, 1.0
 #: Groups of samples that each pixel has of its own: light cells bound their error, not C_E.
 OWN_SAMPLES = {
     "area": "n_area, n_brdf", "environment": "n_environment, n_brdf", "ambient": "n_samples",
@@ -119,15 +121,16 @@ class Tuned:
         if worst in OWN_SAMPLES:
             text += (
                 " Its samples are each pixel's own: the size of their light cells bounds their"
-                f" error, not C_E. More of them ({OWN_SAMPLES[worst]}) make the cells smaller;"
-                " vc.Exact() has no error."
+                f" error, not C_E. A smaller c_l makes the cells smaller, and so do more samples"
+                f" ({OWN_SAMPLES[worst]}); vc.Exact() has no error."
             )
         return text
 
     def as_dict(self) -> dict[str, Any]:
         """What `viscache tune --json` prints."""
         return {
-            "target": self.target, "c_e": self.c_e, "rel_l1": self.rel_l1,
+            "target": self.target, "c_e": self.c_e, "c_l": self.visibility.resolved()["c_l"],
+            "rel_l1": self.rel_l1,
             "interval": list(self.interval), "reached": self.reached,
             "ray_reduction": self.ray_reduction, "samples": self.samples,
             "groups": self.groups, "message": self.message,
@@ -135,11 +138,16 @@ class Tuned:
                        for p in self.pilots],
         }  # fmt: skip
 
+    @property
+    def _light_cells(self) -> str:
+        return "" if self.visibility.c_l is None else f" c_l={self.visibility.c_l:.3g},"
+
     def __repr__(self) -> str:
         low, high = self.interval
         return (
-            f"Tuned(c_e={self.c_e:.3g}, rel_l1={self.rel_l1:.3g} [{low:.3g}, {high:.3g}],"
-            f" target={self.target:.3g}, ray_reduction={self.ray_reduction:.3g})"
+            f"Tuned(c_e={self.c_e:.3g},{self._light_cells} rel_l1={self.rel_l1:.3g}"
+            f" [{low:.3g}, {high:.3g}], target={self.target:.3g},"
+            f" ray_reduction={self.ray_reduction:.3g})"
         )
 
     def _repr_html_(self) -> str:
@@ -167,6 +175,9 @@ def tune(
 ) -> Tuned:
     """The C_E at which the quantized cache has a wanted error against exact visibility.
 
+    Where pixels sample a sky, area lights or their ambient light each for themselves, C_L too: it
+    is halved until the error that no C_E lowers is at most half of what is wanted.
+
     Parameters
     ----------
     scene : Scene
@@ -175,7 +186,7 @@ def tune(
     rel_l1 : float
         The error that is wanted, relative L1 of the colour layer; in (0, 1).
     visibility : Aqvc, optional
-        The other parameters; a C_E per light group in it stays.
+        The other parameters; a C_E per light group in it stays, and its `c_l` if it is given.
     size, spp, seed, threads, camera, env
         Of the frame that will be rendered, as `viscache.render` takes them.
 
@@ -183,9 +194,8 @@ def tune(
     -------
     Tuned
         `reached` says whether pixels that no pilot saw confirm it. Where even the largest C_E has
-        less error than wanted, or the smallest more, that C_E is returned. Under an environment the
-        error has a floor that no C_E goes below, for its directions are clustered too: `message`
-        says so, and which light group limits.
+        less error than wanted, or the smallest more, that C_E is returned: `message` says so, and
+        which light group limits.
 
     Raises
     ------
@@ -210,6 +220,8 @@ def tune(
     lit = scene if env is None else scene.with_environment(env, threads=threads)
     given = {"size": size, "spp": spp, "threads": threads, "camera": camera}
     pilot, check = _samples(lit, integrator, given, int(seed))
+    if not pilot.groups.isdisjoint(OWN_SAMPLES):
+        base = with_light_cells(lambda tried: pilot.measured(tried)[3], base, float(rel_l1))
     pilots = search(lambda c_e: pilot.error(replace(base, c_e=c_e)), float(rel_l1))
     best = min(pilots, key=lambda p: abs(math.log(max(p.rel_l1, 1e-12) / rel_l1)))
     chosen = replace(base, c_e=best.c_e)
@@ -219,6 +231,20 @@ def tune(
         ray_reduction=reduction, samples=check.count,
         pilots=tuple(sorted(pilots, key=lambda p: p.c_e)), groups=groups,
     )  # fmt: skip
+
+
+def with_light_cells(groups: Callable[[Aqvc], dict[str, float]], base: Aqvc, target: float) -> Aqvc:
+    """C_L at which samples of each pixel's own leave C_E half of the target; `base` if it has one.
+
+    `groups` tells what each light group is off by.
+    """
+    tried = base
+    for halvings in range(MOST_HALVINGS + 1 if base.c_l is None else 0):
+        tried = replace(base, c_l=None if halvings == 0 else 0.5**halvings)
+        off = groups(replace(tried, c_e=FINE_C_E))
+        if sum(value for name, value in off.items() if name in OWN_SAMPLES) <= target / 2:
+            break
+    return tried
 
 
 def search(error: Callable[[float], Pilot], target: float) -> list[Pilot]:
@@ -266,6 +292,11 @@ class _Sample:
     def count(self) -> int:
         """Samples that an interval is made of."""
         return len(self._runs) if self.whole else len(self._exact[0])
+
+    @property
+    def groups(self) -> set[str]:
+        """Light groups of the frame."""
+        return set(self._exact[0][0]) - {"color"}
 
     def error(self, visibility: Aqvc) -> Pilot:
         found, _, reduction, _ = self.measured(visibility)

@@ -106,6 +106,10 @@ class Aqvc:
     c_e_groups : mapping of light group to float > 0
         C_E of single groups: point, directional, area, environment, vpl, ambient; of `Bdpt` also
         connection (two surfaces) and camera.
+    c_l : float in [0.001, 1000]
+        C_L: and about C_L × C_L light samples at the far end (Eq. 7 and 9), where that is a surface
+        or the sky. 1, the paper's. Below 1: finer light cells, for an error of the sky or of area
+        lights that C_E does not bring down. Not with res_rule "eq6", whose C_E is both ends'.
     c_n : int in [1, 64]
         C_N: normal bins per axis (Eq. 4). 8.
     c_z : float in [0.01, 1024]
@@ -201,6 +205,7 @@ class Aqvc:
     preset: Literal["default", "fast", "paper", "as_printed"] = "default"
     c_e: float = 12.0
     c_e_groups: Mapping[str, float] = field(default_factory=dict, hash=False)
+    c_l: float | None = None
     c_n: int | None = None
     c_z: float | None = None
     c_r: float | None = None

@@ -20,6 +20,8 @@ OPTIONS = [
     {"c_e": 12, "refinement": "on", "nil_refine": 0.5},
     {"c_e": 10, "refinement": "on", "jitter": True, "grid_seed": 3},
     {"c_e": 0.02},
+    {"c_e": 10, "refinement": "on", "c_l": 0.4},
+    {"c_e": 6, "c_l": 3},
 ]
 
 
@@ -58,12 +60,12 @@ def exact_of(run, queries):
     return ask(run, queries, exact=True)[0]
 
 
-def light_keys(grid, queries):
+def light_keys(grid, queries, c_l=1.0):
     """Keys of the far ends by the transcription."""
     ends = zip(queries["far"], queries["normal"], queries["density"], strict=True)
     if queries["semantic"] == tiles.SURFACE:
-        return [aqvc_samples.surface_key(grid, *e) for e in ends]
-    return [aqvc_samples.direction_key(w, d) for w, _, d in ends]
+        return [aqvc_samples.surface_key(grid, *e, c_l=c_l) for e in ends]
+    return [aqvc_samples.direction_key(w, d, c_l=c_l) for w, _, d in ends]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -78,7 +80,7 @@ def test_samples_equal_their_transcription(kind, options):
     assert (len(levels) > 1) == ("refinement" in options)
     placed = place_all(grid, eyes, levels)
     assert (order, ends) == aqvc_samples.outward_order(placed, options.get("batch", 1024))
-    column = aqvc_samples.columns(light_keys(grid, queries))
+    column = aqvc_samples.columns(light_keys(grid, queries, options.get("c_l", 1)))
     exact = exact_of(run, queries)
     want = aqvc_samples.own_samples(grid, placed, order, ends, queries["eye"], column, exact)
     visible, counters = ask_samples(run, queries, order, ends)

@@ -13,7 +13,17 @@ from hypothesis import strategies as st
 
 import viscache as vc
 from viscache import cli
-from viscache.tune import HIGHEST_C_E, LOWEST_C_E, MOST_PILOTS, Pilot, Tuned, ratio, search
+from viscache.tune import (
+    HIGHEST_C_E,
+    LOWEST_C_E,
+    MOST_HALVINGS,
+    MOST_PILOTS,
+    Pilot,
+    Tuned,
+    ratio,
+    search,
+    with_light_cells,
+)
 
 
 @given(scale=st.floats(1e-4, 1e-2), power=st.floats(0.3, 2.0), target=st.floats(2e-3, 0.1))
@@ -90,14 +100,41 @@ def test_a_target_out_of_reach_is_told() -> None:
 def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
     scene = vc.scenes.apartment(triangles=2000)
     whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
-    found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36))
+    one = vc.Aqvc(c_l=1)
+    found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36), visibility=one)
+    assert found.visibility.c_l == 1
     finest, coarser = (found.pilots[i].rel_l1 for i in (0, 2))
     assert not found.reached and finest > 0.75 * coarser > 0.004  # no C_E goes below
     assert max(found.groups, key=found.groups.__getitem__) == "environment"
     assert "No C_E reaches rel_l1 0.004: at 0.25" in found.message
     assert "The group 'environment' limits it" in found.message
     assert "light cells bounds their error, not C_E." in found.message
-    assert "More of them (n_environment, n_brdf)" in found.message
+    assert "A smaller c_l makes the cells smaller" in found.message
+    assert "so do more samples (n_environment, n_brdf)" in found.message
+
+
+def test_under_a_sky_light_cells_are_made_as_small_as_the_target_needs() -> None:
+    scene = vc.scenes.apartment(triangles=2000)
+    whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
+    found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36))
+    assert found.reached and found.message == ""
+    assert found.visibility.c_l is not None and found.visibility.c_l < 1
+    assert f"c_l={found.visibility.c_l:.3g}" in repr(found)
+    assert found.as_dict()["c_l"] == found.visibility.c_l
+    assert error_of(scene, whitted, found, size=(48, 36)) < 0.006
+    # Lamps have no light cells
+    lamps = vc.tune(scene, vc.Direct(n_environment=0, n_brdf=0), rel_l1=0.02, size=(48, 36))
+    assert lamps.visibility.c_l is None and lamps.as_dict()["c_l"] == 1
+
+
+def test_light_cells_are_halved_until_they_leave_half_of_the_target() -> None:
+    def groups(tried: vc.Aqvc) -> dict[str, float]:
+        return {"environment": 0.08 * tried.resolved()["c_l"], "point": 1.0}
+
+    assert with_light_cells(groups, vc.Aqvc(), 0.2).c_l is None
+    assert with_light_cells(groups, vc.Aqvc(), 0.03).c_l == 1 / 8
+    assert with_light_cells(groups, vc.Aqvc(), 1e-9).c_l == 0.5**MOST_HALVINGS
+    assert with_light_cells(groups, vc.Aqvc(c_l=2), 1e-9).c_l == 2
 
 
 def test_what_the_groups_are_off_by_explains_the_error() -> None:

@@ -20,22 +20,24 @@ from reference.aqvc import (
 )
 
 
-def direction_key(w: NDArray[np.float32], density: float, c_r: float = 1.2) -> Key | None:
+def direction_key(
+    w: NDArray[np.float32], density: float, c_r: float = 1.2, c_l: float = 1.0
+) -> Key | None:
     """Eq. 9: i, j, R of a direction; None where it has none."""
     if not np.isfinite(w).all() or not w.any():
         return None
-    r = float(ladder(resolution_environment(np.float64(density)), c_r))
+    r = float(ladder(resolution_environment(np.float64(density)) / c_l, c_r))
     i, j = (int(min(r - 1, np.floor(c * r))) for c in octahedron(w))
     return (i, j, int(r))
 
 
 def surface_key(
-    grid: Grid, y: NDArray[np.float32], n: NDArray[np.float32], density: float
+    grid: Grid, y: NDArray[np.float32], n: NDArray[np.float32], density: float, c_l: float = 1.0
 ) -> Key | None:
     """Eq. 7, light side: the surface cell of a point on a light."""
     if not np.isfinite(y).all() or not np.isfinite(n).all() or not n.any():
         return None
-    return grid.place(y, n, float(resolution_light(np.float64(density), grid.radius))).key
+    return grid.place(y, n, float(resolution_light(np.float64(density), grid.radius) / c_l)).key
 
 
 def columns(keys: Sequence[Key | None]) -> list[int]:

@@ -52,6 +52,26 @@ def test_cells_of_light_sampling_alone_take_fewer_rays_and_err_more():
     assert same[0].sha256 == same[1].sha256
 
 
+@pytest.mark.parametrize("group", ["area", "environment", "ambient"])
+def test_finer_light_cells_lower_an_error_that_no_c_e_lowers(group):
+    """c_l: to the exact frame's, through rows and the table alike."""
+    scene, integrator = made(group)
+    exact = q.exact(scene, integrator).layers[group]
+
+    def error(**options):
+        frame = q.render(scene, integrator, **options)
+        return q.rel_l1(frame.layers[group], exact), frame.counters["groups"][group]["rays"]
+
+    floor, few = error(c_e=0.05)
+    found = [error(c_e=0.05, c_l=c_l) for c_l in (4, 0.3, 0.01)]
+    errors, rays = zip(*found, strict=True)
+    assert errors[0] > 1.3 * floor > 2 * errors[1] and errors[2] < 0.05 * floor
+    assert rays[0] < few < rays[1] < rays[2]
+    table, asked = error(c_e=0.05, c_l=0.3, form="pairs", storage="exact")
+    assert table == pytest.approx(errors[1], rel=0.25)
+    assert asked == pytest.approx(rays[1], rel=0.05)
+
+
 @pytest.mark.extreme
 def test_one_sample_and_an_empty_picture_are_answered():
     """A single sample per eye point; a camera that looks past everything."""

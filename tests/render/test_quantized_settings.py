@@ -18,6 +18,7 @@ LARGE = (160, 100)
 PAPER = {
     "c_n": 8,
     "c_z": 8.0,
+    "c_l": 1.0,
     "c_r": 1.2,
     "normal_mode": "round",
     "grid_offset": True,

@@ -18,9 +18,11 @@ inline Semantic key_semantic(Semantic s, int group, const AqvcParameters& p) {
 }
 
 /// R of the far end under Eq. 7 and 9; points and directions have none.
+// Differs: the paper's cells hold one light sample on average, C_L = 1. Where the sky's occluders are finer
+// than that, no C_E brings the error down.
 inline double far_resolution(Semantic s, double density, double radius, const AqvcParameters& p) {
-    if (s == Semantic::kSurface) return resolution_light(density, radius);
-    if (s == Semantic::kSolidAngle) return resolution_environment(density, p.env_rule);
+    if (s == Semantic::kSurface) return resolution_light(density, radius) / p.c_l;
+    if (s == Semantic::kSolidAngle) return resolution_environment(density, p.env_rule) / p.c_l;
     return 1;
 }
 

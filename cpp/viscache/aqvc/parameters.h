@@ -33,6 +33,7 @@ enum class Storage { kTable, kExact, kShared, kPaperTiles };
 struct AqvcParameters {
     double c_e = 12;                               ///< a cluster spans about C_E × C_E eye samples
     std::array<double, kLightGroups> c_e_group{};  ///< C_E of single light groups; <= 0: c_e
+    double c_l = 1;                                ///< and about C_L × C_L light samples at the other end
     int c_n = 8;                                   ///< normal bins per axis
     double c_z = 4;                                ///< cells are this much thinner along the normal
     double c_r = 1.2;                              ///< ratio of the ladder of resolutions
@@ -89,6 +90,7 @@ inline void AqvcParameters::validate() const {
     const auto positive = [](double v) { return v > 0 && std::isfinite(v); };
     require(positive(c_e), "c_e must be > 0 and finite", c_e);
     for (double v : c_e_group) require(std::isfinite(v), "c_e_group must be finite", v);
+    require(c_l >= 1e-3 && c_l <= 1e3, "c_l must be in [0.001, 1000]", c_l);
     require(c_n >= 1, "c_n must be >= 1", c_n);
     require(c_n <= 64, "c_n must be <= 64", c_n);
     require(c_z >= 0.01 && c_z <= 1024, "c_z must be in [0.01, 1024]", c_z);

@@ -44,7 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         low, high = found.interval
         print_table({
-            "c_e": found.c_e, "rel_l1": found.rel_l1, "95 % interval": f"{low:.4g} … {high:.4g}",
+            "c_e": found.c_e, "c_l": found.as_dict()["c_l"], "rel_l1": found.rel_l1,
+            "95 % interval": f"{low:.4g} … {high:.4g}",
             "target": found.target, "reached": "yes" if found.reached else "no",
             "queries per ray": found.ray_reduction, "pilots": len(found.pilots),
         })  # fmt: skip
