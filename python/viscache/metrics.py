@@ -16,7 +16,10 @@ max_abs   max|a - b|
 from __future__ import annotations
 
 import html
+import importlib
 import math
+import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -179,8 +182,7 @@ def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None
     darker pictures are scaled up first: both alike, which changes nothing that is seen, because
     FLIP sets its exposures by the reference. It asks for non-negative pixels: negative ones are 0.
     """
-    import flip_evaluator
-
+    flip_evaluator = _flip_evaluator()
     brightest = float(tonemap.luminance(b).max())
     if brightest <= 0.0:
         return None
@@ -196,6 +198,21 @@ def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None
     if not math.isfinite(mean):
         return None
     return np.asarray(errors, np.float32).reshape(b.shape[:2]), float(mean)
+
+
+def _flip_evaluator() -> Any:
+    """flip-evaluator, with threads that sleep while they wait for each other.
+
+    OpenMP's spin by default: on a busy machine they take the cores from those they wait for, which
+    doubles the CPU time. Its library reads the policy once, when it is loaded.
+    """
+    if "flip_evaluator" in sys.modules or "OMP_WAIT_POLICY" in os.environ:
+        return importlib.import_module("flip_evaluator")
+    os.environ["OMP_WAIT_POLICY"] = "passive"
+    try:
+        return importlib.import_module("flip_evaluator")
+    finally:
+        del os.environ["OMP_WAIT_POLICY"]
 
 
 def max_abs(a: Image, b: Image) -> float:

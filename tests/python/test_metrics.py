@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import flip_evaluator
 import numpy as np
 import pytest
@@ -57,6 +62,35 @@ def test_flip_is_the_evaluators_own_number_and_the_reference_comes_second() -> N
     assert compare(A, B, metrics=["flip"]).flip == pytest.approx(mean, abs=1e-7)
     _, swapped, _ = flip_evaluator.evaluate(a, b * 8, "HDR", False, False, True, ppd)
     assert compare(B * 8, A, metrics=["flip"]).flip == pytest.approx(swapped, abs=1e-7)
+
+
+STAND_IN = """
+import os
+import numpy as np
+seen = os.environ.get("OMP_WAIT_POLICY")
+def evaluate(reference, *arguments, **options):
+    return np.zeros(reference.shape[:2]), {"passive": 0.25, "active": 0.5}[seen], None
+"""
+
+
+@pytest.mark.parametrize(("asked", "found"), [(None, 0.25), ("active", 0.5)])
+def test_flips_threads_sleep_while_they_wait_unless_told_otherwise(
+    tmp_path: Path, asked: str | None, found: float
+) -> None:
+    (tmp_path / "flip_evaluator.py").write_text(STAND_IN, encoding="utf-8")
+    code = """if True:
+        import os, sys
+        sys.path.insert(0, sys.argv[1])
+        import numpy as np
+        from viscache.metrics import compare
+        value = compare(np.ones((4, 4, 3)), np.ones((4, 4, 3)), metrics=["flip"])["flip"]
+        print(value, os.environ.get("OMP_WAIT_POLICY"))
+    """
+    environment = {k: v for k, v in os.environ.items() if k != "OMP_WAIT_POLICY"}
+    environment |= {"OMP_WAIT_POLICY": asked} if asked else {}
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=environment,
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert done.stdout.split() == [str(found), str(asked)]
 
 
 def test_a_reference_too_dark_for_the_flip_evaluator_is_compared_all_the_same() -> None:
