@@ -11,7 +11,7 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_flicker import flicker_rows
 from viscache.figures.aqvc_runs import Shot, Trade, presets
-from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.aqvc_setups import PRESETS, SETUPS
 from viscache.figures.aqvc_sweeps import DELTA
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import new_figure, save_figure
@@ -64,11 +64,16 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
     c_e = max(DELTA[True])
     rows = []
     exact = shot.frame()
-    for preset in ("default", "paper"):
+    for preset in PRESETS:
         trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
-        rows.append(Row(what=f"H1 {preset}: share of the queries that become rays, C_E {c_e:g}, AA",
-                        printed=1 / (printed.RAY_REDUCTION + 1), measured=1 / trade.ray_reduction,
-                        band=None if quick else bands.H1_RAYS_LEFT, note=trade.note))  # fmt: skip
+        rows += [
+            Row(what=f"H1 {preset}: share of the queries that become rays, C_E {c_e:g}, AA",
+                printed=1 / (printed.RAY_REDUCTION + 1), measured=1 / trade.ray_reduction,
+                band=None if quick else bands.H1_RAYS_LEFT, note=trade.note),
+            Row(what=f"H1 {preset}: rel_l1", measured=trade.rel_l1,
+                band=None if quick else bands.H1_ERROR,
+                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
+        ]  # fmt: skip
     return rows
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from viscache import _core, scenes
 from viscache.figures import aqvc_printed as printed
@@ -14,7 +14,11 @@ from viscache.integrators import Whitted
 from viscache.scene import Scene
 from viscache.visibility import Aqvc
 
-__all__ = ["CLOSE_UP", "QUICK_SIZE", "SETUPS", "SIZE", "Setup", "delta"]
+__all__ = ["CLOSE_UP", "PRESETS", "QUICK_SIZE", "SETUPS", "SIZE", "Preset", "Setup", "delta"]
+
+Preset: TypeAlias = Literal["default", "fast", "paper"]
+#: What pictures are compared with.
+PRESETS: tuple[Preset, ...] = ("default", "fast", "paper")
 
 SIZE, QUICK_SIZE = (640, 400), (80, 50)
 #: Where the sun of APARTMENT DELTA stands, and its irradiance.
@@ -68,10 +72,9 @@ class Setup:
         """The scene; those made last are kept."""
         return _made(self.name, self.triangles[quick])
 
-    def cache(self, preset: str, c_e: float, **given: Any) -> Aqvc:
+    def cache(self, preset: Preset, c_e: float, **given: Any) -> Aqvc:
         """A preset at one C_E; light groups that the paper keeps at theirs."""
-        return Aqvc(preset="paper" if preset == "paper" else "default", c_e=c_e,
-                    c_e_groups=dict(self.c_e_groups), **given)  # fmt: skip
+        return Aqvc(preset=preset, c_e=c_e, c_e_groups=dict(self.c_e_groups), **given)
 
 
 @lru_cache(maxsize=4)

@@ -13,7 +13,7 @@ from viscache.bench.aqvc_frame import scene_file
 from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, group_rows
-from viscache.figures.aqvc_setups import SETUPS, SIZE, Setup
+from viscache.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_pictures import new_figure, save_figure
@@ -87,7 +87,7 @@ def figure7(
     return outcome
 
 
-def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[str, Sequence[float]]:
+def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Sequence[float]]:
     """C_E per preset: all for the default; the ends and one between for the paper's."""
     values = (DELTA if setup.delta_lights else SMOOTH)[antialiased]
     if quick:
