@@ -67,6 +67,16 @@ def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_p
     assert tab.eval("document.querySelectorAll('#settings td').length") == 7  # the metrics
 
 
+def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(
+    tab: Browser, page: Report
+) -> None:
+    old = tab.call("Page.addScriptToEvaluateOnNewDocument", source="delete DecompressionStream")
+    tab.open(page.path, "select=s3")
+    tab.call("Page.removeScriptToEvaluateOnNewDocument", **old)
+    assert tab.eval("[$('viewer').hidden, $('nopictures').hidden]") == [True, False]
+    assert "too old" in tab.text("nopictures") and tab.text("chosen").startswith("C_E = 8")
+
+
 def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
     shown(tab, page)
     order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"

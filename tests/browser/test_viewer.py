@@ -213,6 +213,14 @@ def test_the_view_stays_inside_the_picture(tab: Browser, page: Report) -> None:
     assert tab.eval("[view.zoom, view.y]") == [WIDTH / 4, 0.5]
 
 
+def test_an_address_that_changes_is_followed(tab: Browser, page: Report) -> None:
+    shown(tab, page, "zoom=4&x=0.3&y=0.6&flip=1&ev=2&map=absolute", kind="absolute")
+    tab.eval("location.hash = '#select=s2&wipe=0.8&zoom=2&x=0.3&y=0.4'")
+    wait(tab, "s2", "signed")  # what a link does not say is as at first
+    assert tab.eval("[view.zoom, view.x, view.y, state.wipe, state.flip, state.ev]") == [
+        2, 0.3, 0.4, 0.8, False, 0]  # fmt: skip
+
+
 def test_maps_are_switched_by_menu_key_and_address(
     tab: Browser, page: Report, data: dict[str, Any]
 ) -> None:
@@ -231,6 +239,9 @@ def test_maps_are_switched_by_menu_key_and_address(
     tab.eval("change({gain: 2})")
     wait(tab, "s4", "relative")
     check(tab.screenshot("mapstage"), colors[np.round(255 * share).astype(int)], 6)
+    assert tab.text("ticks") == "012.52537.550" and "[%]" in tab.text("unit")
+    middle = tab.eval("parseFloat($('read-map').textContent)")
+    assert middle == pytest.approx(16, rel=0.02)  # percent
     tab.wait_for("location.hash.includes('map=relative') && location.hash.includes('gain=2')")
 
 

@@ -25,7 +25,8 @@ def test_the_file_holds_what_measure_returns(
 ) -> None:
     out = tmp_path / "a.nc"
     words = ["correlate", SCENE, "-o", str(out), *SMALL, "--seed", "3", "--d-max", "2.5", "--json"]
-    assert cli.main([*words, "--plot", str(tmp_path / "p"), "--store", str(tmp_path / "s")]) == 0
+    more = ["--plot", str(tmp_path / "p"), "--format", "pdf", "--format", "png"]
+    assert cli.main([*words, *more, "--store", str(tmp_path / "s")]) == 0
     got = json.loads(capsys.readouterr().out)
     ds = open_dataset(out)
     expected = measure(SCENE, n_points=200, map_size=16, d_edges=8, theta_edges_deg=9, seed=3,
@@ -34,7 +35,10 @@ def test_the_file_holds_what_measure_returns(
     assert got["n_points"] == 200 and got["d_max"] == 2.5 and got["n_pairs"] == 19900
     assert got["box_d_max"] == ds.attrs["box_d_max"] and len(got["correlation_lengths"]) == 9
     assert len(got["predicted_variance_ratio"]) == ds.sizes["spacing"]
-    assert all(Path(p).is_file() for p in got["plots"]) and len(got["plots"]) == 3
+    assert all(Path(p).is_file() for p in got["plots"])
+    assert [Path(p).name for p in got["plots"][:3]] == ["table.pdf", "table.png", "slices.pdf"]
+    assert len(got["plots"]) == 6
+    assert cli.main([*words, "--format", "pdf"]) == 2  # of what?
     assert list((tmp_path / "s").iterdir())
 
 

@@ -17,6 +17,7 @@ from viscache.commands.shared import (
     threads_of_a_worker,
 )
 from viscache.correlation.rows import RowEngine
+from viscache.plots import FORMATS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_workers(parser)
     parser.add_argument("--store", metavar="DIR", help="keeps finished blocks; resumes there")
     parser.add_argument("--plot", metavar="DIR", help="pictures of the result")
+    parser.add_argument("--format", action="append", choices=FORMATS,
+                        help="of --plot; repeat for more (png)")  # fmt: skip
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -57,6 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     folder = target.resolve().parent
     if target.suffix.lower() != ".nc":
         raise ValueError(f"output must be an .nc file, got {arguments.output}")
+    if arguments.format and arguments.plot is None:
+        raise ValueError("--format must come with --plot DIR")
     if arguments.plot is not None:
         Path(arguments.plot).mkdir(parents=True, exist_ok=True)
     if not folder.is_dir() or target.is_dir() or not os.access(folder, os.W_OK):
@@ -82,7 +87,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         from viscache.correlation import plots
 
-        summary["plots"] = [str(path) for path in plots.save_all(dataset, arguments.plot)]
+        formats = arguments.format or ("png",)
+        summary["plots"] = [str(path) for path in plots.save_all(dataset, arguments.plot, formats)]
     if arguments.json:
         print_json(summary)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.derived import ENOUGH_PAIRS
-from viscache.plots import COLORS
+from viscache.plots import COLORS, save
 
 if TYPE_CHECKING:
     import xarray
@@ -141,16 +142,29 @@ def _neighbours(image: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return np.stack([padded[i : i + h, j : j + w] for i, j in around])
 
 
-def save_all(dataset: xarray.Dataset, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write `table.png`, `slices.png` and, with local means, `map.png`; the folder is made."""
-    target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
+def save_all(
+    dataset: xarray.Dataset, folder: str | os.PathLike[str], formats: Iterable[str] = ("png",)
+) -> list[Path]:
+    """Write `table`, `slices` and, with local means, `map`, each as PNG, SVG or PDF.
+
+    Parameters
+    ----------
+    dataset : Dataset of `measure`
+    folder : path
+        Is made.
+    formats : iterable of {"svg", "png", "pdf"}
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
     drawn = {"table": table(dataset), "slices": slices(dataset)}
     if "local_mean" in dataset:
         drawn["map"] = maps(dataset)
-    for name, figure in drawn.items():
-        figure.savefig(target / f"{name}.png", dpi=150)
-    return [target / f"{name}.png" for name in drawn]
+    kinds = list(formats)
+    written = (save(figure, Path(folder) / name, kinds) for name, figure in drawn.items())
+    return [file for files in written for file in files]
 
 
 def _figure(width: float, height: float, columns: int = 1) -> tuple[Figure, Any]:

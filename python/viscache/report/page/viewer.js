@@ -55,15 +55,16 @@ function paintChosenMap() {
   const bar = $("bar"), context = bar.getContext("2d"), image = context.createImageData(256, 1);
   paintMap(image.data, Float32Array.from({ length: 256 }, (_, i) => i), [0, 255], colors[map.colors]);
   context.putImageData(image, 0, 0);
-  const unit = map.share ? 1 : data.white;
-  const ticks = [0, 0.25, 0.5, 0.75, 1].map(t => unit * (ends[0] + t * (ends[1] - ends[0])));
-  const text = v => (state.map === "relative" ? `${shortNumber(100 * v)} %` : shortNumber(v));
+  const ticks = [0, 0.25, 0.5, 0.75, 1].map(t => ends[0] + t * (ends[1] - ends[0]));
   $("unit").textContent = BAR_LABELS[state.map];
-  $("ticks").replaceChildren(...ticks.map(v => Object.assign(document.createElement("span"), { textContent: text(v) })));
+  $("ticks").replaceChildren(...ticks.map(v => Object.assign(document.createElement("span"), { textContent: shownValue(v) })));
 }
 
 const BAR_LABELS = { signed: "difference of luminance [radiance]", channels: "difference of each channel [radiance]",
-  absolute: "|difference|, mean of channels [radiance]", relative: "|difference| relative to the reference [%]", flip: "HDR-FLIP [0 to 1]" };
+  absolute: "|difference|, mean of channels [radiance]", relative: "|difference| over the reference [%]", flip: "HDR-FLIP [0 to 1]" };
+/// A map's value in the unit of its colour bar.
+const shownValue = v => shortNumber(v * (state.map === "relative" ? 100 : MAPS[state.map].share ? 1 : data.white));
+
 const CAPTIONS = {
   signed: r => `Luminance of the picture minus that of ${r}: red = the picture is too bright, blue = too dark.`,
   channels: r => `Each channel of the picture minus that of ${r}, around grey: brighter = the picture is too bright.`,
@@ -75,7 +76,9 @@ const CAPTIONS = {
 function describe(s, other) {
   const right = other ? `“${other.text}”` : "the reference";
   $("right").textContent = other ? other.text : "reference";
-  $("left").textContent = against() ? s.text : "picture";
+  $("left").textContent = other ? s.text : "picture";
+  $("read-reference").cells[0].textContent = other ? "other" : "reference";
+  $("read-map").parentNode.style.visibility = shown.values ? "" : "hidden";
   $("caption").textContent = CAPTIONS[state.map](right, s);
   $("picture").setAttribute("aria-label", `Picture of ${s.text}`);
   $("reference").setAttribute("aria-label", other ? `Picture of ${other.text}` : "Reference");
@@ -124,8 +127,7 @@ function readOut() {
   for (const [id, values] of Object.entries(rows)) {
     values.forEach((v, c) => { $(id).cells[c + 1].textContent = shortNumber(v); });
   }
-  const unit = MAPS[state.map].share ? 1 : data.white;
-  $("read-map").textContent = shown.values ? shortNumber(unit * shown.values[k]) : "";
+  $("read-map").textContent = shown.values ? shownValue(shown.values[k]) : "";
   for (const box of all(".stage .cursor")) {
     const put = (share, centre) => `${((share - centre) * view.zoom + 0.5) * 100}%`;
     box.style.display = pointer ? "" : "none";
@@ -157,7 +159,7 @@ function writeNumbers(stage) {
 }
 function numbersOf(stage, k, isPicture) {
   if (stage.contains($("map"))) {
-    return shown.values ? [shortNumber((MAPS[state.map].share ? 1 : data.white) * shown.values[k])] : [];
+    return shown.values ? [shownValue(shown.values[k])] : [];
   }
   const codes = isPicture ? shown.picture : shown.reference;
   return [0, 1, 2].map(c => shortNumber(valueOf(codes[3 * k + c]) * data.white));
