@@ -5,8 +5,10 @@ Needs `viscache[notebook]` for sliders; without ipywidgets they draw once.
 
 from __future__ import annotations
 
+import html
 import importlib
 import os
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -82,17 +84,19 @@ class Sliders:
 
     def __init__(
         self, render: Callable[..., tuple[Any, str]], values: Mapping[str, Sequence[Any]],
-        first: Mapping[str, Any], exposure: float | None,
+        first: Mapping[str, Any], exposure: float | None, live: bool = False,
     ) -> None:  # fmt: skip
         import ipywidgets
 
-        self._render, self.exposure = render, exposure
+        self._render, self.exposure, self._live = render, exposure, live
+        self._changed, self._moves, self._drawn = threading.Condition(), 0, 0
+        self._follower: threading.Thread | None = None
         self.milliseconds: list[float] = []
         self.text = ""
         self.widgets: dict[str, Any] = {
             name: ipywidgets.SelectionSlider(
                 options=list(options), value=first.get(name, options[0]), description=name,
-                continuous_update=False,
+                continuous_update=live,
             )
             for name, options in values.items()
         }  # fmt: skip
@@ -100,7 +104,7 @@ class Sliders:
         self._label = ipywidgets.HTML()
         self.box = ipywidgets.VBox([*self.widgets.values(), self.picture, self._label])
         for widget in self.widgets.values():
-            widget.observe(lambda _: self.draw(), names="value")
+            widget.observe(lambda _: self._moved(), names="value")
         self.draw()
 
     def draw(self) -> None:
@@ -112,13 +116,44 @@ class Sliders:
         self.text = text
         self._label.value = f"{text} ({self.milliseconds[-1]:.0f} ms)"
 
+    def settle(self, timeout_s: float | None = None) -> bool:
+        """Wait until the picture is that of the newest move; False where that takes longer."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._drawn == self._moves, timeout_s)
+
+    def _moved(self) -> None:
+        if not self._live:
+            self.draw()
+            return
+        with self._changed:
+            self._moves += 1
+            if self._follower is None:
+                self._follower = threading.Thread(target=self._follow, daemon=True)
+                self._follower.start()
+
+    def _follow(self) -> None:
+        """Draw the newest move until there is none; those that came while it drew are left out."""
+        while True:
+            with self._changed:
+                if self._drawn == self._moves:
+                    self._follower = None
+                    return
+                newest = self._moves
+            try:
+                self.draw()
+            except Exception as error:  # has nowhere else to go
+                self._label.value = html.escape(f"{type(error).__name__}: {error}")
+            with self._changed:
+                self._drawn = newest
+                self._changed.notify_all()
+
     def _ipython_display_(self) -> None:
         importlib.import_module("IPython.display").display(self.box)
 
 
 def sliders(
     render: Callable[..., tuple[Any, str]], *, first: Mapping[str, Any] | None = None,
-    exposure: float | None = None, **values: Sequence[Any],
+    exposure: float | None = None, live: bool = False, **values: Sequence[Any],
 ) -> Sliders:  # fmt: skip
     """Sliders whose picture `render` makes.
 
@@ -130,6 +165,9 @@ def sliders(
         Where sliders stand at first.
     exposure : float, optional
         Linear factor; give one, so that pictures can be told apart by more than their exposure.
+    live : bool
+        Render while a slider is dragged, in a thread; moves that a newer one has overtaken are left
+        out. For what takes less than half a second.
     **values
         The values of each slider.
 
@@ -144,4 +182,4 @@ def sliders(
         require(len(options) > 0, f"{name} must have values", options)
         require(start.get(name, options[0]) in list(options), f"first of {name} must be one of"
                 f" {list(options)}", start.get(name))  # fmt: skip
-    return Sliders(render, values, start, exposure)
+    return Sliders(render, values, start, exposure, live)

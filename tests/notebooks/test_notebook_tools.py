@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import statistics
+import threading
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,43 @@ def test_a_slider_that_moves_renders_again() -> None:
     assert view.text == "a 3" and view.picture.value != before
     view.widgets["kind"].value = "b"
     assert asked == [(2, "a"), (3, "a"), (3, "b")] and len(view.milliseconds) == 3
+
+
+def test_a_live_slider_leaves_out_moves_that_a_newer_one_overtook() -> None:
+    asked: list[int] = []
+    begun, go_on = threading.Event(), threading.Event()
+
+    def render(level: int) -> tuple[Any, str]:
+        asked.append(level)
+        if level == 1:
+            begun.set()
+            assert go_on.wait(60)
+        return np.full((4, 6, 3), level / 10), f"level {level}"
+
+    view = sliders(render, level=[0, 1, 2, 3, 4], exposure=1.0, live=True)
+    slider = view.widgets["level"]
+    assert slider.continuous_update and view.settle(0)
+    slider.value = 1
+    assert begun.wait(60) and not view.settle(0)
+    for level in (2, 3, 4):  # while 1 is drawn
+        slider.value = level
+    go_on.set()
+    assert view.settle(60)
+    assert asked == [0, 1, 4] and view.text == "level 4"
+    assert view.picture.value == vc.notebook.png(np.full((4, 6, 3), 0.4), 1.0)
+
+
+def test_a_live_slider_tells_what_went_wrong_and_goes_on() -> None:
+    def render(level: int) -> tuple[Any, str]:
+        if level == 1:
+            raise ValueError("level must be < 1")
+        return np.ones((4, 6, 3)), f"level {level}"
+
+    view = sliders(render, level=[0, 1, 2], live=True)
+    view.widgets["level"].value = 1
+    assert view.settle(60) and view._label.value == "ValueError: level must be &lt; 1"
+    view.widgets["level"].value = 2
+    assert view.settle(60) and view.text == "level 2"
 
 
 @pytest.mark.parametrize(
