@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
             scene, "whitted", over=over, size=tuple(options.size), directory=folder, progress=True
         )
         report = options.output / ("report.html" if name == "room" else f"{name}.html")
-        vc.report.write(dataset, report)
+        vc.report.write(dataset, report, progress=True)
         print(f"\n{name}: error and cost against exact visibility\n{table(dataset)}\n")
         print(report.resolve())
     return 0

@@ -167,7 +167,10 @@ def test_flip_maps_are_kept_for_the_next_report(
     first = page.model(run(tmp_path, flip_maps=2))
     assert len(list((tmp_path / "flip").iterdir())) == 1  # c_n changes nothing in the stand-in
     monkeypatch.setattr(metrics, "flip_map", lambda *_: pytest.fail("was made again"))
-    again = page.model(report.write(tmp_path, flip_maps=2).read_text("utf-8"))
+    told: list[tuple[int, int]] = []
+    text = report.write(tmp_path, flip_maps=2, progress=lambda *at: told.append(at)).read_text()
+    again = page.model(text)
+    assert told == [(i, 6) for i in range(1, 7)]
     assert [s.get("flip") for s in again["settings"]] == [s.get("flip") for s in first["settings"]]
 
 

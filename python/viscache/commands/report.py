@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from viscache import plots, report
@@ -39,8 +40,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError("--format must come with --plots FOLDER")
     _check_holds_a_sweep(Path(arguments.directory))
     written = report.write(
-        arguments.directory, arguments.output, flip_maps=arguments.flip_maps, width=arguments.width
-    )
+        arguments.directory, arguments.output, flip_maps=arguments.flip_maps,
+        width=arguments.width, progress=sys.stderr.isatty(),
+    )  # fmt: skip
     drawn: list[Path] = []
     if arguments.plots is not None:
         formats = arguments.format or plots.FORMATS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -63,10 +64,14 @@ class Packer:
         }
 
 
-def add_pictures(model: dict[str, Any], store: Store, flip_maps: int, width: int) -> None:
+def add_pictures(
+    model: dict[str, Any], store: Store, flip_maps: int, width: int,
+    done: Callable[[int, int], None] | None = None,
+) -> None:  # fmt: skip
     """Adds reference, picture and FLIP map of each setting's first repeat to the page's model.
 
     FLIP maps go to the settings that nothing beats first, and are kept in the sweep's folder.
+    `done` is told how many settings of how many are packed.
     """
     points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
     mapped = {s["id"] for s in _best_first(model)[:flip_maps]}
@@ -76,7 +81,7 @@ def add_pictures(model: dict[str, Any], store: Store, flip_maps: int, width: int
         if point and store.get(point["key"]) and store.get(point["paired"]):
             finished.append((setting, point))
     packer = Packer(model, len(finished), width)
-    for setting, point in finished:
+    for i, (setting, point) in enumerate(finished):
         frame, reference = store.frame(point["key"]), store.frame(point["paired"])
         packer.add(setting, frame.image, reference.image, point["paired"])
         setting |= {"seed": point["seed"], "parameters": frame.parameters, "sha256": frame.sha256}
@@ -84,6 +89,8 @@ def add_pictures(model: dict[str, Any], store: Store, flip_maps: int, width: int
             kept = f"{frame.sha256[:16]}-{reference.sha256[:16]}-{width}.json"
             folder = store.directory / "flip" if store.directory else None
             setting["flip"] = _flip_map(frame.image, reference.image, width, folder, kept)
+        if done is not None:
+            done(i + 1, len(finished))
 
 
 def _flip_map(

@@ -5,12 +5,14 @@ from __future__ import annotations
 import html
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache import labels
 from viscache.checks import require
 from viscache.labels import plain
+from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page
 from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
@@ -34,6 +36,7 @@ def write(
     *,
     flip_maps: int = MOST_FLIP_MAPS,
     width: int = MAX_WIDTH_PX,
+    progress: bool | Callable[[int, int], None] = False,
 ) -> Path:
     """Write the report of a sweep.
 
@@ -48,6 +51,8 @@ def write(
         ones are kept in the sweep's directory.
     width : int >= 1
         Widest picture; wider frames are shown as means over pixels.
+    progress : bool or callable
+        True shows a bar; a callable gets (settings done, all).
 
     Returns
     -------
@@ -76,8 +81,8 @@ def write(
         raise ValueError("path must be given for a sweep without a directory")
     model = _model(dataset)
     if directory is not None:
-        with Store(directory) as store:
-            add_pictures(model, store, flip_maps, width)
+        with Store(directory) as store, progress_bar(progress, "picture") as done:
+            add_pictures(model, store, flip_maps, width, done)
     scene = html.escape(str(dataset.attrs["scene"]))
     texts = {
         "TITLE": f"{scene}: the trade of shadow rays for accuracy",
