@@ -12,7 +12,6 @@ from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_flicker import flicker_rows
 from viscache.figures.aqvc_runs import Shot, Trade, presets
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
-from viscache.figures.aqvc_sweeps import DELTA
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
@@ -22,6 +21,8 @@ from viscache.visibility import Aqvc
 
 Size = tuple[int, int] | None
 
+#: H1: the two largest C_E of Figure 7, and the error up to which a reduction counts.
+H1_C_E, H1_REL_L1 = (24.0, 36.0), 0.03
 #: H2, H5 and H7: an ordinary C_E. H3: one tile of the frame, and slots per key. H4: bytes of table
 #: per eye sample of a tile, the paper's 4 MB for 32×32 of them.
 C_E = 14.0
@@ -61,19 +62,24 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
     """H1: less than 2 % of the queries become rays."""
     setup = SETUPS["delta"]
     shot = setup.shot(quick, size, spp=4 if quick else setup.antialiased)
-    c_e = max(DELTA[True])
-    rows = []
     exact = shot.frame()
-    for preset in PRESETS:
-        trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
-        rows += [
-            Row(what=f"H1 {preset}: share of the queries that become rays, C_E {c_e:g}, AA",
-                printed=1 / (printed.RAY_REDUCTION + 1), measured=1 / trade.ray_reduction,
-                band=None if quick else bands.H1_RAYS_LEFT, note=trade.note),
-            Row(what=f"H1 {preset}: rel_l1", measured=trade.rel_l1,
-                band=None if quick else bands.H1_ERROR,
-                note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
-        ]  # fmt: skip
+    rows, reductions = [], [0.0]
+    for c_e in H1_C_E:
+        for preset in PRESETS:
+            trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
+            label = f"H1 {preset}, C_E {c_e:g}, AA"
+            rows += [
+                Row(what=f"{label}: share of the queries that become rays",
+                    printed=1 / (printed.RAY_REDUCTION + 1), measured=1 / trade.ray_reduction,
+                    band=None if quick else bands.H1_RAYS_LEFT, note=trade.note),
+                Row(what=f"{label}: rel_l1", measured=trade.rel_l1,
+                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
+            ]  # fmt: skip
+            if trade.rel_l1 <= H1_REL_L1:
+                reductions.append(trade.ray_reduction)
+    rows.append(Row(what=f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
+                    printed=printed.RAY_REDUCTION, measured=max(reductions),
+                    band=None if quick else bands.H1_REDUCTION))  # fmt: skip
     return rows
 
 
