@@ -77,6 +77,24 @@ def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(
     assert "too old" in tab.text("nopictures") and tab.text("chosen").startswith("C_E = 8")
 
 
+def test_a_sweep_without_pictures_has_a_page_that_works(tab: Browser, tmp_path: Path) -> None:
+    import xarray
+
+    from viscache import report
+
+    cells = {n: (("c_e", "repeat"), [[2.0], [1.0]]) for n in ("rel_l1", "total_s", "rays")}
+    given = {"scene": "room", "metrics": '["rel_l1"]', "size": "[8, 6]", "spp": 1,
+             "integrator": '{"name": "direct"}', "visibility": '{"name": "aqvc"}',
+             "rays": '{"name": "embree"}', "provenance": "{}", "scene_hash": "ab",
+             "cpu": "c"}  # fmt: skip
+    ds = xarray.Dataset(cells, {"c_e": [4, 8], "repeat": [0]}, given)
+    tab.open(report.write(ds, tmp_path / "r.html"), "select=s1&zoom=3")
+    assert tab.text("chosen") == "C_E = 8"
+    tab.key("ArrowUp")
+    assert tab.text("chosen") == "C_E = 4"
+    assert tab.eval("[$('viewer').hidden, $('nopictures').hidden]") == [True, False]
+
+
 def test_the_table_sorts_by_a_column(tab: Browser, page: Report) -> None:
     shown(tab, page)
     order = "[...document.querySelectorAll('#settings tbody tr')].map(r => r.dataset.id).join('')"

@@ -118,10 +118,10 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
         text = ", ".join(f"{plain(k, unit=False)} = {labels.level(v)}" for k, v in values.items())
         rows.append({"id": f"s{i}", "index": list(setting["index"]), "values": values,
                      "cells": cells, "text": text})  # fmt: skip
+    width, height = json.loads(ds.attrs["size"])
     return {
-        "names": names, "metrics": metrics, "columns": columns, "settings": rows,
-        "labels": {n: plain(n) for n in [*names, *columns]}, "pictures": {},
-        "size": json.loads(ds.attrs["size"]),
+        "names": names, "metrics": metrics, "columns": columns, "settings": rows, "pictures": {},
+        "size": [width, height], "frame": {"width": width, "height": height},
         "repeats": int(ds.sizes["repeat"]),
     }  # fmt: skip
 

@@ -8,7 +8,7 @@ const within = (low, high) => text => {
 const oneOf = known => text => (known.includes(text) ? text : undefined);
 const FIELDS = {
   select: text => (byId.has(text) ? text : undefined),
-  against: text => (byId.has(text) ? text : undefined),
+  against: text => (byId.get(text)?.difference ? text : undefined),
   wipe: within(0, 1), flip: text => text === "1", ev: within(-12, 12),
   map: oneOf(Object.keys(MAPS)), gain: text => (GAINS.includes(Number(text)) ? Number(text) : undefined),
   zoom: within(1, 1e4), x: within(0, 1), y: within(0, 1),
@@ -159,7 +159,7 @@ $("theme").addEventListener("click", () => {
   const dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   root.dataset.theme = dark ? "light" : "dark";
 });
-for (const stage of all(".stage")) if (data.frame) stage.style.aspectRatio = `${data.frame.width} / ${data.frame.height}`;
+for (const stage of all(".stage")) stage.style.aspectRatio = `${data.frame.width} / ${data.frame.height}`;
 addEventListener("resize", place);
 addEventListener("hashchange", () => { readFragment(); show(); });
 readFragment(); show();
