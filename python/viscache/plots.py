@@ -11,6 +11,7 @@ import numpy as np
 
 from viscache import labels
 from viscache.checks import require
+from viscache.drawing import new_figure
 from viscache.settings import nearest
 from viscache.swept import (
     COLORS,
@@ -71,12 +72,10 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
         front: it joins the settings that nothing beats in both. Dashed: the exact frame's cost.
     """
     _require(ds, x, y)
-    from matplotlib.figure import Figure
-
     settings = settings_of(ds, x, y)
     names = list(settings[0]["values"]) if settings else []
     levels = levels_of(settings, names[:2])
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    figure = new_figure(6.4, 4.2)
     axes = figure.add_subplot()
     looks = looks_of(levels)
     for setting in settings:
@@ -124,8 +123,6 @@ def heatmap(
         Each cell's colour and number are the mean over repeats and all other parameters. Colours
         are logarithmic where values are positive and span more than a factor of 3.
     """
-    from matplotlib.figure import Figure
-
     swept = [str(d) for d in ds.dims if d not in ("repeat", "group", "point")]
     x, y = x or (swept[0] if swept else None), y or (swept[1] if len(swept) > 1 else None)
     if x not in swept or y not in swept or x == y:
@@ -133,8 +130,7 @@ def heatmap(
     _require(ds, value)
     array = ds[value].mean([d for d in ds[value].dims if d not in (x, y)]).transpose(y, x)
     cells = np.asarray(array.values, dtype=np.float64)
-    figure = Figure(figsize=(1.6 + 0.9 * cells.shape[1], 1.4 + 0.6 * cells.shape[0]),
-                    layout="constrained")  # fmt: skip
+    figure = new_figure(1.6 + 0.9 * cells.shape[1], 1.4 + 0.6 * cells.shape[0])
     axes = figure.add_subplot()
     norm = "log" if _spans(cells[np.isfinite(cells)]) else "linear"
     image: Any = axes.imshow(cells, cmap="cividis", norm=norm, aspect="auto", origin="lower")
@@ -176,8 +172,6 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
         logarithmic where values are positive and span more than a factor of 3.
     """
     _require(ds, value)
-    from matplotlib.figure import Figure
-
     settings = settings_of(ds, value)
     names = numbers_of(settings)
     if len(names) < 2:
@@ -185,7 +179,7 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
     means = np.array([s[value][0] for s in settings])
     columns = {n: np.array([s["values"][n] for s in settings], dtype=float) for n in names}
     k = len(names)
-    figure = Figure(figsize=(1.2 + 1.9 * k, 0.8 + 1.7 * k), layout="constrained")
+    figure = new_figure(1.2 + 1.9 * k, 0.8 + 1.7 * k)
     grid = figure.subplots(k, k, squeeze=False)
     norm = "log" if _spans(means) else "linear"
     sizes = 10 + 24 * np.argsort(np.argsort(means)) / max(1, len(means) - 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import zlib
 from pathlib import Path
@@ -9,10 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from viscache import designs, labels, plots
 from viscache.designs import Range
+from viscache.drawing import new_figure
 from viscache.sweep import sweep
 from viscache.swept import looks_of
 
@@ -20,6 +23,15 @@ from viscache.swept import looks_of
 def test_the_front_joins_what_nothing_beats() -> None:
     points = [(1.0, 5.0), (2.0, 3.0), (2.5, 4.0), (3.0, 1.0), (4.0, 1.0)]
     assert plots.pareto(points) == [(1.0, 5.0), (2.0, 3.0), (3.0, 1.0)]
+
+
+def test_a_notebook_shows_a_plot_without_pyplot() -> None:
+    """IPython asks for `_repr_png_`; a plain Figure has none and shows as text."""
+    figure = new_figure(2.0, 1.0)
+    assert figure._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
+    with Image.open(io.BytesIO(figure._repr_png_())) as shown:  # type: ignore[attr-defined]
+        assert shown.size == (200, 100)
+    assert not hasattr(Figure(), "_repr_png_")
 
 
 def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:

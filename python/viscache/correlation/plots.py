@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.derived import ENOUGH_PAIRS
+from viscache.drawing import new_figure
 from viscache.plots import COLORS, save
 
 if TYPE_CHECKING:
@@ -169,9 +170,7 @@ def save_all(
 
 def _figure(width: float, height: float, columns: int = 1) -> tuple[Figure, Any]:
     """A figure, and its axes in a row."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = new_figure(width, height)
     return figure, figure.subplots(1, columns)
 
 
