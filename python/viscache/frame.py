@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache.provenance import provenance as _provenance
+from viscache.whole_file import whole_file
 
 Layer = npt.NDArray[np.float32]
 
@@ -111,12 +112,10 @@ class Frame:
         }
         for name in _RECORDS:
             header[_PREFIX + name] = json.dumps(getattr(self, name))
-        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
         try:
-            OpenEXR.File(header, channels).write(str(partial))
-            partial.replace(target)
+            with whole_file(target) as partial:
+                OpenEXR.File(header, channels).write(str(partial))
         except (RuntimeError, OSError) as error:
-            partial.unlink(missing_ok=True)
             raise OSError(f"cannot write {target}: {error}") from error
 
     @classmethod

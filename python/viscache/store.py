@@ -25,6 +25,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache.whole_file import whole_file
+
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
@@ -202,13 +204,11 @@ class Store:
             self.put(key, record.spec, other.frame(key))
             return True
         target = self.directory / record.file
-        partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-        partial.unlink(missing_ok=True)
-        try:
-            os.link(other.directory / record.file, partial)
-        except OSError:
-            shutil.copyfile(other.directory / record.file, partial)
-        partial.replace(target)
+        with whole_file(target) as partial:
+            try:
+                os.link(other.directory / record.file, partial)
+            except OSError:
+                shutil.copyfile(other.directory / record.file, partial)
         self._put_row(key, record.spec, record)
         return True
 
@@ -253,13 +253,13 @@ class Store:
         """Rewrite `table.csv` as a whole; nothing in memory. Undefined values are empty cells."""
         if self.directory is None:
             return
-        target = self.directory / "table.csv"
-        partial = target.with_name(f".table.csv.{os.getpid()}.{threading.get_ident()}.part")
-        with partial.open("w", newline="", encoding="utf-8") as file:
+        with (
+            whole_file(self.directory / "table.csv") as partial,
+            partial.open("w", newline="", encoding="utf-8") as file,
+        ):
             writer = csv.DictWriter(file, list(columns), restval="", extrasaction="ignore")
             writer.writeheader()
             writer.writerows(rows)
-        partial.replace(target)
 
     def append_csv(self, row: Mapping[str, Any], columns: Sequence[str]) -> None:
         """Add a row to `table.csv` in one write."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from viscache.store import Record, Store
 from viscache.sweep_plan import Point
+from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -193,12 +194,11 @@ def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
 
 def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
     """Write `table.nc` whole; where the sweep lay is left out of the file."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     kept = dataset.drop_attrs(deep=False).assign_attrs(
         {k: v for k, v in dataset.attrs.items() if k != "directory"}
     )
-    kept.to_netcdf(partial, engine="h5netcdf")
-    partial.replace(path)
+    with whole_file(path) as partial:
+        kept.to_netcdf(partial, engine="h5netcdf")
 
 
 def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
@@ -221,9 +221,8 @@ def write_parquet(store: Store) -> Path | None:
     columns = columns_of(rows, definition["names"], definition["metrics"])
     table = {name: _column([row.get(name) for row in rows]) for name in columns}
     target = store.directory / "table.parquet"
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    parquet.write_table(pyarrow.table(table), partial)
-    partial.replace(target)
+    with whole_file(target) as partial:
+        parquet.write_table(pyarrow.table(table), partial)
     return target
 
 

@@ -98,7 +98,8 @@ class Aqvc:
     Parameters
     ----------
     preset : {"default", "fast", "paper", "as_printed"}
-        "fast": fewer, larger cells and C_E by contribution: fewer rays for the same error.
+        "fast": fewer, larger cells and C_E by contribution: at one C_E fewer rays and more error.
+        It pays with many lights and in foliage, not with few lamps.
         "paper": the paper's parameters with our corrections, one query at a time through the hash
         table. "as_printed": with its slips too (docs/deviations.md).
     c_e : float > 0

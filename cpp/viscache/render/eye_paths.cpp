@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kRaysPerCall = 512;  // branches and hits stay in the first-level cache; a multiple of 16
+constexpr size_t kRaysPerCall = 512;  // what they take, some 100 KB, is reused; a multiple of 16
 constexpr float kWeak = 3e-3f;        // branches that count for less play Russian roulette
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).

@@ -19,6 +19,7 @@ from viscache.correlation.derived import (
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
 from viscache.provenance import provenance
+from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -165,13 +166,8 @@ def _add_derived(dataset: xarray.Dataset) -> None:
 
 def save_dataset(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a NetCDF file, whole or not at all."""
-    target = Path(path)
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
+    with whole_file(Path(path)) as partial:
         dataset.to_netcdf(partial, engine="h5netcdf")
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:

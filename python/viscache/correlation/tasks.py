@@ -19,7 +19,7 @@ from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.bins import Floats
 from viscache.correlation.work import PairBlock
-from viscache.correlation.work_store import Arrays, write_whole
+from viscache.correlation.work_store import Arrays, write_arrays
 from viscache.newest import Newest
 
 
@@ -169,7 +169,7 @@ def _tiles(
 def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float32]) -> None:
     """Leave the points beside the rows, for workers; `hemisphere` are the normals of the rows."""
     if not (folder / "points.npz").is_file():
-        write_whole(folder / "points.npz", {
+        write_arrays(folder / "points.npz", {
             "positions": points.positions, "normals": points.normals, "group": points.group,
             "hemisphere": hemisphere,
         })  # fmt: skip

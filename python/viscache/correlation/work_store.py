@@ -10,12 +10,13 @@ or not at all. Two processes at one folder may do a block twice and write the sa
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
+
+from viscache.whole_file import whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -79,7 +80,7 @@ class FolderStore:
 
     def put(self, name: str, arrays: Arrays) -> None:
         self.bits.flush()
-        write_whole(self.folder / f"{name}.npz", arrays)
+        write_arrays(self.folder / f"{name}.npz", arrays)
 
     def get(self, name: str) -> Arrays | None:
         path = self.folder / f"{name}.npz"
@@ -89,17 +90,14 @@ class FolderStore:
             return {key: file[key] for key in file.files}
 
 
-def write_whole(path: Path, arrays: Arrays) -> None:
-    """Write an npz file under another name, then move it into place."""
+def write_arrays(path: Path, arrays: Arrays) -> None:
+    """Write an npz file, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with partial.open("wb") as file:
+    with whole_file(path) as partial, partial.open("wb") as file:
         np.savez(file, allow_pickle=False, **arrays)
-    partial.replace(path)
 
 
 def _create_rows(path: Path, shape: tuple[int, int]) -> None:
     """A file of zeros, in place only when it is whole; it takes room as rows are written."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()
-    partial.replace(path)
+    with whole_file(path) as partial:
+        np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()

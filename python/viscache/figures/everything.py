@@ -14,6 +14,7 @@ from viscache.figures import page, registry
 from viscache.figures.code import code_hash
 from viscache.json_values import finite
 from viscache.provenance import provenance
+from viscache.whole_file import write_whole
 
 __all__ = ["failing", "finished", "reproduce_all"]
 
@@ -117,8 +118,8 @@ def _write(folder: Path, results: list[Result]) -> Result:
         "failing": list(failing(results)),
         "seconds": sum(result.get("seconds", 0.0) for result in results),
     }
-    _whole(folder / "summary.json", json.dumps(finite(summary), indent=2))
-    _whole(folder / "index.html", page.html(summary))
+    write_whole(folder / "summary.json", json.dumps(finite(summary), indent=2))
+    write_whole(folder / "index.html", page.html(summary))
     return summary
 
 
@@ -130,9 +131,3 @@ def failing(results: list[Result]) -> Iterator[dict[str, Any]]:
         for row in result["rows"]:
             if row["holds"] is False:
                 yield {"figure": result["figure"], **row}
-
-
-def _whole(path: Path, text: str) -> None:
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)

@@ -12,7 +12,7 @@ from typing import Any
 
 from viscache import labels
 from viscache.labels import number
-from viscache.report.embed import write_whole
+from viscache.whole_file import write_whole
 
 #: Where the gain of difference maps stands at first.
 DIFFERENCE_GAIN = 16

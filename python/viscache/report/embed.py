@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from viscache.report import pictures
 from viscache.report.pictures import FloatImage
 from viscache.store import Store
 from viscache.swept import pareto
+from viscache.whole_file import write_whole
 
 #: FLIP takes seconds a picture: by default no more than so many maps are made.
 MOST_FLIP_MAPS = 24
@@ -104,13 +104,6 @@ def _flip_map(
         folder.mkdir(exist_ok=True)
         write_whole(folder / kept, json.dumps(made))
     return made
-
-
-def write_whole(target: Path, text: str) -> None:
-    """A file that is there whole or not at all."""
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(target)
 
 
 def _best_first(model: dict[str, Any]) -> list[dict[str, Any]]:

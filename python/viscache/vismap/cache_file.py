@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from viscache.checks import require
 from viscache.provenance import version
+from viscache.whole_file import whole_file
 
 __all__ = ["State", "read", "write"]
 
@@ -72,13 +73,10 @@ def write(path: str | os.PathLike[str], state: State) -> None:
     arrays = {"directions": state.directions, **state.records}
     text = json.dumps(head | {"digest": digest(head, arrays)})
     target = Path(path)
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        with partial.open("wb") as file:
+        with whole_file(target) as partial, partial.open("wb") as file:
             np.savez_compressed(file, head=np.array(text), **arrays)  # type: ignore[arg-type]
-        partial.replace(target)
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise OSError(f"cannot write {target}: {error}") from error
 
 
