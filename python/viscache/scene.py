@@ -32,7 +32,8 @@ class Intersection(NamedTuple):
     Attributes
     ----------
     t : (N,) float32
-        Distance in units of the direction's length; inf where nothing is hit.
+        Distance in units of the direction's length; inf where nothing is hit. A surface through the
+        origin itself is hit at 0 by Embree's robust rays, not by others: start off it.
     triangle : (N,) int64
         Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
     barycentrics : (N, 2) float32
@@ -346,7 +347,9 @@ class Scene:
         rays: Rays | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
-        """Does a ray hit anything in [0, t_max]?
+        """Does a ray hit anything up to t_max?
+
+        Embree's robust rays count what lies at 0 and t_max themselves, the others do not.
 
         Parameters
         ----------

@@ -69,6 +69,28 @@ def test_occluded_and_visible_agree_with_the_nearest_hit() -> None:
     np.testing.assert_array_equal(scene.visible(o, end)[clear], scene.visible(end, o)[clear])
 
 
+@pytest.mark.parametrize(
+    ("caster", "counted"),
+    [
+        (vc.Embree(), True),
+        (vc.Embree(robust=False), False),
+        (vc.Bsp(), False),
+        (vc.Bsp(kernel="wald"), False),
+        (vc.Vlf(n_directions=33, n_tiles=8), False),
+    ],
+    ids=str,
+)
+def test_what_lies_at_the_ends_of_a_ray(caster: Any, counted: bool) -> None:
+    scene = vc.Scene.from_arrays([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    on, above, down = (0.25, 0.25, 0.0), (0.25, 0.25, 1.0), (0.0, 0.0, -1.0)
+    t = scene.intersect([on, above], [down, down], rays=caster).t
+    assert (t[0] == 0) if counted else np.isinf(t[0])
+    assert t[1] == pytest.approx(1, rel=1e-6)
+    short, end, long = np.float32(0.999), t[1], np.float32(1.001)
+    found = [bool(scene.occluded([above], [down], x, rays=caster)[0]) for x in (short, end, long)]
+    assert found == [False, counted, True]
+
+
 def test_the_length_of_a_direction_only_scales_t() -> None:
     scene = vc.Scene.from_arrays(*soup())
     o, d = rays(2000)
