@@ -1,8 +1,7 @@
-"""Figures of the quantized cache: their parts against what they stand for, and quick runs."""
+"""Figures of the quantized cache: their parts against what they stand for."""
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,6 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import cli
 from viscache.figures import (
     aqvc_clusters,
     aqvc_edges,
@@ -229,44 +227,3 @@ def test_bidirectional_paths_go_through_both_presets_without_refinement() -> Non
 def test_equal_time_weighs_squared_errors_by_seconds() -> None:
     exact, fewer_rays = aqvc_nee.Noise(0.5, 4.0), aqvc_nee.Noise(0.75, 2.0)
     assert fewer_rays.at_equal_time(exact) == 0.75 and exact.at_equal_time(exact) == 1
-
-
-#: Rows with a band, and files beside table and record, of a quick run.
-QUICK: dict[str, tuple[int, list[str]]] = {
-    "aqvc-fig2": (8, ["aqvc-fig2.png"]),
-    "aqvc-fig3": (4, ["aqvc-fig3.png"]),
-    "aqvc-fig5": (
-        0,
-        [
-            f"aqvc-fig5-{n}.png"
-            for n in ("courtyard", "conference", "apartment", "delta", "bidirectional")
-        ],
-    ),
-    "aqvc-fig6": (2, ["aqvc-fig6.png", "aqvc-fig6-aa.png"]),
-    "aqvc-nee": (15, ["aqvc-nee.png", "aqvc-nee.csv"]),
-    "aqvc-claims": (12, ["aqvc-claims.png", "aqvc-claims.csv"]),
-    "aqvc-fig7": (40, ["aqvc-fig7.png", "aqvc-fig7.csv"]),
-    "aqvc-fig8": (2, ["aqvc-fig8.png", "aqvc-fig8-trade.png", "aqvc-fig8.csv"]),
-    "aqvc-fig4": (7, ["aqvc-fig4.png", "aqvc-fig4.csv"]),
-    "aqvc-temporal": (0, ["aqvc-temporal.png", "aqvc-temporal.csv"]),
-    "aqvc-quality": (5, ["aqvc-quality.png", "aqvc-quality.csv", "aqvc-quality-bias.csv"]),
-}
-
-
-@pytest.mark.figure
-@pytest.mark.slow
-@pytest.mark.parametrize("name", QUICK)
-def test_a_quick_run_measures_every_row_and_draws(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
-    got: dict[str, Any] = json.loads(capsys.readouterr().out)
-    assert status == 0 and got["holds"]
-    n_banded, files = QUICK[name]
-    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
-    assert all(row["measured"] is not None for row in got["rows"])
-    written = {Path(file).name for file in got["files"]}
-    assert written == {*files, f"{name}.md", f"{name}.json"}
-    for file in files:
-        if file.endswith(".png"):
-            assert (tmp_path / file).read_bytes()[:4] == b"\x89PNG"

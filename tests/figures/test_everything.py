@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from html.parser import HTMLParser
 from pathlib import Path
@@ -163,11 +162,3 @@ def test_a_reference_is_rendered_once_for_all_figures(
         references.reference(scene, direct, size=(24, 16), spp=2)
     references.reference(scene, direct, size=(24, 16), spp=2)
     assert len(rendered) == 5
-
-
-def test_every_figure_has_a_quick_test(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    tested = {"vismap-fig3", "vismap-fig4", "vismap-fig5"}  # have tests of their own
-    for name in ("test_aqvc_figures", "test_vlf_figures", "test_vismap_cache_figures"):
-        tested |= set(importlib.import_module(name).QUICK)
-    assert tested == set(figures.FIGURES)

@@ -1,4 +1,4 @@
-"""Figures of the visibility cache: dots where records are, and quick runs of each."""
+"""Figures of the visibility cache: dots where records are, rows and samples."""
 
 from __future__ import annotations
 
@@ -104,34 +104,3 @@ def test_the_living_room_is_taken_under_two_skies_or_named_as_absent(
     rows = variance_rows(*found, quick=True)
     assert [row.what.split(", rendered")[0] for row in rows] == [names[1]] * 2
     assert all(row.measured is not None and 0 < row.measured < 2 for row in rows)
-
-
-#: Rows with a band, and pictures, of a quick run.
-QUICK = {
-    "vismap-tab2": (4 + 3, []),
-    "vismap-fig8": (2, ["vismap-fig8.png"]),
-    "vismap-fig10": (1, ["vismap-fig10.png"]),
-    "vismap-fig11": (2, ["vismap-fig11.png"]),
-    "vismap-fig1": (0, ["vismap-fig1.png"]),
-    "vismap-fig13": (0, ["vismap-fig13.png"]),
-    "vismap-tab3": (0, []),
-    "vismap-sweep": (2, ["vismap-sweep.png"]),
-    "vismap-temporal": (2, ["vismap-temporal.png"]),
-    "vismap-fig12": (1, ["vismap-fig12-garden1.png", "vismap-fig12-dynamics.png"]),
-}
-
-
-@pytest.mark.figure
-@pytest.mark.slow
-@pytest.mark.parametrize("name", QUICK)
-def test_a_quick_run_measures_every_row_and_draws(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
-    got = json.loads(capsys.readouterr().out)
-    assert status == (0 if got["holds"] else 1)
-    n_banded, pictures = QUICK[name]
-    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
-    assert all(row["measured"] is not None for row in got["rows"])
-    for picture in pictures:
-        assert (tmp_path / picture).read_bytes()[:4] == b"\x89PNG"

@@ -1,8 +1,7 @@
-"""Figures of the visibility field: their parts against what they stand for, and quick runs."""
+"""Figures of the visibility field: their parts against what they stand for."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +11,6 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
-from viscache import cli
 from viscache.figures import vlf_drawings, vlf_tracers
 from viscache.figures.vlf_frames import local_shading
 from viscache.figures.vlf_objects import ball
@@ -126,41 +124,3 @@ def test_the_object_that_moves_is_closed_and_of_the_size_asked_for() -> None:
 def test_a_table_has_every_column_of_its_rows(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "a.csv", [{"x": 1, "y": 0.5}, {"x": 2, "z": "a"}])
     assert path.read_text() == "x,y,z\n1,0.5,\n2,,a\n"
-
-
-#: Rows with a band, and files beside table and record, of a quick run.
-QUICK: dict[str, tuple[int, list[str]]] = {
-    "vlf-fig1": (3, ["vlf-fig1.png"]),
-    "vlf-fig2": (4, ["vlf-fig2.png"]),
-    "vlf-fig3": (2, ["vlf-fig3.png"]),
-    "vlf-fig4": (0, ["vlf-fig4.png"]),
-    "vlf-fig5": (0, ["vlf-fig5.png", "vlf-fig5.csv"]),
-    "vlf-fig6": (0, ["vlf-fig6.png", "vlf-fig6.csv"]),
-    "vlf-fig7": (2, ["vlf-fig7.png"]),
-    "vlf-fig8": (0, ["vlf-fig8.png"]),
-    "vlf-tab1": (0, ["vlf-tab1.csv"]),
-    "vlf-x1": (0, ["vlf-x1.png", "vlf-x1.csv"]),
-    "vlf-x2": (0, ["vlf-x2.png", "vlf-x2-bands.png", "vlf-x2.csv"]),
-    "vlf-x3": (3, ["vlf-x3.png", "vlf-x3.csv"]),
-    "vlf-x4": (0, ["vlf-x4.png", "vlf-x4.csv"]),
-    "vlf-x5": (1, ["vlf-x5.png", "vlf-x5.csv"]),
-}
-
-
-@pytest.mark.figure
-@pytest.mark.slow
-@pytest.mark.parametrize("name", QUICK)
-def test_a_quick_run_measures_every_row_and_draws(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status = cli.main(["reproduce", name, "-o", str(tmp_path), "--quick", "--json"])
-    got: dict[str, Any] = json.loads(capsys.readouterr().out)
-    assert status == 0 and got["holds"]
-    n_banded, files = QUICK[name]
-    assert sum(row["band"] is not None for row in got["rows"]) == n_banded
-    assert all(row["measured"] is not None for row in got["rows"])
-    written = {Path(file).name for file in got["files"]}
-    assert written == {*files, f"{name}.md", f"{name}.json"}
-    for file in files:
-        if file.endswith(".png"):
-            assert (tmp_path / file).read_bytes()[:4] == b"\x89PNG"
