@@ -9,6 +9,7 @@ import pytest
 from correlation.points import ISAS, SUMS, Points, random_points
 from viscache import _core
 from viscache.correlation import pairs
+from viscache.correlation.pair_table import MAX_PAIRS
 
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
 D_EDGES = np.linspace(0, 1.3, 14)
@@ -141,7 +142,7 @@ def test_tables_of_other_bins_do_not_add(points: Points) -> None:
         table + other
     with pytest.raises(ValueError, match="groups must be the same"):
         table + table_of(points, n_groups=5)
-    full = np.full_like(table.n, pairs.MAX_PAIRS)
+    full = np.full_like(table.n, MAX_PAIRS)
     sums = {name: getattr(table, name) for name in ("sum_q", "sum_q2_high", "sum_q2_low")}
     crowded = pairs.PairTable(n=full, n_undefined=table.n, d_edges=D_EDGES, theta_edges_deg=ANGLES,
                               **sums)  # fmt: skip

@@ -127,9 +127,10 @@ def test_the_papers_first_pass_has_alpha_one() -> None:
     paper = Way(alpha="previous_pass", one_shot=True)
     found = simulate(window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3,
                      replicates=4)  # fmt: skip
-    np.testing.assert_array_equal(found.estimates[paper, 10], found.estimates[ONE, 10])
-    assert not np.array_equal(found.estimates[paper, 30], found.estimates[ONE, 30])
-    assert not np.array_equal(found.estimates[paper, 10], found.estimates[ONE_SHOT, 10])
+    # Sums of colours by a matrix product, whose order depends on how many there are
+    np.testing.assert_allclose(found.estimates[paper, 10], found.estimates[ONE, 10], rtol=1e-12)
+    assert not np.allclose(found.estimates[paper, 30], found.estimates[ONE, 30], rtol=1e-9)
+    assert not np.allclose(found.estimates[paper, 10], found.estimates[ONE_SHOT, 10], rtol=1e-9)
 
 
 def test_figures_have_the_goals_of_their_case_as_gains() -> None:

@@ -8,8 +8,6 @@ neither threads nor instruction sets change them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -17,6 +15,15 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.checks import is_whole, require
+from viscache.correlation.pair_table import SUMS, Floats, Ints, PairTable
+from viscache.correlation.pair_tiles import (
+    TILE,
+    choose_tiles,
+    group_count,
+    tile_list,
+    tile_numbers,
+    tile_side,
+)
 from viscache.progress import progress_bar
 
 __all__ = [
@@ -32,142 +39,12 @@ __all__ = [
     "tile_list",
 ]
 
-Floats: TypeAlias = npt.NDArray[np.float64]
-Ints: TypeAlias = npt.NDArray[np.int64]
 Progress: TypeAlias = bool | Callable[[int, int], None]
 Domain: TypeAlias = Literal["sphere", "joint", "union"]
 Undefined: TypeAlias = Literal["skip", "one_if_both"]
 
 #: q = round(ρ·SCALE).
 SCALE = 1 << 20
-#: Most points along a side of a tile.
-TILE = 2048
-#: Integer arrays of a table, as they are called in its file.
-SUMS = ("n", "n_undefined", "sum_q", "sum_q2_high", "sum_q2_low")
-#: So many pairs of one cell keep Σ q within 63 bits.
-MAX_PAIRS = 1 << 42
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PairTable:
-    """Sums over pairs per pair of groups, bin of distance and bin of angle.
-
-    Attributes
-    ----------
-    n, n_undefined : (P, D, A) int64
-        Pairs with a ρ, and pairs without because a row has too few bits or all of them. Group
-        pairs (g, h), g <= h, are in order (0, 0), (0, 1), …, (1, 1), …
-    sum_q : (P, D, A) int64
-        Σ q over the n pairs, q = round(ρ·2²⁰).
-    sum_q2_high, sum_q2_low : (P, D, A) int64
-        Σ q² = high·2³² + low with 0 <= low < 2³².
-    d_edges : (D + 1,) float64
-        Bins of distance, half open, scene units.
-    theta_edges_deg : (A + 1,) float64
-        Bins of the angle between normals, half open, degrees; 180 closes the last bin.
-    """
-
-    n: Ints
-    n_undefined: Ints
-    sum_q: Ints
-    sum_q2_high: Ints
-    sum_q2_low: Ints
-    d_edges: Floats
-    theta_edges_deg: Floats
-
-    def __post_init__(self) -> None:
-        cells = (len(self.n), len(self.d_edges) - 1, len(self.theta_edges_deg) - 1)
-        for name in SUMS:
-            array = getattr(self, name)
-            fits = array.shape == cells and array.dtype == np.int64
-            require(fits, f"{name} must be int64 of shape {cells}", (array.dtype, array.shape))
-
-    def __add__(self, other: PairTable) -> PairTable:
-        """The table of both sets of pairs.
-
-        Raises
-        ------
-        ValueError
-            Other bins or groups, or more than 2⁴² pairs in a cell.
-        """
-        if not isinstance(other, PairTable):
-            return NotImplemented
-        for name in ("d_edges", "theta_edges_deg"):
-            same = np.array_equal(getattr(self, name), getattr(other, name))
-            require(same, f"{name} must be the same in both tables", getattr(other, name))
-        require(self.n.shape == other.n.shape, "groups must be the same in both", other.n.shape)
-        sums = {name: getattr(self, name) + getattr(other, name) for name in SUMS}
-        most = int(sums["n"].max(initial=0))
-        require(most <= MAX_PAIRS, f"a cell must hold at most {MAX_PAIRS} pairs", most)
-        sums["sum_q2_high"] += sums["sum_q2_low"] >> 32
-        sums["sum_q2_low"] &= 0xFFFFFFFF
-        return PairTable(**sums, d_edges=self.d_edges, theta_edges_deg=self.theta_edges_deg)
-
-    def sum_q2(self) -> npt.NDArray[np.object_]:
-        """Σ q² as Python integers, (P, D, A)."""
-        high, low = (x.astype(object) for x in (self.sum_q2_high, self.sum_q2_low))
-        total: npt.NDArray[np.object_] = high * (1 << 32) + low
-        return total
-
-    def to_npz(self, path: str | Path) -> None:
-        """Save; `from_npz` reads it back."""
-        arrays = {name: getattr(self, name) for name in (*SUMS, "d_edges", "theta_edges_deg")}
-        with Path(path).open("wb") as file:
-            np.savez_compressed(file, **arrays)
-
-    @classmethod
-    def from_npz(cls, path: str | Path) -> PairTable:
-        """Read a saved table."""
-        with np.load(path) as file:
-            missing = {*SUMS, "d_edges", "theta_edges_deg"} - set(file)
-            require(not missing, f"{path} must hold the arrays of a PairTable", sorted(file))
-            return cls(**dict(file))
-
-
-def tile_list(group: npt.NDArray[np.int32], tile: int = TILE) -> npt.NDArray[Any]:
-    """All tiles of pairs, in their fixed numbering.
-
-    A tile holds the pairs of two blocks of at most `tile` points, each within one group; all pairs
-    i < j of the points lie in exactly one. Tiles of a pair of groups have consecutive numbers.
-
-    Parameters
-    ----------
-    group : (N,) int32
-        Group of every point, never decreasing.
-    tile : int
-        Points along a block's edge, at most.
-
-    Returns
-    -------
-    (K,) structured array
-        a, b: groups; i0, i1, j0, j1: points [i0, i1) of a and [j0, j1) of b; pairs. Where i0 = j0
-        the tile holds the pairs i < j of its points.
-    """
-    group = np.asarray(group)
-    rows = _core.correlation.tiles(group, _groups(group), _tile(tile))
-    names = ("a", "b", "i0", "i1", "j0", "j1", "pairs")
-    return rows.view([(name, np.int64) for name in names]).reshape(-1)
-
-
-def choose_tiles(
-    group: npt.NDArray[np.int32], n_pairs: int, seed: int = 0, tile: int = TILE
-) -> npt.NDArray[np.int64]:
-    """Numbers of random tiles that hold about `n_pairs` pairs, without replacement.
-
-    Every tile is as likely as any other, and of each pair of groups the same share is taken, to
-    one tile: the share of a pair of groups that is no whole number of tiles is rounded up or down
-    at random so that its mean holds. Increasing.
-    """
-    require(is_whole(n_pairs) and n_pairs >= 1, "n_pairs must be a whole number >= 1", n_pairs)
-    tiles = tile_list(group, tile)
-    share = min(1.0, n_pairs / max(1, int(tiles["pairs"].sum())))
-    random = np.random.Generator(np.random.Philox(seed))
-    chosen = []
-    new_groups = 1 + np.flatnonzero(np.diff(tiles["a"]) | np.diff(tiles["b"]))
-    for numbers in np.split(np.arange(len(tiles)), new_groups):
-        count = int(np.floor(share * len(numbers) + random.random()))
-        chosen.append(np.sort(random.permutation(numbers)[:count]))
-    return np.concatenate(chosen)
 
 
 def pair_statistics(
@@ -247,15 +124,15 @@ def pair_statistics(
         An argument that is out of range, with what must hold and what was given.
     """
     edges, angles = _edges(d_edges, "d_edges"), _edges(theta_edges_deg, "theta_edges_deg")
-    groups = _groups(group) if n_groups is None else n_groups
+    groups = group_count(group) if n_groups is None else n_groups
     skipped = 0 if d_near is None else _edge_number(edges, d_near)
     require(skipped < len(edges) - 1, "d_near must leave a bin past it", d_near)
     rows = _rows(bits, n_directions, positions, normals, group, groups, domain, directions,
                  min_bits, undefined)  # fmt: skip
-    chosen = None if tiles is None else _tile_numbers(tiles)
+    chosen = None if tiles is None else tile_numbers(tiles)
     with progress_bar(progress, unit="pair") as report:
         sums = _core.correlation.pair_statistics(
-            rows, edges[skipped:].tolist(), angles.tolist(), chosen, _tile(tile),
+            rows, edges[skipped:].tolist(), angles.tolist(), chosen, tile_side(tile),
             threads=_threads(threads), isa=isa, skip_dead=skip_dead, progress=report,
         )  # fmt: skip
     return _table(sums, edges, angles, skipped)
@@ -286,7 +163,7 @@ def near_pairs(
     `pair_statistics`; the bins past d_near stay empty.
     """
     edges, angles = _edges(d_edges, "d_edges"), _edges(theta_edges_deg, "theta_edges_deg")
-    groups = _groups(group) if n_groups is None else n_groups
+    groups = group_count(group) if n_groups is None else n_groups
     last = _edge_number(edges, d_near)
     require(last > 0, "d_near must leave a bin before it", d_near)
     rows = _rows(bits, n_directions, positions, normals, group, groups, domain, directions,
@@ -402,24 +279,6 @@ def _bits(bits: npt.NDArray[np.uint64], name: str) -> npt.NDArray[np.uint64]:
     array = np.asarray(bits)
     require(array.dtype == np.uint64, f"{name} must be uint64", array.dtype)
     return array
-
-
-def _groups(group: npt.NDArray[np.int32]) -> int:
-    return int(np.max(group, initial=0)) + 1
-
-
-def _tile(tile: int) -> int:
-    require(is_whole(tile) and tile >= 1, "tile must be a whole number >= 1", tile)
-    return int(tile)
-
-
-def _tile_numbers(tiles: npt.ArrayLike) -> list[int]:
-    numbers = np.asarray(tiles)
-    fits = numbers.ndim == 1 and (numbers.size == 0 or np.issubdtype(numbers.dtype, np.integer))
-    require(fits, "tiles must be a list of whole numbers", tiles)
-    require(bool((numbers >= 0).all()), "tiles must be >= 0", tiles)
-    found: list[int] = numbers.tolist()
-    return found
 
 
 def _threads(threads: int | None) -> int:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from viscache.correlation.bins import Bins
 from viscache.correlation.near import near_limit
-from viscache.correlation.pairs import SUMS
+from viscache.correlation.pair_table import SUMS
 from viscache.correlation.statistics import Sums
 from viscache.correlation.tasks import (
     PairOptions,

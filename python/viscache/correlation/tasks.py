@@ -18,6 +18,8 @@ from viscache import sources
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.bins import Floats
+from viscache.correlation.pair_table import SUMS
+from viscache.correlation.pair_tiles import tile_list
 from viscache.correlation.work import PairBlock
 from viscache.correlation.work_store import Arrays, write_arrays
 from viscache.newest import Newest
@@ -136,7 +138,7 @@ def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Array
             rows, options.n_directions, *geometry, options.d_cells, options.theta_cells,
             tiles=tiles, tile=options.tile, **settings,
         )  # fmt: skip
-    sums = {name: getattr(table, name) for name in _pairs.SUMS}
+    sums = {name: getattr(table, name) for name in SUMS}
     if len(task.block.pairs) < len(table.n):
         wanted = [
             _index(groups.index(a), groups.index(b), len(groups)) for a, b in task.block.pairs
@@ -157,7 +159,7 @@ def _tiles(
     block: PairBlock, label: npt.NDArray[np.int32], groups: list[int], tile: int
 ) -> tuple[npt.NDArray[np.int64], int]:
     """Tiles of the block's group pairs, numbered among those of its points; their pairs."""
-    tiles = _pairs.tile_list(label, tile)
+    tiles = tile_list(label, tile)
     kept = []
     for k, (a, b) in enumerate(block.pairs):
         own = np.flatnonzero((tiles["a"] == groups.index(a)) & (tiles["b"] == groups.index(b)))

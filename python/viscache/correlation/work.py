@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from viscache.correlation.pairs import TILE, choose_tiles, tile_list
+from viscache.correlation.pair_tiles import TILE, choose_tiles, tile_list
 from viscache.executors import window
 
 Task = TypeVar("Task")

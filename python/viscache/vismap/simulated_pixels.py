@@ -20,7 +20,8 @@ from viscache.scenes.light_product import (
     first_hits,
     reflected,
 )
-from viscache.vismap.cache import Lookup, VisibilityMapCache
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.records import Lookup
 
 __all__ = ["PILOT_POINTS", "PILOT_SAMPLES", "Pixel", "Pixels", "pooled_alpha"]
 

@@ -1,0 +1,98 @@
+"""Integer sums over pairs of points, by groups, distance and angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.checks import require
+
+__all__ = ["SUMS", "PairTable"]
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+Ints: TypeAlias = npt.NDArray[np.int64]
+
+#: Integer arrays of a table, as they are called in its file.
+SUMS = ("n", "n_undefined", "sum_q", "sum_q2_high", "sum_q2_low")
+#: So many pairs of one cell keep Σ q within 63 bits.
+MAX_PAIRS = 1 << 42
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PairTable:
+    """Sums over pairs per pair of groups, bin of distance and bin of angle.
+
+    Attributes
+    ----------
+    n, n_undefined : (P, D, A) int64
+        Pairs with a ρ, and pairs without because a row has too few bits or all of them. Group
+        pairs (g, h), g <= h, are in order (0, 0), (0, 1), …, (1, 1), …
+    sum_q : (P, D, A) int64
+        Σ q over the n pairs, q = round(ρ·2²⁰).
+    sum_q2_high, sum_q2_low : (P, D, A) int64
+        Σ q² = high·2³² + low with 0 <= low < 2³².
+    d_edges : (D + 1,) float64
+        Bins of distance, half open, scene units.
+    theta_edges_deg : (A + 1,) float64
+        Bins of the angle between normals, half open, degrees; 180 closes the last bin.
+    """
+
+    n: Ints
+    n_undefined: Ints
+    sum_q: Ints
+    sum_q2_high: Ints
+    sum_q2_low: Ints
+    d_edges: Floats
+    theta_edges_deg: Floats
+
+    def __post_init__(self) -> None:
+        cells = (len(self.n), len(self.d_edges) - 1, len(self.theta_edges_deg) - 1)
+        for name in SUMS:
+            array = getattr(self, name)
+            fits = array.shape == cells and array.dtype == np.int64
+            require(fits, f"{name} must be int64 of shape {cells}", (array.dtype, array.shape))
+
+    def __add__(self, other: PairTable) -> PairTable:
+        """The table of both sets of pairs.
+
+        Raises
+        ------
+        ValueError
+            Other bins or groups, or more than 2⁴² pairs in a cell.
+        """
+        if not isinstance(other, PairTable):
+            return NotImplemented
+        for name in ("d_edges", "theta_edges_deg"):
+            same = np.array_equal(getattr(self, name), getattr(other, name))
+            require(same, f"{name} must be the same in both tables", getattr(other, name))
+        require(self.n.shape == other.n.shape, "groups must be the same in both", other.n.shape)
+        sums = {name: getattr(self, name) + getattr(other, name) for name in SUMS}
+        most = int(sums["n"].max(initial=0))
+        require(most <= MAX_PAIRS, f"a cell must hold at most {MAX_PAIRS} pairs", most)
+        sums["sum_q2_high"] += sums["sum_q2_low"] >> 32
+        sums["sum_q2_low"] &= 0xFFFFFFFF
+        return PairTable(**sums, d_edges=self.d_edges, theta_edges_deg=self.theta_edges_deg)
+
+    def sum_q2(self) -> npt.NDArray[np.object_]:
+        """Σ q² as Python integers, (P, D, A)."""
+        high, low = (x.astype(object) for x in (self.sum_q2_high, self.sum_q2_low))
+        total: npt.NDArray[np.object_] = high * (1 << 32) + low
+        return total
+
+    def to_npz(self, path: str | Path) -> None:
+        """Save; `from_npz` reads it back."""
+        arrays = {name: getattr(self, name) for name in (*SUMS, "d_edges", "theta_edges_deg")}
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, **arrays)
+
+    @classmethod
+    def from_npz(cls, path: str | Path) -> PairTable:
+        """Read a saved table."""
+        with np.load(path) as file:
+            missing = {*SUMS, "d_edges", "theta_edges_deg"} - set(file)
+            require(not missing, f"{path} must hold the arrays of a PairTable", sorted(file))
+            return cls(**dict(file))
