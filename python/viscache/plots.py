@@ -136,7 +136,7 @@ def heatmap(
     image: Any = axes.imshow(cells, cmap="cividis", norm=norm, aspect="auto", origin="lower")
     bar = figure.colorbar(image, label=label(value))
     if norm == "log":
-        _ticks_1_2_5(bar.ax.yaxis)
+        ticks_1_2_5(bar.ax.yaxis)
     for (row, column), cell in np.ndenumerate(cells):
         color = "white" if image.norm(cell) < 0.5 else "black"
         axes.text(
@@ -201,7 +201,7 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
             axes.set_ylabel(label(names[row]) if row else label(value))
     bar = figure.colorbar(shown, ax=grid[0, 1:].tolist(), label=label(value), location="top")
     if norm == "log":
-        _ticks_1_2_5(bar.ax.xaxis)
+        ticks_1_2_5(bar.ax.xaxis)
     return figure
 
 
@@ -285,10 +285,10 @@ def _spans(values: Any) -> bool:
 def _logarithmic(axes: Any, axis: Any) -> None:
     """Makes an axis logarithmic."""
     axes.set_xscale("log") if axis is axes.xaxis else axes.set_yscale("log")
-    _ticks_1_2_5(axis)
+    ticks_1_2_5(axis)
 
 
-def _ticks_1_2_5(axis: Any) -> None:
+def ticks_1_2_5(axis: Any) -> None:
     """Ticks of a logarithmic axis at 1, 2, 5; at every digit of a short one, at 1 of a long one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 

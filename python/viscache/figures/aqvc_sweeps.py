@@ -19,6 +19,8 @@ from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.integrators import Whitted
+from viscache.plots import label as plot_label
+from viscache.plots import ticks_1_2_5
 from viscache.scene import Scene, load_scene
 
 #: C_E between the paper's ends; the paper's preset runs at the ends and one between.
@@ -227,9 +229,10 @@ def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
                     values = [getattr(trades[c], what) for c in sorted(trades)]
                     axes.plot(sorted(trades), values, style, ms=3, lw=1, color=f"C{k}",
                               label=sweep.setup.name if preset == "default" else None)  # fmt: skip
-            axes.set(xlabel="C_E", ylabel=label, yscale="log",
+            axes.set(xlabel=plot_label("c_e"), ylabel=label, yscale="log",
                      title=("AA" if antialiased else "no AA") if row == 0 else "")  # fmt: skip
+            ticks_1_2_5(axes.yaxis)
             axes.grid(lw=0.3)
-            if row == 0:
-                axes.legend(fontsize=7)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
+                  ncols=len(SETUPS), title="solid: preset default; dashed: paper")  # fmt: skip
     return save_figure(figure, path)
