@@ -349,7 +349,8 @@ class Scene:
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything up to t_max?
 
-        Embree's robust rays count what lies at 0 and t_max themselves, the others do not.
+        A surface through the origin itself counts with Embree's robust rays alone; what lies at
+        t_max within rounding may count or not.
 
         Parameters
         ----------

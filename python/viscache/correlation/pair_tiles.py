@@ -10,7 +10,7 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.checks import is_whole, require
 
-__all__ = ["TILE", "choose_tiles", "tile_list"]
+__all__ = ["TILE", "choose_tiles", "group_count", "tile_list", "tile_numbers", "tile_side"]
 
 #: Most points along a side of a tile.
 TILE = 2048
@@ -68,13 +68,13 @@ def group_count(group: npt.NDArray[np.int32]) -> int:
 
 
 def tile_side(tile: int) -> int:
-    """The same, checked."""
+    """Points along a tile's side, checked."""
     require(is_whole(tile) and tile >= 1, "tile must be a whole number >= 1", tile)
     return int(tile)
 
 
 def tile_numbers(tiles: npt.ArrayLike) -> list[int]:
-    """The same as Python's numbers, checked."""
+    """Numbers of tiles as Python's, checked."""
     numbers = np.asarray(tiles)
     fits = numbers.ndim == 1 and (numbers.size == 0 or np.issubdtype(numbers.dtype, np.integer))
     require(fits, "tiles must be a list of whole numbers", tiles)
