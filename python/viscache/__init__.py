@@ -2,7 +2,6 @@
 
 from viscache import (
     correlation,
-    designs,
     metrics,
     notebook,
     plots,
@@ -16,14 +15,15 @@ from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
 from viscache.cameras import look_at
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
-from viscache.nee_plus_plus import NeePlusPlus
-from viscache.rays import Bsp, Embree, Vlf
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
-from viscache.sweep import sweep
-from viscache.tune import tune
-from viscache.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
+from viscache.settings.nee_plus_plus import NeePlusPlus
+from viscache.settings.rays import Bsp, Embree, Vlf
+from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.sweeps import designs
+from viscache.sweeps.sweep import sweep
+from viscache.sweeps.tune import tune
 from viscache.vismap import (
     MapSettings,
     Relighting,

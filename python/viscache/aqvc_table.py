@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from typing import Any
 
 from viscache import _core
-from viscache.checks import is_whole, require
 from viscache.scene import Scene
-from viscache.visibility import Aqvc
+from viscache.settings.checks import is_whole, require
+from viscache.settings.visibility import Aqvc
 
 __all__ = ["AqvcTable"]
 

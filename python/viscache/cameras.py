@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from viscache import _core
-from viscache.checks import require
 from viscache.scene import Scene
+from viscache.settings.checks import require
 
 __all__ = ["look_at"]
 

@@ -12,7 +12,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from viscache.settings import NotThereYetError, nearest
+from viscache.settings.by_name import NotThereYetError, nearest
 
 #: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
 COMMANDS = {

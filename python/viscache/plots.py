@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscache import labels
-from viscache.checks import require
 from viscache.drawing import new_figure
-from viscache.settings import nearest
-from viscache.swept import (
+from viscache.settings.by_name import nearest
+from viscache.settings.checks import require
+from viscache.sweeps.swept import (
     COLORS,
     MOST_MARKERS,
     MOST_NAMED,

@@ -12,14 +12,21 @@ from typing import Literal, TypeAlias
 from viscache import _core
 from viscache.aqvc_table import AqvcTable
 from viscache.cameras import find_camera
-from viscache.checks import is_whole, require
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Bdpt, Direct, Integrator, Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
-from viscache.rays import Embree, Rays, Vlf, check_rays
 from viscache.scene import Env, Scene
-from viscache.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Visibility, VisMaps
+from viscache.settings.checks import is_whole, require
+from viscache.settings.integrators import (
+    AmbientOcclusion,
+    Bdpt,
+    Direct,
+    Integrator,
+    Whitted,
+    core_settings,
+)
+from viscache.settings.rays import Embree, Rays, Vlf, check_rays
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]

@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.checks import checked_points, checked_threads
 from viscache.environments import apply_environment, decode_images
-from viscache.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.scenes.coplanar import coplanar_share
+from viscache.settings.checks import checked_points, checked_threads
+from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 

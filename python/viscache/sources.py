@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from viscache.checks import require
+from viscache.settings.checks import require
 
 
 def is_builtin(spec: str) -> bool:

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
-from viscache.checks import require
 from viscache.frame import Frame
+from viscache.settings.checks import require
 
 __all__ = ["Flicker", "flicker", "mean_temporal_variance", "seen"]
 

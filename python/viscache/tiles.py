@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from viscache import executors, sources
-from viscache.checks import is_whole, require
+from viscache import sources
 from viscache.frame import Frame, Layer
 from viscache.newest import Newest
 from viscache.render import render_part
 from viscache.scene import Scene
+from viscache.settings.checks import is_whole, require
+from viscache.sweeps import executors
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 

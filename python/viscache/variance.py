@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import require
+from viscache.settings.checks import require
 from viscache.tonemap import luminance
 
 __all__ = ["VarianceRatio", "variance_ratio"]

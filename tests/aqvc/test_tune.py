@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import viscache as vc
 from viscache import cli
-from viscache.tune import (
+from viscache.sweeps.tune import (
     HIGHEST_C_E,
     LOWEST_C_E,
     MOST_HALVINGS,

@@ -13,7 +13,7 @@ import viscache as vc
 from viscache import _core, bench, cli
 from viscache.bench import common, peers, ray_sets
 from viscache.bench.vlf_ao import living_room
-from viscache.settings import NotThereYetError
+from viscache.settings.by_name import NotThereYetError
 
 SMALL = (
     "rays",

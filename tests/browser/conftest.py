@@ -20,14 +20,15 @@ from known_report import HEIGHT, WIDTH, Report
 def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
     """A report of 3 × 2 settings, moved away from its directory."""
     import viscache
-    from viscache import report, sources, sweep_work
-    from viscache.store import Store
-    from viscache.sweep import sweep
+    from viscache import report, sources
+    from viscache.sweeps import work
+    from viscache.sweeps.store import Store
+    from viscache.sweeps.sweep import sweep
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("Whitted", "Embree", "Exact", "Aqvc"):
             patch.setattr(viscache, name, getattr(fake, name), raising=False)
-        patch.setattr(sweep_work, "render_function", fake.fake_render)
+        patch.setattr(work, "render_function", fake.fake_render)
         patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
         directory = tmp_path_factory.mktemp("sweep")
         over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}

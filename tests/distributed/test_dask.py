@@ -18,9 +18,10 @@ import pytest
 import xarray
 
 import viscache as vc
-from viscache import cli, executors, tiles
-from viscache.store import Store
-from viscache.sweep import sweep
+from viscache import cli, tiles
+from viscache.sweeps import executors
+from viscache.sweeps.store import Store
+from viscache.sweeps.sweep import sweep
 
 sys.path.insert(0, str(Path(__file__).parent))
 from logged import Logged

@@ -17,7 +17,7 @@ import pytest
 
 from codebase.repository import paths, text
 from viscache import cli
-from viscache.sweep import SweepFile
+from viscache.sweeps.sweep import SweepFile
 
 #: How far a printed number may be off.
 TOLERANCE = 0.25

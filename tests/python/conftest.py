@@ -16,11 +16,12 @@ import fake_renderer as fake
 def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
     """`viscache` with the stand-in's settings and renderer; yields the stand-in's module."""
     import viscache
-    from viscache import sources, sweep_work
+    from viscache import sources
+    from viscache.sweeps import work
 
     for name in ("Whitted", "Embree", "Exact", "Aqvc"):
         monkeypatch.setattr(viscache, name, getattr(fake, name), raising=False)
-    monkeypatch.setattr(sweep_work, "render_function", fake.fake_render)
+    monkeypatch.setattr(work, "render_function", fake.fake_render)
     monkeypatch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
     fake.CALLS.clear()
     fake.STOP.clear()

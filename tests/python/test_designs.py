@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viscache import designs
-from viscache.designs import Range
-from viscache.sweep import SweepFile, sweep
+from viscache.sweeps import designs
+from viscache.sweeps.designs import Range
+from viscache.sweeps.sweep import SweepFile, sweep
 
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
 

@@ -13,11 +13,12 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from viscache import designs, labels, plots
-from viscache.designs import Range
+from viscache import labels, plots
 from viscache.drawing import new_figure
-from viscache.sweep import sweep
-from viscache.swept import looks_of
+from viscache.sweeps import designs
+from viscache.sweeps.designs import Range
+from viscache.sweeps.sweep import sweep
+from viscache.sweeps.swept import looks_of
 
 
 def test_the_front_joins_what_nothing_beats() -> None:

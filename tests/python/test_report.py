@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from reference import report_pictures as pictures
-from viscache import designs, report
-from viscache.designs import Range
+from viscache import report
 from viscache.labels import number
 from viscache.report.svg import Axis
-from viscache.sweep import sweep
+from viscache.sweeps import designs
+from viscache.sweeps.designs import Range
+from viscache.sweeps.sweep import sweep
 
 
 def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room") -> str:

@@ -12,8 +12,8 @@ import pytest
 from reference import report_pictures as page
 from viscache import metrics, report
 from viscache.report import embed, pictures
-from viscache.store import Store
-from viscache.sweep import sweep
+from viscache.sweeps.store import Store
+from viscache.sweeps.sweep import sweep
 
 #: Machado, Oliveira, Fernandes 2009, severity 1, on linear RGB.
 BLINDNESS = {

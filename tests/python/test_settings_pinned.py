@@ -10,7 +10,7 @@ import pytest
 
 import viscache as vc
 from viscache import _core
-from viscache.integrators import core_settings
+from viscache.settings.integrators import core_settings
 
 #: Python name → C++ name, where a part of the struct has a class of its own.
 AMBIENT = {

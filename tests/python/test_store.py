@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from viscache.frame import Frame
-from viscache.store import Store, content_key
+from viscache.sweeps.store import Store, content_key
 
 
 def frame(value: float = 1.0) -> Frame:
@@ -61,7 +61,7 @@ def test_only_one_of_two_stores_gets_a_claim(tmp_path: Path) -> None:
 
 
 def test_the_claim_of_a_process_that_died_is_taken_over(tmp_path: Path) -> None:
-    code = "import sys, os\nfrom viscache.store import Store\n"
+    code = "import sys, os\nfrom viscache.sweeps.store import Store\n"
     code += "assert Store(sys.argv[1]).claim('k')\nos._exit(9)"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=environment, check=False)
@@ -82,7 +82,7 @@ def test_a_claim_of_another_machine_holds_until_it_expires(tmp_path: Path) -> No
 
 def test_several_processes_write_one_store_without_losing_a_row(tmp_path: Path) -> None:
     code = (
-        "import sys, numpy as np\nfrom viscache.store import Store\n"
+        "import sys, numpy as np\nfrom viscache.sweeps.store import Store\n"
         "from viscache.frame import Frame\n"
         "with Store(sys.argv[1]) as s:\n"
         "    for i in range(12):\n"

@@ -14,9 +14,11 @@ import xarray
 
 from viscache import metrics
 from viscache.frame import Frame
-from viscache.store import Store
-from viscache.sweep import SweepFile, sweep
-from viscache.sweep_table import open_dataset
+from viscache.settings import by_name
+from viscache.sweeps import work
+from viscache.sweeps.store import Store
+from viscache.sweeps.sweep import SweepFile, sweep
+from viscache.sweeps.table import open_dataset
 
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1", "rmse")}
 
@@ -187,14 +189,13 @@ def test_an_executor_gives_the_same_table_as_none(fake_vc: Any, tmp_path: Path) 
 def test_an_error_in_a_worker_is_raised_and_keeps_what_was_finished(
     fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from viscache import sweep_work
 
     def breaks(scene: Any, integrator: Any, **options: Any) -> Frame:
         if getattr(options["visibility"], "c_e", 0) == 16:
             raise RuntimeError("a bad ray")
         return fake_vc.fake_render(scene, integrator, **options)
 
-    monkeypatch.setattr(sweep_work, "render_function", breaks)
+    monkeypatch.setattr(work, "render_function", breaks)
     with ThreadPoolExecutor(1) as pool, pytest.raises(RuntimeError, match="a bad ray"):
         sweep("room", "whitted", over={"c_e": [4, 16]}, directory=tmp_path, executor=pool, **SMALL)
     assert [r["c_e"] for r in rows_of(tmp_path)] == ["4"]
@@ -298,11 +299,10 @@ READY = sorted((Path(__file__).parents[2] / "scripts" / "sweeps").glob("*.toml")
 
 @pytest.mark.parametrize("path", READY, ids=lambda p: p.stem)
 def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
-    from viscache import settings
-    from viscache.sweep_plan import make_plan
+    from viscache.sweeps.plan import make_plan
 
     loaded = SweepFile.load(path)
-    roles = {r: settings.make(r, getattr(loaded, r)) for r in settings.ROLES}
+    roles = {r: by_name.make(r, getattr(loaded, r)) for r in by_name.ROLES}
     common = {"scene": loaded.scene, "use": None, "camera": None, "env": None, "threads": None,
               "size": (640, 400), "spp": loaded.spp}  # fmt: skip
 

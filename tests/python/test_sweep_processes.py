@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache import executors
-from viscache.store import Store
-from viscache.sweep import sweep
+from viscache.sweeps import executors, work
+from viscache.sweeps.store import Store
+from viscache.sweeps.sweep import sweep
 
 HERE = Path(__file__).parent
 SMALL: dict[str, Any] = {"size": (32, 24), "metrics": ("rel_l1",)}
@@ -29,8 +29,9 @@ import os, sys, time
 sys.path.insert(0, sys.argv[4])
 import fake_renderer as fake
 import viscache
-from viscache import sources, sweep_work
-from viscache.sweep import sweep
+from viscache import sources
+from viscache.sweeps import work
+from viscache.sweeps.sweep import sweep
 
 for name in ("Whitted", "Embree", "Exact", "Aqvc"):
     setattr(viscache, name, getattr(fake, name))
@@ -130,7 +131,6 @@ def test_frames_that_are_timed_never_run_side_by_side(tmp_path: Path) -> None:
 def test_an_executor_renders_side_by_side_unless_told_otherwise(
     fake_vc: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from viscache import sweep_work
 
     running, most = [], []
 
@@ -142,7 +142,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
         running.pop()
         return frame
 
-    monkeypatch.setattr(sweep_work, "render_function", slow)
+    monkeypatch.setattr(work, "render_function", slow)
     over = {"c_e": list(range(1, 9))}
     with ThreadPoolExecutor(3) as pool:
         ds = sweep("room", "whitted", over=over, executor=pool, **SMALL)
@@ -154,7 +154,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
 
 def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     code = (
-        "import os, time\nfrom viscache.executors import process_pool\n"
+        "import os, time\nfrom viscache.sweeps.executors import process_pool\n"
         "if __name__ == '__main__':\n"
         "    with process_pool(2) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"

@@ -13,7 +13,7 @@ import viscache as vc
 from render.mitsuba_scene import Look, Model, ball
 from render.ztest import compare
 from viscache import _core
-from viscache.integrators import core_settings
+from viscache.settings.integrators import core_settings
 from viscache.variance import variance_ratio
 from vismap.worlds import dilations
 

@@ -21,7 +21,7 @@ def eye_points(
 ) -> dict[str, Any]:
     frame = _core.FrameSettings()
     frame.width, frame.height, frame.spp, frame.seed = size[0], size[1], spp, 3
-    from viscache.integrators import core_settings
+    from viscache.settings.integrators import core_settings
 
     return _core.trace_eye_points(
         scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame

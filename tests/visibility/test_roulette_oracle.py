@@ -14,7 +14,7 @@ import viscache as vc
 from render.test_determinism import INTEGRATORS, ROOM, signature
 from render.ztest import ZTest, compare
 from viscache import _core, cli
-from viscache.integrators import core_settings
+from viscache.settings.integrators import core_settings
 
 SIZE = (64, 48)
 #: Coarse, so that voxels see each other in part, and quick to learn.

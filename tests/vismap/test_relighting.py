@@ -9,7 +9,7 @@ import pytest
 import viscache as vc
 from viscache import _core
 from viscache._core import sampling
-from viscache.integrators import core_settings
+from viscache.settings.integrators import core_settings
 from viscache.vismap.relighting import reduced, rotation
 from vismap.scenes import SIZE, made, view
 

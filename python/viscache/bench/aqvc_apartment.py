@@ -7,11 +7,11 @@ from typing import Any, Literal
 
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
 from viscache.frame import Frame
-from viscache.integrators import Whitted
 from viscache.metrics import compare
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.visibility import Aqvc, Exact, Visibility
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 __all__ = ["aqvc_apartment"]
 

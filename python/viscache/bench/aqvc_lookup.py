@@ -12,10 +12,10 @@ import numpy as np
 from viscache import _core
 from viscache.bench.common import Outcome, Sample, build_scene, figure, interleave
 from viscache.frame import Frame
-from viscache.integrators import Whitted
 from viscache.metrics import compare
 from viscache.render import render
-from viscache.visibility import Aqvc, Exact, Visibility
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 __all__ = ["aqvc_lookup"]
 

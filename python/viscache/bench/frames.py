@@ -11,10 +11,10 @@ from viscache.bench.common import Outcome, Sample, build_scene, figure, interlea
 from viscache.bench.peers import Peer, missing
 from viscache.bench.ray_sets import make_ray_set
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion, Direct
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.visibility import Exact
+from viscache.settings.integrators import AmbientOcclusion, Direct
+from viscache.settings.visibility import Exact
 
 __all__ = ["frames"]
 

@@ -13,10 +13,10 @@ import numpy as np
 from viscache import metrics, notebook, tonemap
 from viscache.bench.common import Outcome, Sample, at_most_figure, build_scene, timed
 from viscache.frame import Frame
-from viscache.integrators import Direct
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.visibility import Aqvc
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import Aqvc
 
 __all__ = ["notebook_slider"]
 

@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 
 from viscache.bench.common import Outcome, Sample, at_most_figure, figure, interleave
-from viscache.executors import process_pool
-from viscache.integrators import Whitted
-from viscache.store import Store
-from viscache.sweep import sweep as run_sweep
+from viscache.settings.integrators import Whitted
+from viscache.sweeps.executors import process_pool
+from viscache.sweeps.store import Store
+from viscache.sweeps.sweep import sweep as run_sweep
 
 __all__ = ["sweep"]
 
@@ -36,7 +36,7 @@ DASK_AT_MOST = 1.10
 LOGGED = """
 import os, sys
 import viscache as vc
-from viscache import sweep_work
+from viscache.sweeps import work
 
 directory, path, scene, points, edge, vpls = sys.argv[1], sys.argv[2], sys.argv[3], *map(
     int, sys.argv[4:])
@@ -46,7 +46,7 @@ def render(opened, integrator, **options):
     os.write(log, b"begin\\n")
     return vc.render(opened, integrator, **options)
 
-sweep_work.render_function = render
+work.render_function = render
 vc.sweep(scene, vc.Whitted(n_vpls=vpls), over={"c_e": {"log": [2, 32], "n": points}},
          size=(edge, edge), metrics=["rel_l1"], directory=directory)
 """

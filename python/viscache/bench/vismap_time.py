@@ -13,8 +13,8 @@ from viscache.bench.common import Outcome, build_scene, figure
 from viscache.figures.vismap_equal_time import samples_in
 from viscache.figures.vismap_renders import Picture, images, paper_maps
 from viscache.frame import Frame
+from viscache.settings.visibility import VisMaps
 from viscache.variance import variance_ratio
-from viscache.visibility import VisMaps
 
 __all__ = ["equal_time"]
 

@@ -16,9 +16,9 @@ from viscache.bench.common import Outcome, Sample, build_scene, interleave, rati
 from viscache.bench.frames import g_buffer
 from viscache.correlation import DirectionSet, surface_points, visibility_rows
 from viscache.correlation.rows import VisibilityRows
-from viscache.integrators import AmbientOcclusion
 from viscache.render import render
 from viscache.scene import Scene, load_scene
+from viscache.settings.integrators import AmbientOcclusion
 from viscache.vlf import direction_frames, trace_aligned
 
 __all__ = ["CASES", "Case", "vlf_ao"]

@@ -18,8 +18,8 @@ from viscache.bench.common import (
 )
 from viscache.bench.ray_sets import RaySet, make_ray_set
 from viscache.bench.vlf_update import compare_updates
-from viscache.rays import Bsp, Embree, Vlf
 from viscache.scene import Scene
+from viscache.settings.rays import Bsp, Embree, Vlf
 
 __all__ = ["vlf_build"]
 

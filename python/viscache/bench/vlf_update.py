@@ -11,8 +11,8 @@ import numpy as np
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
 from viscache.figures.vlf_objects import STOPS, ball, with_object
 from viscache.figures.vlf_sweeps import chords
-from viscache.rays import Vlf
 from viscache.scene import Scene
+from viscache.settings.rays import Vlf
 from viscache.vlf.dynamic import DynamicField
 
 __all__ = ["compare_updates"]

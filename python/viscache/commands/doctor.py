@@ -11,7 +11,7 @@ import numpy as np
 
 from viscache import provenance
 from viscache.commands.shared import print_json
-from viscache.settings import NotThereYetError
+from viscache.settings.by_name import NotThereYetError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,20 +9,21 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from viscache import settings, sources
+from viscache import sources
 from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
+from viscache.settings import by_name
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
     parser.add_argument("-o", "--output", metavar="OUT.exr", required=True)
     parser.add_argument(
-        "--integrator", default="whitted", choices=list(settings.NAMES["integrator"])
+        "--integrator", default="whitted", choices=list(by_name.NAMES["integrator"])
     )
-    parser.add_argument("--rays", default="embree", choices=list(settings.NAMES["rays"]))
+    parser.add_argument("--rays", default="embree", choices=list(by_name.NAMES["rays"]))
     parser.add_argument(
         "--visibility", default="exact",
-        choices=[*settings.NAMES["visibility"], *settings.RAYS_AS_VISIBILITY],
+        choices=[*by_name.NAMES["visibility"], *by_name.RAYS_AS_VISIBILITY],
     )  # fmt: skip
     parser.add_argument(
         "--use", choices=["replace", "correct"], help="how an approximation is used"

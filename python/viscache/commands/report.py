@@ -9,8 +9,8 @@ from pathlib import Path
 from viscache import plots, report
 from viscache.commands.shared import print_json
 from viscache.report.pictures import MAX_WIDTH_PX
-from viscache.store import Store
-from viscache.sweep_table import open_dataset
+from viscache.sweeps.store import Store
+from viscache.sweeps.table import open_dataset
 
 MOST_NAMED = 5  # files of a directory that holds no sweep
 

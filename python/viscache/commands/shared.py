@@ -8,9 +8,10 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
 
-from viscache import executors, settings
 from viscache.json_values import finite
 from viscache.provenance import thread_count
+from viscache.settings import by_name
+from viscache.sweeps import executors
 
 
 def print_json(value: Any) -> None:
@@ -45,21 +46,21 @@ def at_least_one(text: str) -> int:
     return int(text)
 
 
-def chosen_settings(arguments: argparse.Namespace) -> dict[settings.Role, Any]:
+def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
     """Integrator, rays and visibility of the options, with `--set` applied."""
     rays, visibility = arguments.rays, arguments.visibility
-    if visibility in settings.RAYS_AS_VISIBILITY:
+    if visibility in by_name.RAYS_AS_VISIBILITY:
         if rays not in ("embree", visibility):
             raise ValueError(
                 f"--visibility {visibility} is short for --rays, got --rays {rays} too"
             )
         rays, visibility = visibility, "exact"
-    chosen: dict[settings.Role, Any] = {
-        "integrator": settings.make("integrator", arguments.integrator),
-        "rays": settings.make("rays", rays),
-        "visibility": settings.make("visibility", visibility),
+    chosen: dict[by_name.Role, Any] = {
+        "integrator": by_name.make("integrator", arguments.integrator),
+        "rays": by_name.make("rays", rays),
+        "visibility": by_name.make("visibility", visibility),
     }
-    return settings.assign(chosen, arguments.set)
+    return by_name.assign(chosen, arguments.set)
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:

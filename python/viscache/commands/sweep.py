@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from viscache.commands.shared import add_workers, chosen_executor, print_json, threads_of_a_worker
-from viscache.sweep import SweepFile
+from viscache.sweeps.sweep import SweepFile
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from viscache import settings, sources
+from viscache import sources
 from viscache.commands.shared import at_least_one, print_json, print_table, size
-from viscache.tune import tune
+from viscache.settings import by_name
+from viscache.sweeps.tune import tune
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,12 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Exit status 0: the target is reached; 1: it is not."""
-    chosen: dict[settings.Role, object] = {
-        "integrator": settings.make("integrator", arguments.integrator),
-        "visibility": settings.make("visibility", "aqvc"),
-        "rays": settings.make("rays", "embree"),
+    chosen: dict[by_name.Role, object] = {
+        "integrator": by_name.make("integrator", arguments.integrator),
+        "visibility": by_name.make("visibility", "aqvc"),
+        "rays": by_name.make("rays", "embree"),
     }
-    made = settings.assign(chosen, arguments.set)
+    made = by_name.assign(chosen, arguments.set)
     found = tune(
         sources.open_scene(arguments.scene), made["integrator"], rel_l1=arguments.error,
         visibility=made["visibility"], size=arguments.size, spp=arguments.spp,

@@ -8,12 +8,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import is_whole, require
 from viscache.correlation import rows as _rows
 from viscache.correlation.bins import Bins, checked_edges, linear_bins, pilot_d_max
 from viscache.correlation.pairs import Domain, Undefined
 from viscache.correlation.tasks import PairOptions, Points
 from viscache.correlation.work import tile_size
+from viscache.settings.checks import is_whole, require
 
 Edges: TypeAlias = "int | npt.ArrayLike"
 Words: TypeAlias = npt.NDArray[np.uint64]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import require
+from viscache.settings.checks import require
 
 Floats = npt.NDArray[np.float64]
 

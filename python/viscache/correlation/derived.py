@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import require
+from viscache.settings.checks import require
 
 if TYPE_CHECKING:
     import xarray

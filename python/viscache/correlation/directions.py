@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import check_types, require
+from viscache.settings.checks import check_types, require
 
 __all__ = ["DirectionSet", "patch_order"]
 

@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from viscache import sources
 from viscache.cameras import find_camera
-from viscache.checks import require
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -46,7 +45,8 @@ from viscache.correlation.work_store import Arrays
 from viscache.progress import progress_bar
 from viscache.provenance import version
 from viscache.scene import Scene
-from viscache.store import content_key
+from viscache.settings.checks import require
+from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
     import xarray

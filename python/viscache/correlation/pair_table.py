@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import require
+from viscache.settings.checks import require
 
 __all__ = ["SUMS", "PairTable"]
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import is_whole, require
+from viscache.settings.checks import is_whole, require
 
 __all__ = ["TILE", "choose_tiles", "group_count", "tile_list", "tile_numbers", "tile_side"]
 

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import is_whole, require
 from viscache.correlation.pair_table import SUMS, Floats, Ints, PairTable
 from viscache.correlation.pair_tiles import (
     TILE,
@@ -25,6 +24,7 @@ from viscache.correlation.pair_tiles import (
     tile_side,
 )
 from viscache.progress import progress_bar
+from viscache.settings.checks import is_whole, require
 
 __all__ = [
     "SCALE",

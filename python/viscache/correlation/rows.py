@@ -13,11 +13,11 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.cameras import find_camera
-from viscache.checks import checked_points, checked_threads, is_whole, require
 from viscache.correlation.directions import DirectionSet
 from viscache.progress import progress_bar
-from viscache.rays import Embree, Vlf
 from viscache.scene import Scene
+from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.rays import Embree, Vlf
 
 __all__ = [
     "DirectionSet",

@@ -26,7 +26,7 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import PairBlock, group_pairs, pair_blocks, row_blocks, work_through
 from viscache.correlation.work_store import Arrays, FolderStore, MemoryStore, WorkStore
-from viscache.store import content_key
+from viscache.sweeps.store import content_key
 
 Report = Callable[[int, int], None]
 

@@ -10,9 +10,9 @@ from viscache.figures import aqvc_quality_bands as bands
 from viscache.figures.aqvc_errors import Interval, bias, mean_interval
 from viscache.figures.aqvc_runs import Shot
 from viscache.figures.outcome import Row
-from viscache.integrators import Direct
-from viscache.settings import replaced
-from viscache.visibility import Aqvc
+from viscache.settings.by_name import replaced
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import Aqvc
 
 C_E = 16.0
 GRIDS, QUICK_GRIDS = 32, 3

@@ -16,9 +16,9 @@ from viscache.figures.aqvc_runs import Shot, presets
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
-from viscache.integrators import Direct, core_settings
 from viscache.scene import Scene
-from viscache.visibility import Aqvc
+from viscache.settings.integrators import Direct, core_settings
+from viscache.settings.visibility import Aqvc
 
 C_E, FINER_C_E = 16.0, 4.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)

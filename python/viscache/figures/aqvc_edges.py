@@ -17,9 +17,9 @@ from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
-from viscache.integrators import Direct
-from viscache.settings import replaced
-from viscache.visibility import Aqvc
+from viscache.settings.by_name import replaced
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import Aqvc
 
 C_E = 16.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)

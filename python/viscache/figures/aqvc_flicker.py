@@ -9,7 +9,7 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, presets
 from viscache.figures.aqvc_setups import SETUPS
 from viscache.figures.outcome import Row
-from viscache.integrators import Direct
+from viscache.settings.integrators import Direct
 from viscache.temporal import mean_temporal_variance, seen
 
 #: C_E, and frames of the path.

@@ -17,7 +17,7 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
-from viscache.visibility import ShadowMap
+from viscache.settings.visibility import ShadowMap
 
 #: Texels along an edge; the small ones are for equal time.
 RESOLUTIONS = (64, 128, 256, 512, 1024, 2048, 4096)

@@ -20,9 +20,9 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import draw_lines
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
-from viscache.integrators import Whitted
-from viscache.nee_plus_plus import NeePlusPlus
-from viscache.visibility import Aqvc, Exact, Visibility
+from viscache.settings.integrators import Whitted
+from viscache.settings.nee_plus_plus import NeePlusPlus
+from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
 #: C_E of the cache, along its curve of error over rays.

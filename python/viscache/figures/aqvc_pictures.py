@@ -18,7 +18,7 @@ from viscache.figures.aqvc_setups import PRESETS, SETUPS
 from viscache.figures.outcome import Band, Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
-from viscache.integrators import Bdpt
+from viscache.settings.integrators import Bdpt
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,9 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
-from viscache.integrators import Direct, Whitted
-from viscache.settings import replaced
-from viscache.visibility import Aqvc
+from viscache.settings.by_name import replaced
+from viscache.settings.integrators import Direct, Whitted
+from viscache.settings.visibility import Aqvc
 
 Size = tuple[int, int] | None
 

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from viscache import _core, metrics, tonemap
 from viscache.figures.outcome import Row
 from viscache.frame import Frame
-from viscache.integrators import Integrator
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.visibility import Aqvc, Exact, Visibility
+from viscache.settings.integrators import Integrator
+from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 __all__ = ["AMPLIFIED", "Shot", "Trade", "difference", "group_rows", "presets"]
 

@@ -10,9 +10,9 @@ from typing import Any, Literal, TypeAlias
 from viscache import _core, scenes
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot
-from viscache.integrators import Whitted
 from viscache.scene import Scene
-from viscache.visibility import Aqvc
+from viscache.settings.integrators import Whitted
+from viscache.settings.visibility import Aqvc
 
 __all__ = ["CLOSE_UP", "PRESETS", "QUICK_SIZE", "SETUPS", "SIZE", "Preset", "Setup", "delta"]
 

@@ -18,10 +18,10 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
-from viscache.integrators import Whitted
 from viscache.plots import label as plot_label
 from viscache.plots import ticks_1_2_5
 from viscache.scene import Scene, load_scene
+from viscache.settings.integrators import Whitted
 
 #: C_E between the paper's ends; the paper's preset runs at the ends and one between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}

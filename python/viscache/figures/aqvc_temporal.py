@@ -19,12 +19,12 @@ from viscache.figures.outcome import Band, Outcome, Row
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
-from viscache.integrators import Direct
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.scenes.shapes import bumpy_sphere
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import Aqvc, Exact
 from viscache.temporal import flicker
-from viscache.visibility import Aqvc, Exact
 
 C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4

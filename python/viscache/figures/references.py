@@ -8,11 +8,11 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
-from viscache import settings
 from viscache.frame import Frame
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.store import Store, content_key
+from viscache.settings import by_name
+from viscache.sweeps.store import Store, content_key
 
 __all__ = ["kept_in", "reference"]
 
@@ -44,7 +44,7 @@ def reference(
     folder, code = where
     spec = {
         "code": code, "scene": scene.content_hash,
-        "integrator": settings.described("integrator", integrator), **options,
+        "integrator": by_name.described("integrator", integrator), **options,
     }  # fmt: skip
     key = content_key(spec)
     with Store(folder) as store:

@@ -12,9 +12,9 @@ from viscache.figures import vismap_printed as printed
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.frame import Frame
-from viscache.integrators import AmbientOcclusion
 from viscache.render import render
 from viscache.scenes import build
+from viscache.settings.integrators import AmbientOcclusion
 from viscache.vismap import cached_ambient_occlusion
 
 #: Under the open sky, of as many triangles as the paper's scene, in pictures that take minutes.

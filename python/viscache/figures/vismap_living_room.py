@@ -9,8 +9,8 @@ from pathlib import Path
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_renders import Picture, paper_maps
 from viscache.scene import Scene, load_scene
+from viscache.settings.visibility import VisMaps
 from viscache.variance import variance_ratio
-from viscache.visibility import VisMaps
 
 __all__ = ["SKIES", "living_rooms", "variance_rows"]
 

@@ -14,8 +14,8 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vismap_records import VIEWS
 from viscache.frame import Frame
-from viscache.integrators import Direct
 from viscache.scenes.garage import sky_image
+from viscache.settings.integrators import Direct
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.vismap import Relighting, VisibilityMapCache
 

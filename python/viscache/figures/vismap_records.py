@@ -24,10 +24,10 @@ from viscache.figures.vismap_density import (
 )
 from viscache.figures.vismap_living_room import living_rooms
 from viscache.figures.vismap_pictures import draw_records
-from viscache.integrators import Direct
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.scenes import build
+from viscache.settings.integrators import Direct
 from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
 
 Floats = npt.NDArray[np.floating[Any]]

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.frame import Frame
-from viscache.integrators import Direct
 from viscache.render import render
 from viscache.scene import Scene
-from viscache.visibility import VisMaps
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import VisMaps
 from viscache.vismap import MapSettings, VisibilityMapCache
 
 __all__ = ["Picture", "images", "paper_maps"]

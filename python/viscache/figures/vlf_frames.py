@@ -26,10 +26,10 @@ from viscache.figures.vlf_tracers import (
     in_turns,
     write_csv,
 )
-from viscache.integrators import Whitted
-from viscache.rays import Rays
 from viscache.render import render
 from viscache.scene import Scene
+from viscache.settings.integrators import Whitted
+from viscache.settings.rays import Rays
 
 #: Numbers of random triangles, and the most a field is built for in full.
 COUNTS = (1_000, 4_000, 9_000, 16_000, 64_000, 250_000, 1_000_000)

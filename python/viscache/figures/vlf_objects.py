@@ -15,8 +15,8 @@ from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import draw_lines
 from viscache.figures.vlf_sweeps import chords
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, write_csv
-from viscache.rays import Vlf
 from viscache.scene import Scene
+from viscache.settings.rays import Vlf
 from viscache.vlf.dynamic import DynamicField
 
 Mode: TypeAlias = Literal["overlay", "in_place"]

@@ -14,8 +14,8 @@ from viscache.figures import vlf_bands as bands
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import MAX_BYTES, Beams, cpu_seconds, embree, write_csv
-from viscache.rays import Vlf
 from viscache.scene import Scene
+from viscache.settings.rays import Vlf
 
 #: X1: one parameter at a time around the paper's.
 BASE, QUICK_BASE = (

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.figures import vlf_printed as printed
-from viscache.rays import Bsp, Embree, Rays, Vlf
 from viscache.scene import Scene
+from viscache.settings.rays import Bsp, Embree, Rays, Vlf
 
 __all__ = ["Beams", "Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
            "first_hits", "in_turns", "write_csv"]  # fmt: skip

@@ -10,7 +10,7 @@ from viscache import labels
 from viscache.labels import number, plain
 from viscache.report.svg import SHAPES, Mark, scatter
 from viscache.report.svg_grids import Dot, heatmap, pairs
-from viscache.swept import (
+from viscache.sweeps.swept import (
     MOST_MARKERS,
     MOST_NAMED,
     first_of_levels,

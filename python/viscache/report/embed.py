@@ -11,8 +11,8 @@ from viscache import tonemap
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage
-from viscache.store import Store
-from viscache.swept import pareto
+from viscache.sweeps.store import Store
+from viscache.sweeps.swept import pareto
 from viscache.whole_file import write_whole
 
 #: FLIP takes seconds a picture: by default no more than so many maps are made.

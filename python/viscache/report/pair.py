@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import metrics
-from viscache.checks import require
 from viscache.frame import Frame
 from viscache.report import assemble, pictures
 from viscache.report.assemble import write_page
 from viscache.report.embed import Packer
 from viscache.report.pictures import MAX_WIDTH_PX
+from viscache.settings.checks import require
 
 Picture = Frame | npt.NDArray[np.floating[Any]]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from viscache import labels
 from viscache.labels import number
-from viscache.swept import pareto
+from viscache.sweeps.swept import pareto
 
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48

@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache import labels
-from viscache.checks import require
 from viscache.labels import plain
 from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page
 from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
 from viscache.report.pictures import MAX_WIDTH_PX
-from viscache.store import Store
-from viscache.sweep_table import open_dataset
-from viscache.swept import MOST_NAMED, levels_of, settings_of
+from viscache.settings.checks import require
+from viscache.sweeps.store import Store
+from viscache.sweeps.swept import MOST_NAMED, levels_of, settings_of
+from viscache.sweeps.table import open_dataset
 
 if TYPE_CHECKING:
     import xarray

@@ -9,10 +9,10 @@ import numpy as np
 
 from viscache import _core
 from viscache.cameras import find_camera
-from viscache.checks import checked_threads, is_whole, require
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
+from viscache.settings.checks import checked_threads, is_whole, require
 from viscache.vismap.cache import VisibilityMapCache, checked_size
 from viscache.vismap.settings import MapSettings
 

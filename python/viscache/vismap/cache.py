@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.cameras import find_camera
-from viscache.checks import checked_points, checked_threads, is_whole, require
 from viscache.progress import progress_bar
-from viscache.rays import Caster, Embree, Rays, check_rays
 from viscache.scene import Scene
+from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.rays import Caster, Embree, Rays, check_rays
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport

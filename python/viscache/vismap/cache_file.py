@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.checks import require
 from viscache.provenance import version
+from viscache.settings.checks import require
 from viscache.whole_file import whole_file
 
 __all__ = ["State", "read", "write"]

@@ -8,7 +8,7 @@ from numbers import Real
 from typing import Any, Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import require
+from viscache.settings.checks import require
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.settings import MapSettings
 

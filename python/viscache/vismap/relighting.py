@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.cameras import find_camera
-from viscache.checks import checked_threads, require
 from viscache.environments import read_image
 from viscache.frame import Frame
-from viscache.integrators import Whitted, core_settings
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env
+from viscache.settings.checks import checked_threads, require
+from viscache.settings.integrators import Whitted, core_settings
 from viscache.vismap.cache import Progress, VisibilityMapCache, checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]

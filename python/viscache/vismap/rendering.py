@@ -6,9 +6,9 @@ import time
 from typing import Any
 
 from viscache import _core
-from viscache.checks import require
-from viscache.rays import Rays
 from viscache.scene import Scene
+from viscache.settings.checks import require
+from viscache.settings.rays import Rays
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.estimate import VisMaps
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import check_types, require
+from viscache.settings.checks import check_types, require
 
 __all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
 

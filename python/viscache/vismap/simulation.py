@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import checked_threads, require
 from viscache.scenes.light_product import LUMINANCE
+from viscache.settings.checks import checked_threads, require
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.simulated_pixels import Pixel, Pixels, pooled_alpha
 

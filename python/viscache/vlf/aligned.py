@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import checked_points, checked_threads, require
 from viscache.progress import progress_bar
-from viscache.rays import Vlf
 from viscache.scene import Scene
+from viscache.settings.checks import checked_points, checked_threads, require
+from viscache.settings.rays import Vlf
 from viscache.vlf.directions import checked_directions
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import checked_points, is_whole, require
+from viscache.settings.checks import checked_points, is_whole, require
 
 __all__ = [
     "DIRECTION_COUNTS",

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.checks import checked_points, checked_threads, is_whole, require
 from viscache.progress import progress_bar
-from viscache.rays import Vlf
+from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.rays import Vlf
 
 if TYPE_CHECKING:
     from viscache.render import Progress

@@ -10,12 +10,12 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExec
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from viscache import executors
 from viscache import metrics as _metrics
-from viscache.store import Store
-from viscache.sweep_plan import Plan, Point
-from viscache.sweep_table import TableFile
-from viscache.sweep_work import check_travels, render_task
+from viscache.sweeps import executors
+from viscache.sweeps.plan import Plan, Point
+from viscache.sweeps.store import Store
+from viscache.sweeps.table import TableFile
+from viscache.sweeps.work import check_travels, render_task
 
 if TYPE_CHECKING:
     from viscache.frame import Frame

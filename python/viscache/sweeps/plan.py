@@ -11,9 +11,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscache import designs, settings
 from viscache.provenance import cpu_model, provenance, version
-from viscache.store import content_key
+from viscache.settings import by_name
+from viscache.sweeps import designs
+from viscache.sweeps.store import content_key
 
 Over: TypeAlias = "Mapping[str, Any] | Sequence[Mapping[str, Any]]"
 RESERVED = ("repeat", "seed", "group", "point", "reference")
@@ -90,11 +91,11 @@ def make_plan(
     )  # fmt: skip
     second = _converged(converged)
     common = {**common, "env_hash": _env_hash(common["env"])}
-    exact = settings.make("visibility", "exact")
+    exact = by_name.make("visibility", "exact")
     for index, values in combinations:
         changed: dict[str, Any] = dict(resolved)
         for (role, name), value in zip(owners, values, strict=True):
-            changed[role] = settings.replaced(changed[role], {name: value}, role)
+            changed[role] = by_name.replaced(changed[role], {name: value}, role)
         reference = {**changed, "visibility": exact}
         last = (
             _add(plan, scene, reference, common, seed=second[0], spp=second[1]) if second else None
@@ -111,7 +112,7 @@ def make_plan(
 
 
 def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
-    list[tuple[settings.Role, str]], list[str], dict[str, tuple[str, list[Any]]],
+    list[tuple[by_name.Role, str]], list[str], dict[str, tuple[str, list[Any]]],
     list[tuple[tuple[int, ...], tuple[Any, ...]]],
 ]:  # fmt: skip
     """(whose parameters, dims, coords, [(index, values)]) of a grid or of a list of points."""
@@ -129,8 +130,8 @@ def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
                     f"points must all have the names {names}, got {list(point)} at point {number}"
                 )
         columns = {name: [point[name] for point in over] for name in names}
-    kinds: dict[settings.Role, Any] = {role: resolved[role] for role in settings.ROLES}
-    owners = [settings.owner(name, kinds, bare=("visibility",)) for name in columns]
+    kinds: dict[by_name.Role, Any] = {role: resolved[role] for role in by_name.ROLES}
+    owners = [by_name.owner(name, kinds, bare=("visibility",)) for name in columns]
     short = [name for _, name in owners]
     for name in short:
         if short.count(name) > 1 or name in RESERVED:
@@ -164,8 +165,8 @@ def _add(
     spp: int | None = None,
 ) -> str:  # fmt: skip
     """Put a frame on the plan; returns its key."""
-    exact = settings.name_of("visibility", chosen["visibility"]) == "exact"
-    roles: dict[str, Any] = {role: chosen[role] for role in settings.ROLES}
+    exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
+    roles: dict[str, Any] = {role: chosen[role] for role in by_name.ROLES}
     rest: dict[str, Any] = {**common, "use": None if exact else common["use"], "seed": seed}
     merged: dict[str, Any] = {
         **rest,
@@ -179,10 +180,10 @@ def _add(
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
         "env": task.env_hash,
     }  # fmt: skip
-    for role in settings.ROLES:
-        spec[role] = settings.described(role, chosen[role])
+    for role in by_name.ROLES:
+        spec[role] = by_name.described(role, chosen[role])
         if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
-            spec[role] |= {"resolved": settings.plain(chosen[role].resolved())}
+            spec[role] |= {"resolved": by_name.plain(chosen[role].resolved())}
     key = content_key(spec)
     plan.tasks[key] = task
     plan.specs[key] = spec
@@ -198,7 +199,7 @@ def definition_of(
         "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
-        **{r: settings.described(r, resolved[r]) for r in settings.ROLES},
+        **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
         "size": list(common["size"]), "spp": common["spp"], "use": common["use"],
         "camera": common["camera"], "seed": plan.seed, "repeats": plan.repeats,
         "converged": dict(converged) if converged else None, "metrics": plan.metrics,
@@ -231,7 +232,7 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
         return None
     for name in converged:
         if name not in ("spp", "seed"):
-            raise ValueError(f"converged has no {name!r}{settings.nearest(name, ('spp', 'seed'))}")
+            raise ValueError(f"converged has no {name!r}{by_name.nearest(name, ('spp', 'seed'))}")
     if "spp" not in converged:
         raise ValueError(f"converged must name spp, got {dict(converged)}")
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))

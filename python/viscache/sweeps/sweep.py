@@ -17,13 +17,15 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import designs, settings, sources
 from viscache import metrics as _metrics
-from viscache.checks import require
-from viscache.store import Store
-from viscache.sweep_plan import Over, checked_size, definition_of, make_plan, positive
-from viscache.sweep_run import Progress, Run
-from viscache.sweep_table import to_dataset, write_netcdf, write_parquet
+from viscache import sources
+from viscache.settings import by_name
+from viscache.settings.checks import require
+from viscache.sweeps import designs
+from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
+from viscache.sweeps.run import Progress, Run
+from viscache.sweeps.store import Store
+from viscache.sweeps.table import to_dataset, write_netcdf, write_parquet
 
 if TYPE_CHECKING:
     import xarray
@@ -151,8 +153,8 @@ def sweep(
     return dataset
 
 
-def _settings(role: settings.Role, value: Any) -> Any:
-    return settings.make(role, value) if isinstance(value, (str, Mapping)) else value
+def _settings(role: by_name.Role, value: Any) -> Any:
+    return by_name.make(role, value) if isinstance(value, (str, Mapping)) else value
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -227,7 +229,7 @@ class SweepFile:
         known = [f.name for f in fields(cls) if f.name != "folder"] + ["points"]
         for name in table:
             if name not in known:
-                raise ValueError(f"unknown key {name!r}{settings.nearest(name, known)}")
+                raise ValueError(f"unknown key {name!r}{by_name.nearest(name, known)}")
         if "scene" not in table:
             raise ValueError("a sweep must name a scene")
         if ("over" in table) == ("points" in table):
@@ -290,7 +292,7 @@ def _flat(over: Mapping[str, Any]) -> dict[str, Any]:
     """TOML reads the bare key `integrator.n_vpls` as a table in a table; both are meant."""
     flat: dict[str, Any] = {}
     for name, value in over.items():
-        if isinstance(value, Mapping) and name in settings.ROLES:
+        if isinstance(value, Mapping) and name in by_name.ROLES:
             flat |= {f"{name}.{inner}": values for inner, values in value.items()}
         else:
             flat[name] = value

@@ -8,8 +8,8 @@ from numbers import Real
 from typing import Any, Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import check_types, require
-from viscache.nee_plus_plus import NeePlusPlus
+from viscache.settings.checks import check_types, require
+from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.vismap.estimate import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]

@@ -19,11 +19,11 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tiles
-from viscache.checks import is_whole, require
-from viscache.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.render import render_part
 from viscache.scene import Scene
-from viscache.visibility import Aqvc, Exact
+from viscache.settings.checks import is_whole, require
+from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
+from viscache.settings.visibility import Aqvc, Exact
 
 __all__ = ["Pilot", "Tuned", "tune"]
 

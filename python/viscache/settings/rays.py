@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import check_types, require
+from viscache.settings.checks import check_types, require
 
 __all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays"]
 

@@ -10,8 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.store import Record, Store
-from viscache.sweep_plan import Point
+from viscache.sweeps.plan import Point
+from viscache.sweeps.store import Record, Store
 from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:

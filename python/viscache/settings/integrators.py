@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import Literal, TypeAlias
 
 from viscache import _core
-from viscache.checks import check_types, require
+from viscache.settings.checks import check_types, require
 
 __all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 

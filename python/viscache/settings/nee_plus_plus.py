@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from viscache import _core
-from viscache.checks import check_types, require
+from viscache.settings.checks import check_types, require
 
 __all__ = ["NeePlusPlus"]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import sources
 from viscache.newest import Newest
-from viscache.sweep_plan import Task
+from viscache.sweeps.plan import Task
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
