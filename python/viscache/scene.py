@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, overload
+from typing import Any, Literal, NamedTuple, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +14,13 @@ import numpy.typing as npt
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
 from viscache.environments import apply_environment, decode_images
+from viscache.oracles.correct import Correct
+from viscache.oracles.oracle import Oracle
+from viscache.oracles.written import Written
 from viscache.scenes.coplanar import coplanar_share
 from viscache.settings.checks import checked_points, checked_threads
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
+from viscache.settings.visibility import Visibility
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 
@@ -383,6 +387,44 @@ class Scene:
         o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
         caster = self.caster(rays, threads=threads)
         return Intersection(*caster.intersect(o, d, checked_threads(threads)))
+
+    def oracle(
+        self,
+        visibility: Visibility | Written,
+        *,
+        rays: Rays | None = None,
+        use: Literal["replace", "correct"] | Correct | None = None,
+        seed: int = 0,
+        spp: int = 1,
+        threads: int | None = None,
+    ) -> Oracle:
+        """A visibility cache as a module: arrays of points in, bits out.
+
+        Parameters
+        ----------
+        visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, or an oracle of your own
+        rays : Embree, Bsp or Vlf, optional
+            Who traces.
+        use : {"replace", "correct"} or Correct, optional
+            As in `viscache.render`.
+        seed : int >= 0
+            Of methods that draw at random.
+        spp : int >= 1
+            Eye samples per pixel, where the points are such: it tells whether refinement pays.
+        threads : int, optional
+            All cores by default. Answers are the same bits for any number.
+
+        Returns
+        -------
+        Oracle
+            With `block(eyes, lamps)` and `pairs(eyes, index, ends)`.
+
+        Raises
+        ------
+        ValueError
+            A visibility that answers no single connections, such as VisMaps.
+        """
+        return Oracle(self, visibility, rays=rays, use=use, seed=seed, spp=spp, threads=threads)
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"

@@ -25,7 +25,8 @@ enum class Purpose : uint32_t {
     kMapStartup,
     kEyeSubpath,
     kLightSubpath,
-    kRoulette
+    kRoulette,
+    kResidual
 };
 
 /// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).

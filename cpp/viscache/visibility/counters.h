@@ -55,6 +55,9 @@ struct Counters {
     // those traced as well, and those that the ray contradicts
     uint64_t reused_kept = 0, reused_fresh = 0, checked_kept = 0, checked_fresh = 0, wrong_kept = 0,
              wrong_fresh = 0;
+    // Answers as control variates
+    uint64_t corrections = 0;   ///< queries whose ray was traced as well
+    uint64_t contradicted = 0;  ///< of these, those whose answer the ray contradicts
     // Product sampling of the environment
     uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
     uint64_t product_guided = 0, product_unserved = 0;  ///< of these, with guided density; without a record
@@ -104,6 +107,8 @@ inline void Counters::merge(const Counters& b) {
     reused_kept += b.reused_kept, reused_fresh += b.reused_fresh;
     checked_kept += b.checked_kept, checked_fresh += b.checked_fresh;
     wrong_kept += b.wrong_kept, wrong_fresh += b.wrong_fresh;
+    corrections += b.corrections;
+    contradicted += b.contradicted;
     product_points += b.product_points, product_dark += b.product_dark;
     product_guided += b.product_guided, product_unserved += b.product_unserved;
     pilot_rays += b.pilot_rays;

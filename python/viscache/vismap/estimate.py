@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import require
+from viscache.settings.source_context import SourceContext
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.settings import MapSettings
 
@@ -80,6 +81,10 @@ class VisMaps(MapSettings):
         require(first, 'first_alpha must be "pilot" or "one"', self.first_alpha)
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles: rays are exact beside the maps."""
+        return _core.ExactSource(context.scene, context.caster)
 
     def map_settings(self) -> MapSettings:
         """The part that makes records."""

@@ -24,11 +24,14 @@ def render_with_maps(
     core: _core.IntegratorSettings,
     frame: _core.FrameSettings,
     visibility: VisMaps,
+    source: _core.OracleSource,
     *,
     replace: bool,
     progress: Any,
 ) -> dict[str, Any]:
     """What `viscache.render` does with `VisMaps`; `geometry`: the scene before env= changed it.
+
+    `source` makes the oracles that trace the rays.
 
     Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
 
@@ -64,11 +67,13 @@ def render_with_maps(
     points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)
     records_s = time.perf_counter() - start
     with cache._lock:
-        result: dict[str, Any] = _core.render_vismap(
-            scene._core, caster, view, core, frame, settings, cache._core, points.d_max,
-            points.footprint, count_misses=visibility.count_misses, cache_frame=cache.frame,
-            progress=progress,
+        maps = _core.cache_maps(
+            settings, cache._core, frame, points.d_max, points.footprint,
+            count_misses=visibility.count_misses, cache_frame=cache.frame,
         )  # fmt: skip
+        result: dict[str, Any] = _core.render_frame(
+            scene._core, caster, view, core, frame, source, maps=maps, progress=progress
+        )
     result["counters"].update(records=len(cache), records_inserted=inserted, records_rays=traced)
     result["timings"]["records_s"] = records_s
     return result
