@@ -163,7 +163,7 @@ class MapSettings:
 
 
 #: Records that `expected_records` may say with "auto"; images of 1600×1200 get up to three times
-#: as many (docs/performance.md).
+#: as many (docs/performance/visibility-maps.md).
 EXPECTED_RECORDS = 5000
 #: Records that stand behind every start-up record that none of the others serves.
 RECORDS_PER_UNSERVED = 10
