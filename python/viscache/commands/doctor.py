@@ -44,10 +44,13 @@ def checks(active: str, best: str) -> list[dict[str, Any]]:
     scene = _scene()
     asked = os.environ.get("VISCACHE_ISA")
     result = [
-        _check("the kernels run the best variant this CPU has (or the one asked for)",
-               int(active != (asked or best)), 0),
+        _check(
+            "the kernels run the best variant this CPU has (or the one asked for)",
+            int(active != (asked or best)),
+            0,
+        ),
         _check("visible() agrees with plane geometry", _wrong_answers(scene), 0),
-    ]  # fmt: skip
+    ]
     vc: Any = importlib.import_module("viscache")
     direct = vc.Direct()
     exact = vc.render(scene, direct, size=(48, 32))
@@ -57,8 +60,10 @@ def checks(active: str, best: str) -> list[dict[str, Any]]:
     error = vc.metrics.compare(tiny, exact, metrics=["max_abs"]).max_abs
     result.append(_check("the quantized cache at C_E = 0.01 gives the exact picture", error, 0))
     cached = vc.Aqvc(c_e=8)
-    frames = [vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
-              for t in (1, 2, 3)]  # fmt: skip
+    frames = [
+        vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
+        for t in (1, 2, 3)
+    ]
     name = "1, 2 and 3 threads give the same bytes"
     result.append(_check(name, len(set(frames)) - 1, 0))
     return result

@@ -66,8 +66,13 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """`--workers N` and `--dask ADDRESS`."""
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--workers", type=at_least_one, default=1, metavar="N",
-                       help="processes; they disturb each other's timings")  # fmt: skip
+    which.add_argument(
+        "--workers",
+        type=at_least_one,
+        default=1,
+        metavar="N",
+        help="processes; they disturb each other's timings",
+    )
     which.add_argument("--dask", metavar="ADDRESS", help="the workers of a dask scheduler")
 
 

@@ -38,9 +38,10 @@ def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) ->
         "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
         "PIXELS": html.escape(_pixels_text(model)),
         "FLIP_MAPS": str(sum("flip" in s for s in model["settings"])),
-        "DATA": json.dumps({"gain": DIFFERENCE_GAIN, **model}, allow_nan=False, default=str)
-        .replace("<", "\\u003c"),
-    }  # fmt: skip
+        "DATA": json.dumps(
+            {"gain": DIFFERENCE_GAIN, **model}, allow_nan=False, default=str
+        ).replace("<", "\\u003c"),
+    }
     text = re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], _piece("template.html"))
     write_whole(target, text)
 

@@ -38,15 +38,19 @@ def plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
         rest = len(model["names"]) - 2
         more = f" Means over {rest} more parameter{'s' * (rest > 1)}." if rest else ""
         if shown:
-            parts.append(f"<h2>Over two parameters</h2>{_group(shown)}"
-                         f'<p class="quiet">The darker, the less.{more}</p>')  # fmt: skip
+            parts.append(
+                f"<h2>Over two parameters</h2>{_group(shown)}"
+                f'<p class="quiet">The darker, the less.{more}</p>'
+            )
     names = numbers_of(model["settings"])
     dots = len(model["settings"]) * len(names) * (len(names) + 1) // 2
     if len(names) >= (2 if "point" in ds.dims else 3) and dots <= MOST_DOTS:
         drawn = pairs(f"pairs-{error}", names, _dots(model, names, error), error)
-        parts.append(f"<h2>Over every two parameters</h2><figure>{drawn}</figure>"
-                     '<p class="quiet">Lighter and larger dots are greater. On the diagonal stands '
-                     "the value itself, on the scale of the first panel.</p>")  # fmt: skip
+        parts.append(
+            f"<h2>Over every two parameters</h2><figure>{drawn}</figure>"
+            '<p class="quiet">Lighter and larger dots are greater. On the diagonal stands '
+            "the value itself, on the scale of the first panel.</p>"
+        )
     return "".join(parts)
 
 

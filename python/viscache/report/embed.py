@@ -65,9 +65,12 @@ class Packer:
 
 
 def add_pictures(
-    model: dict[str, Any], store: Store, flip_maps: int, width: int,
+    model: dict[str, Any],
+    store: Store,
+    flip_maps: int,
+    width: int,
     done: Callable[[int, int], None] | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Adds reference, picture and FLIP map of each setting's first repeat to the page's model.
 
     FLIP maps go to the settings that nothing beats first, and are kept in the sweep's folder.

@@ -69,24 +69,34 @@ def write_difference(
     pixels, base = (_pixels(picture) for picture in (image, reference))
     values = metrics.compare(pixels, base)
     setting: dict[str, Any] = {
-        "id": "s0", "text": name, "values": {}, "parameters": getattr(image, "parameters", {}),
+        "id": "s0",
+        "text": name,
+        "values": {},
+        "parameters": getattr(image, "parameters", {}),
         "sha256": getattr(image, "sha256", None),
         "cells": {k: None if v is None else [v, 0.0] for k, v in values.items()},
-    }  # fmt: skip
+    }
     height, full = base.shape[:2]
     model: dict[str, Any] = {
-        "names": [], "columns": list(values), "settings": [setting], "pictures": {},
+        "names": [],
+        "columns": list(values),
+        "settings": [setting],
+        "pictures": {},
         "size": [full, height],
-    }  # fmt: skip
+    }
     Packer(model, 1, width).add(setting, pixels, base, "reference")
     if flip_map:
         setting["flip"] = pictures.flip_map(pixels, base, width)
     title = html.escape(f"{name} − {reference_name}")
     texts = {
-        "TITLE": title, "HEADING": title, "SUBTITLE": "A picture and its reference",
+        "TITLE": title,
+        "HEADING": title,
+        "SUBTITLE": "A picture and its reference",
         "FACTS": assemble.facts(_facts(image, reference, (full, height), name, reference_name)),
-        "PLOTS": "", "TABLE_HEADING": "Errors", "NOTES": "",
-    }  # fmt: skip
+        "PLOTS": "",
+        "TABLE_HEADING": "Errors",
+        "NOTES": "",
+    }
     target = Path(path)
     write_page(target, model, texts)
     return target

@@ -69,8 +69,10 @@ def _shell(b: Builder) -> None:
     x, y, z = LENGTH, HEIGHT, DEPTH
     concrete = b.glossy("concrete", (0.42, 0.41, 0.38), 0.04, 0.3)
     b.add(quad([0, 0, z], [x, 0, z], [x, 0, 0], [0, 0, 0]), concrete)
-    b.add(quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]),
-          paint(b, "stone"))  # fmt: skip
+    b.add(
+        quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]),
+        paint(b, "stone"),
+    )
     _roof(b)
     wall(b, (0, 0), (x, 0), y, "plaster")
     wall(b, (0, 0), (0, z), y, "sage")

@@ -89,8 +89,8 @@ def cached_ambient_occlusion(
         cache = VisibilityMapCache(scene, replace(settings or AMBIENT, criterion="ambient"))
     ambient = cache.settings.criterion == "ambient"
     require(ambient, 'the cache\'s criterion must be "ambient"', cache.settings.criterion)
-    require(cache.scene.content_hash == scene.content_hash, "cache must be of the scene",
-            "one of another scene")  # fmt: skip
+    fits = cache.scene.content_hash == scene.content_hash
+    require(fits, "cache must be of the scene", "one of another scene")
     require(is_whole(spp) and 1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
     require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     view = find_camera(scene, camera)

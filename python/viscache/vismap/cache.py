@@ -238,9 +238,12 @@ class VisibilityMapCache:
         with self._lock:
             found = self._core.select(points, checked_threads(threads))
         return Lookup(
-            ids=found["ids"], beta=found["beta"], candidates=found["candidates"],
-            weight=found["tested"], difference=found["difference"],
-        )  # fmt: skip
+            ids=found["ids"],
+            beta=found["beta"],
+            candidates=found["candidates"],
+            weight=found["tested"],
+            difference=found["difference"],
+        )
 
     def visibility(self, lookup: Lookup, directions: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Ṽ of looked-up points in K directions: (N, K), in [0, 1]; 0 without an approximation.
@@ -259,8 +262,8 @@ class VisibilityMapCache:
     def cells(self, directions: npt.ArrayLike) -> npt.NDArray[np.int64]:
         """The map's cells of unit directions (..., 3): Z-order numbers (...)."""
         given = checked_points(directions, "directions")
-        require(given.ndim >= 1 and given.shape[-1] == 3, "directions must have shape (..., 3)",
-                given.shape)  # fmt: skip
+        fits = given.ndim >= 1 and given.shape[-1] == 3
+        require(fits, "directions must have shape (..., 3)", given.shape)
         edge = 1 << self.settings.m
         at = _core.sampling.direction_to_equal_area(given.reshape(-1, 3))
         x, y = np.minimum((at * edge).astype(np.uint32), edge - 1).T
@@ -305,8 +308,8 @@ class VisibilityMapCache:
             wrong = self._said(lookup, cells) != seen[:, None, :]
             speaks = lookup.beta > 0
             ids = lookup.ids[speaks]
-            require(bool((ids < len(self)).all()), "lookup must be of the records now there",
-                    "others")  # fmt: skip
+            fits = bool((ids < len(self)).all())
+            require(fits, "lookup must be of the records now there", "others")
             rays = np.bincount(ids, minlength=len(self)) * expected[1]
             misses = np.bincount(ids, wrong.sum(axis=2)[speaks], minlength=len(self))
             used = (rays > 0).astype(np.uint8)
@@ -324,10 +327,13 @@ class VisibilityMapCache:
         s = self.settings
         with self._lock:
             found = self._core.remove(
-                self.frame, unused_frames=s.unused_frames, wilson=s.removal == "wilson",
+                self.frame,
+                unused_frames=s.unused_frames,
+                wilson=s.removal == "wilson",
                 k_worst=s.k_worst if s.removal == "worst" else 0,
-                eps_max=2.0 if s.removal == "none" else s.eps_max, min_rays=s.min_rays,
-            )  # fmt: skip
+                eps_max=2.0 if s.removal == "none" else s.eps_max,
+                min_rays=s.min_rays,
+            )
             self.frame += 1
         return {name: int(value) for name, value in found.items()}
 

@@ -94,12 +94,14 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     found = head.get("format_version")
     require(found == FORMAT_VERSION, f"{path}: the cache's version must be {FORMAT_VERSION}", found)
     scene = head.get("scene_hash")
-    require(scene == scene_hash,
-            f"{path}: the cache must be of the scene given, whose hash is {scene_hash}",
-            f"a cache of the scene {scene}")  # fmt: skip
+    require(
+        scene == scene_hash,
+        f"{path}: the cache must be of the scene given, whose hash is {scene_hash}",
+        f"a cache of the scene {scene}",
+    )
     claimed = head.pop("digest", None)
-    require(claimed == digest(head, arrays), f"{path}: the cache must be undamaged",
-            "content that its digest does not fit")  # fmt: skip
+    fits = claimed == digest(head, arrays)
+    require(fits, f"{path}: the cache must be undamaged", "content that its digest does not fit")
     w_min, delta_max = head["thresholds"]
     return State(
         scene_hash=scene_hash, settings=head["settings"], directions=arrays.pop("directions"),

@@ -68,8 +68,12 @@ class VisMaps(MapSettings):
         MapSettings.__post_init__(self)
         own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
         require(own, "cache must be a VisibilityMapCache", self.cache)
-        require(self.alpha != "oracle", 'alpha must not be "oracle": it sums over the true '
-                "visibility, which viscache.vismap.simulation alone has", self.alpha)  # fmt: skip
+        require(
+            self.alpha != "oracle",
+            'alpha must not be "oracle": it sums over the true '
+            "visibility, which viscache.vismap.simulation alone has",
+            self.alpha,
+        )
         if isinstance(self.alpha, str):
             fits = self.alpha in ALPHAS
         else:
@@ -94,23 +98,33 @@ class VisMaps(MapSettings):
             alpha="loo" with points that depend on each other.
         """
         even = points == _core.PointSet.ZERO_TWO
-        require(not (self.alpha == "loo" and even),
-                'points must be "independent" with alpha="loo"', "even")  # fmt: skip
-        modes = {"previous_pass": _core.AlphaMode.PREVIOUS_PASS,
-                 "loo": _core.AlphaMode.LEAVE_ONE_OUT}  # fmt: skip
+        fits = not (self.alpha == "loo" and even)
+        require(fits, 'points must be "independent" with alpha="loo"', "even")
+        modes = {
+            "previous_pass": _core.AlphaMode.PREVIOUS_PASS,
+            "loo": _core.AlphaMode.LEAVE_ONE_OUT,
+        }
         word = self.alpha if isinstance(self.alpha, str) else ""
         value = {"zero": 0.0}.get(word, 1.0) if word else float(self.alpha)
         return _core.VisMapSettings(
-            alpha=modes.get(word, _core.AlphaMode.FIXED), alpha_value=value,
-            pilot_alpha=self.first_alpha == "pilot", sampling=self.sampling, eta=self.eta,
-            replace=replace, points=points,
-        )  # fmt: skip
+            alpha=modes.get(word, _core.AlphaMode.FIXED),
+            alpha_value=value,
+            pilot_alpha=self.first_alpha == "pilot",
+            sampling=self.sampling,
+            eta=self.eta,
+            replace=replace,
+            points=points,
+        )
 
     def parameters(self) -> dict[str, Any]:
         """Names and values, JSON-able: of the cache's own settings where one is given."""
         made = self.cache.settings if self.cache else self.map_settings()
         return made.parameters() | {
-            "cache": self.cache is not None, "update": self.update,
-            "count_misses": self.count_misses, "alpha": self.alpha,
-            "first_alpha": self.first_alpha, "sampling": self.sampling, "eta": self.eta,
-        }  # fmt: skip
+            "cache": self.cache is not None,
+            "update": self.update,
+            "count_misses": self.count_misses,
+            "alpha": self.alpha,
+            "first_alpha": self.first_alpha,
+            "sampling": self.sampling,
+            "eta": self.eta,
+        }

@@ -107,16 +107,20 @@ class Relighting:
         require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
         given = np.asarray(env, np.float32) if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
         if given.ndim < 3:
-            require(given.shape in ((), (1,), (3,)),
-                    "env must be a path, a number, 3 numbers or (H, W, 3) pixels, of shape",
-                    given.shape)  # fmt: skip
+            require(
+                given.shape in ((), (1,), (3,)),
+                "env must be a path, a number, 3 numbers or (H, W, 3) pixels, of shape",
+                given.shape,
+            )
             r, g, b = (float(v) for v in np.broadcast_to(given, (3,)))
             made = _core.sampling.EnvironmentMap.constant((r, g, b))
         else:
             made = _core.sampling.EnvironmentMap.from_latlong(
-                reduced(given), to_world=rotation(rotation_deg), resolution=128,
+                reduced(given),
+                to_world=rotation(rotation_deg),
+                resolution=128,
                 threads=self._threads,
-            )  # fmt: skip
+            )
         return np.asarray(_core.vismap.cell_light(made, self.cache.settings.m))
 
     def under(self, env: Env, *, rotation_deg: float = 0.0) -> Frame:
@@ -138,17 +142,21 @@ class Relighting:
         return Frame(
             layers={"color": image.astype(np.float32)},
             counters={
-                "rays": self._core.rays, "records": len(self.cache),
+                "rays": self._core.rays,
+                "records": len(self.cache),
                 "unserved": self._core.unserved,
             },
             timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
             parameters={
-                "scene": self.cache.scene.spec or self.cache.scene.name, "camera": self._view,
-                "scene_hash": self.cache.scene.content_hash, "size": list(self.size),
-                "rotation_deg": rotation_deg, "settings": asdict(self.cache.settings),
+                "scene": self.cache.scene.spec or self.cache.scene.name,
+                "camera": self._view,
+                "scene_hash": self.cache.scene.content_hash,
+                "size": list(self.size),
+                "rotation_deg": rotation_deg,
+                "settings": asdict(self.cache.settings),
             },
             provenance=provenance(self._threads or None),
-        )  # fmt: skip
+        )
 
 
 def rotation(degrees: float) -> npt.NDArray[np.float64]:

@@ -123,8 +123,8 @@ class MapSettings:
             value = getattr(self, name)
             require(low <= value <= high, f"{name} must be in [{low}, {high}]", value)
         require(0 < self.d_max <= 1000, "d_max must be in (0, 1000]", self.d_max)
-        require(self.removal != "worst" or self.k_worst > 0,
-                'k_worst must be > 0 with removal="worst"', self.k_worst)  # fmt: skip
+        fits = self.removal != "worst" or self.k_worst > 0
+        require(fits, 'k_worst must be > 0 with removal="worst"', self.k_worst)
         require(0 <= self.eps_max <= 1, "eps_max must be in [0, 1]", self.eps_max)
         self.core()
 

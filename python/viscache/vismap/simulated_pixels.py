@@ -137,8 +137,9 @@ class Pixels:
         """These pixels, with the maps that speak for them."""
         cache, hits, asking = self.cache, self._hits, self._asking
         m, edge = cache.settings.m, len(self.texels)
-        lookup = cache.lookup(asking.positions[chosen], asking.normals[chosen],
-                              asking.d_max[chosen])  # fmt: skip
+        lookup = cache.lookup(
+            asking.positions[chosen], asking.normals[chosen], asking.d_max[chosen]
+        )
         bits = cache.records().bits
         for row, pixel in enumerate(chosen):
             b = reflected(cache.scene, hits, pixel, self._directions).astype(np.float32)

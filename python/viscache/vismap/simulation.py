@@ -64,17 +64,17 @@ class Way:
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.passes >= 1, "passes must be >= 1", self.passes)
         named = self.alpha in ("loo", "previous_pass", "oracle")
-        require(named or isinstance(self.alpha, (int, float)),
-                'alpha must be a number, "loo", "previous_pass" or "oracle"',
-                self.alpha)  # fmt: skip
-        require(self.alpha != "loo" or self.points == "iid", 'alpha="loo" needs points="iid"',
-                self.points)  # fmt: skip
+        fits = named or isinstance(self.alpha, (int, float))
+        require(fits, 'alpha must be a number, "loo", "previous_pass" or "oracle"', self.alpha)
+        fits = self.alpha != "loo" or self.points == "iid"
+        require(fits, 'alpha="loo" needs points="iid"', self.points)
         once = not self.one_shot or self.passes == 1
         require(once, "passes must be 1 with one_shot", self.passes)
         require(self.first in ("one", "pilot"), 'first must be "one" or "pilot"', self.first)
         by_passes = self.alpha == "previous_pass" or not (self.one_shot or self.first == "pilot")
-        require(by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"',
-                self.alpha)  # fmt: skip
+        require(
+            by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"', self.alpha
+        )
 
     def sizes(self, samples: int) -> list[int]:
         """Samples of every pass."""

@@ -150,9 +150,8 @@ def trace_aligned(
             settings = Vlf(n_directions=n_directions)
             core = field._core if field else scene.caster(settings, threads=threads)
             bits = _core.vlf.field_rows(
-                core, points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+                core, points, normals, frames, t_max=t_max, threads=n_threads, progress=report
+            )
         else:
             bits = _core.vlf.embree_rows(
                 scene.caster(), points, normals, frames,
@@ -183,9 +182,11 @@ def _check_field(field: VisibilityField | None, scene: Scene, n_directions: int)
 
     require(isinstance(field, VisibilityField), "field must be a VisibilityField", field)
     same = field.scene is scene and field.n_directions == n_directions
-    require(same and not field.settings.snap,
-            f"field must be of the scene, of {n_directions} directions and not snapped",
-            field)  # fmt: skip
+    require(
+        same and not field.settings.snap,
+        f"field must be of the scene, of {n_directions} directions and not snapped",
+        field,
+    )
 
 
 def _choose(
@@ -196,9 +197,13 @@ def _choose(
     if _core.vlf.is_hopeless(scene.triangles, n_points):
         return "embree", f"too few points for so many triangles: {size}"
     is_batch, batch_ns, embree_ns = scene.aligned_batch().choose(
-        scene._core, asked.points, asked.normals, asked.frames,
-        t_max=asked.t_max, threads=asked.threads,
-    )  # fmt: skip
+        scene._core,
+        asked.points,
+        asked.normals,
+        asked.frames,
+        t_max=asked.t_max,
+        threads=asked.threads,
+    )
     best = FIELD_MARGIN * min(batch_ns if is_batch else embree_ns, MOST_EMBREE_NS)
     field_ns, why = _predict_field(asked, field, best)
     costs = f"batch {batch_ns:.0f}, Embree {embree_ns:.0f}, field {why}"
