@@ -1,4 +1,4 @@
-"""Frames whose environment is estimated with visibility maps."""
+"""Renders frames whose environment light is estimated with visibility maps."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ def render_with_maps(
     replace: bool,
     progress: Any,
 ) -> dict[str, Any]:
-    """What `viscache.render` does with `VisMaps`; `geometry`: the scene before env= changed it.
+    """Implements `viscache.render` with `VisMaps`; `geometry` is the scene before env= changed it.
 
     Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
 
     Raises
     ------
     ValueError
-        A scene without environment, an integrator without environment samples, a cache of another
-        scene.
+        The scene has no environment, the integrator takes no environment samples, or the cache is
+        of another scene.
     """
     kinds = {light["kind"] for light in scene.lights}
     fits = bool(kinds & {"constant", "environment"})
