@@ -1,4 +1,4 @@
-"""`viscache correlate SCENE -o out.nc`: Section 4 statistics of a scene's visibility."""
+"""`viscache correlate SCENE -o out.nc`: correlation statistics of a scene's visibility."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _print(summary: dict[str, Any]) -> None:
 
 
 def _summary(dataset: Any, path: str) -> dict[str, Any]:
-    """What the command prints."""
+    """The summary that the command prints."""
     a = dataset.attrs
     rows = [
         {"theta_deg": float(dataset["theta"][t])}

@@ -1,4 +1,4 @@
-"""`viscache info SCENE`: what a scene holds."""
+"""`viscache info SCENE`: the content of a scene."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import open_dataset
 
-MOST_NAMED = 5  # files of a directory that holds no sweep
+MOST_NAMED = 5  # names shown of the files in a directory without a sweep
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_holds_a_sweep(directory: Path) -> None:
-    """Says what must hold of DIR and what it is instead."""
+    """Raises an error unless DIR contains a sweep; the message says what it contains instead."""
     if not directory.exists():
         raise ValueError(f"no such directory: {directory}")
     must = "DIR must be a directory that `viscache sweep FILE.toml -o DIR` filled"

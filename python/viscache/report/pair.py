@@ -1,4 +1,4 @@
-"""A page of two pictures: the report's difference viewer for any image and its reference."""
+"""A page with two pictures: the report's difference viewer for any image and its reference."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ def write_difference(
     Parameters
     ----------
     image, reference : Frame or (H, W, 1 or 3) array
-        Scene-linear, of one size.
+        Scene-linear pictures of equal size.
     path : path
         The HTML file.
     name, reference_name : str
-        What the page calls them.
+        Their names on the page.
     flip_map : bool
-        With a FLIP map, which takes seconds.
+        Include a FLIP map, which takes seconds.
     width : int >= 1
-        Widest picture; wider ones are shown as means over pixels.
+        Maximum width; wider pictures are shown as means over pixels.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def write_difference(
     Raises
     ------
     ValueError
-        Pictures of different sizes; a `width` below 1; pixels that are no numbers.
+        The sizes differ, `width` is below 1, or pixels are NaN.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def _pixels(picture: Picture) -> npt.NDArray[np.float64]:
 def _facts(
     image: Picture, reference: Picture, size: tuple[int, int], name: str, reference_name: str
 ) -> dict[str, str]:
-    """What is known of both."""
+    """The facts about both pictures."""
     facts = {"Picture": name, "Reference": reference_name, "Size": f"{size[0]}×{size[1]}"}
     for words, picture in (("Made by", image), ("Reference by", reference)):
         made = getattr(picture, "provenance", {})

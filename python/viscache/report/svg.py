@@ -14,7 +14,7 @@ from viscache.sweeps.swept import pareto
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
 
-#: Outlines around (0, 0) of equal weight to the eye: circle, square, triangles, diamond, cross …
+#: Outlines around (0, 0) of equal visual weight: circle, square, triangles, diamond, cross …
 SHAPES = (
     "M6 0A6 6 0 1 1-6 0A6 6 0 1 1 6 0Z",
     "M-5.3-5.3H5.3V5.3H-5.3Z",
@@ -29,7 +29,7 @@ SHAPES = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Mark:
-    """One setting in a plot: mean and half of its 95 % interval on both axes."""
+    """One setting in a plot: mean and half width of its 95 % interval on both axes."""
 
     id: str
     x: float
@@ -43,7 +43,7 @@ class Mark:
 
 
 class Axis:
-    """Values → pixels; logarithmic where all values are positive and span more than 3×."""
+    """Maps values to pixels; logarithmic if all values are positive and span more than 3×."""
 
     def __init__(self, values: Sequence[float], begin: float, end: float) -> None:
         finite = [v for v in values if math.isfinite(v)] or [0.0, 1.0]
@@ -91,7 +91,7 @@ class Area:
 
 
 def frame(x: Axis, y: Axis, area: Area, *, x_ticks: bool = True, y_ticks: bool = True) -> str:
-    """Grid lines, numbers at them and the two axes."""
+    """Grid lines, their labels and the two axes."""
     parts = []
     for tick in x.ticks():
         at = f"{x(tick):.1f}"
@@ -122,7 +122,7 @@ def across(area: Area, y: float, name: str) -> str:
 
 
 def upwards(area: Area, x: float, name: str) -> str:
-    """A variable's label beside an area, turned."""
+    """A variable's label beside an area, rotated."""
     return (
         f'<text class="label" transform="translate({x} {(area.top + area.bottom) / 2}) '
         f'rotate(-90)" text-anchor="middle">{labels.as_svg(name)}</text>'
@@ -132,7 +132,7 @@ def upwards(area: Area, x: float, name: str) -> str:
 def scatter(
     plot_id: str, marks: Sequence[Mark], x_name: str, y_name: str, exact: float | None = None
 ) -> str:
-    """The plot of two variables, with the line through what no other mark beats in both.
+    """The plot of two variables, with the Pareto front.
 
     `exact` draws a dashed line at the exact frame's mean cost.
     """

@@ -20,7 +20,7 @@ PANEL, GAP = 150, 26
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dot:
-    """A setting in pair plots: its numbers by parameter, and its value."""
+    """A setting in pair plots: its parameter values as numbers, and its result."""
 
     id: str
     at: Mapping[str, float]
@@ -28,7 +28,7 @@ class Dot:
 
 
 def shade(values: Sequence[float]) -> Callable[[float], tuple[str, float]]:
-    """Value → colour of cividis and its share of the scale; logarithmic as axes are."""
+    """Maps a value to a colour of cividis and its position on the scale; logarithmic like axes."""
     axis, colors = Axis(values, 0.0, 1.0), scale_colors("cividis")
     finite = [v for v in values if math.isfinite(v)]
     low, high = (axis(min(finite)), axis(max(finite))) if finite else (0.0, 1.0)
@@ -49,7 +49,7 @@ def heatmap(
     cells: Mapping[tuple[int, int], tuple[float, str | None]],
     value: str,
 ) -> str:
-    """A variable over two parameters; a cell of one setting is chosen by a click.
+    """Heat map of a variable over two parameters; a click on a cell selects its setting.
 
     `cells` has (value, id of the setting or None for a mean over several) by (column, row).
     """
@@ -91,9 +91,9 @@ def heatmap(
 
 
 def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -> str:
-    """A variable over every two parameters: lighter and larger dots are greater.
+    """A variable over every pair of parameters: lighter and larger dots are larger values.
 
-    On the diagonal stands the variable itself, over one parameter.
+    The diagonal shows the variable over one parameter.
     """
     look = shade([d.value for d in dots])
     order = np.argsort(np.argsort([d.value for d in dots]))
@@ -133,7 +133,7 @@ def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -
 def _color_bar(
     look: Callable[[float], tuple[str, float]], values: Sequence[float], value: str, width: float
 ) -> str:
-    """The scale of a pair plot, in its empty corner."""
+    """Colour bar of a pair plot, in its empty corner."""
     left, right, top = width - 250, width - 30, 34
     axis = Axis(values, left, right)
     parts = [f'<text class="label" x="{left}" y="{top - 10}">{labels.as_svg(value)}</text>']
