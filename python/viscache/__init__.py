@@ -15,6 +15,7 @@ from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
 from viscache.cameras import look_at
 from viscache.frame import Frame
+from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
@@ -34,7 +35,7 @@ from viscache.vismap import (
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "AmbientOcclusion",

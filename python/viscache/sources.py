@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
 from typing import Any
 
+from viscache import scenes
+from viscache.scene import load_scene
 from viscache.settings.checks import require
 
 
@@ -19,7 +20,7 @@ def is_builtin(spec: str) -> bool:
     name = spec.partition("?")[0]
     if not name or set("./\\") & set(name) or Path(spec).is_file():
         return False
-    return not Path(spec).is_dir() or name in importlib.import_module("viscache.scenes").SCENES
+    return not Path(spec).is_dir() or name in scenes.SCENES
 
 
 def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
@@ -39,8 +40,7 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
     ValueError
         An unknown built-in scene or parameter.
     """
-    vc: Any = importlib.import_module("viscache")
     require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):
-        return importlib.import_module("viscache.scenes").build(spec)
-    return vc.load_scene(spec, strict=strict, env=env)
+        return scenes.build(spec)
+    return load_scene(spec, strict=strict, env=env)

@@ -43,7 +43,7 @@ from viscache.correlation.tasks import (
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.progress import progress_bar
-from viscache.provenance import version
+from viscache.provenance import VERSION
 from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.sweeps.store import content_key
@@ -183,7 +183,7 @@ def measure(
     require(engine in get_args(RowEngine),
             'engine must be "embree", "batch", "field" or "auto"', engine)  # fmt: skip
     key = content_key({
-        "viscache": version(), "scene": opened.content_hash, "t_max": t_max,
+        "viscache": VERSION, "scene": opened.content_hash, "t_max": t_max,
         "directions": [map_size, directions, seed],
         "points": digest(found.positions, found.normals, found.theta_normals),
         **({} if engine == "embree" else {"engine": engine}),
@@ -290,7 +290,7 @@ def correlate(
     n_pairs = sampled_pairs(pairs, len(rows))
     options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
                            undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
-    key = content_key({"viscache": version(), "rows": digest(
+    key = content_key({"viscache": VERSION, "rows": digest(
         rows, geometry.positions, geometry.normals, geometry.group)})  # fmt: skip
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,

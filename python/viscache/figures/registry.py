@@ -42,7 +42,7 @@ from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.checks import nearest
 
 __all__ = ["FIGURES", "FigureInfo", "reproduce"]
 
@@ -240,7 +240,7 @@ def reproduce(
         raise ValueError(f"unknown figure {name!r}{nearest(name, FIGURES)}")
     function = FIGURES[name].function
     if function is None:
-        raise NotThereYetError(f"reproduce {name} is not there yet in this version of viscache")
+        raise ValueError(f"reproduce {name} is not there yet in this version of viscache")
     if size is not None and not FIGURES[name].sized:
         sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
         raise ValueError(f"size must be left out for {name}; it is for {sized}")

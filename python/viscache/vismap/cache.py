@@ -15,11 +15,11 @@ from viscache.cameras import find_camera
 from viscache.progress import progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings
 from viscache.settings.rays import Caster, Embree, Rays, check_rays
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["VisibilityMapCache"]
 
