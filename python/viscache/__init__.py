@@ -13,11 +13,11 @@ from viscache import (
 )
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import look_at
 from viscache.frame import Frame
 from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf

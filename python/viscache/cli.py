@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from viscache.provenance import VERSION
-from viscache.settings.checks import nearest
+from viscache.settings.spelling import nearest
 
 #: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
 COMMANDS = {

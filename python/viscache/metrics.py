@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
-from viscache.settings.checks import nearest
+from viscache.settings.spelling import nearest
 
 if TYPE_CHECKING:
     from viscache.frame import Frame

@@ -11,11 +11,11 @@ from typing import Literal, TypeAlias
 
 from viscache import _core
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import find_camera
 from viscache.frame import Frame
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,

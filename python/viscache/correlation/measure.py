@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
-from viscache.cameras import find_camera
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -45,6 +44,7 @@ from viscache.correlation.work_store import Arrays
 from viscache.progress import progress_bar
 from viscache.provenance import VERSION
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.sweeps.store import content_key
 

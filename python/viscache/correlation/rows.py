@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.correlation.directions import DirectionSet
 from viscache.progress import progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 

@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, scenes
-from viscache.cameras import find_camera
 from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, presets
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.integrators import Direct, core_settings
 from viscache.settings.visibility import Aqvc
 

@@ -42,7 +42,7 @@ from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
-from viscache.settings.checks import nearest
+from viscache.settings.spelling import nearest
 
 __all__ = ["FIGURES", "FigureInfo", "reproduce"]
 

@@ -15,12 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import look_at
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures.outcome import Outcome, Row
 from viscache.plots import COLORS
 from viscache.progress import progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import look_at
 from viscache.scenes import SCENES
 from viscache.scenes.light_product import (
     LUMINANCE,

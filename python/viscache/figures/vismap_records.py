@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.correlation import measure
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
@@ -26,6 +25,7 @@ from viscache.figures.vismap_living_room import living_rooms
 from viscache.figures.vismap_pictures import draw_records
 from viscache.render import render
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.scenes import build
 from viscache.settings.integrators import Direct
 from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache

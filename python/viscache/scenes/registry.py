@@ -13,7 +13,7 @@ from typing import Any, ParamSpec
 
 from viscache.scene import Scene
 from viscache.scenes.builder import Builder
-from viscache.settings.checks import nearest
+from viscache.settings.spelling import nearest
 
 P = ParamSpec("P")
 

@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
 
-from viscache.settings.checks import nearest
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.rays import Bsp, Embree, Vlf
+from viscache.settings.spelling import nearest
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
 
 Role: TypeAlias = Literal["integrator", "rays", "visibility"]

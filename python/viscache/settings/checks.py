@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import numbers
 import typing
-from collections.abc import Iterable
 from dataclasses import fields
 from types import NoneType
 from typing import Any, Literal
@@ -22,15 +20,6 @@ def require(holds: bool, what: str, given: Any) -> None:
     """
     if not holds:
         raise ValueError(f"{what}, got {given!r}")
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown name: the nearest known one, or all there are."""
-    names = list(known)
-    close = difflib.get_close_matches(name, names, 1, cutoff=0.5)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return f"; known: {', '.join(names)}" if names else "; there are none"
 
 
 def check_types(settings: Any) -> None:

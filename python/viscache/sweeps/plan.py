@@ -13,7 +13,7 @@ import numpy as np
 
 from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.settings import by_name
-from viscache.settings.checks import nearest
+from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.store import content_key
 

@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 from viscache import metrics as _metrics
 from viscache import sources
 from viscache.settings import by_name
-from viscache.settings.checks import nearest, require
+from viscache.settings.checks import require
+from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
 from viscache.sweeps.run import Progress, Run
