@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache.sweeps import executors, work
+from viscache import workers
+from viscache.sweeps import work
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
@@ -154,7 +155,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
 
 def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     code = (
-        "import os, time\nfrom viscache.sweeps.executors import process_pool\n"
+        "import os, time\nfrom viscache.workers import process_pool\n"
         "if __name__ == '__main__':\n"
         "    with process_pool(2) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
@@ -183,7 +184,7 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
 
 def test_the_window_is_two_tasks_per_worker() -> None:
     with ThreadPoolExecutor(3) as pool:
-        assert executors.window(pool) == 6
+        assert workers.window(pool) == 6
 
 
 def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path: Path) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -41,7 +41,7 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import VERSION
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["correlate", "measure", "phi"]
-
-Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 
 def measure(

@@ -19,7 +19,7 @@ from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.plots import label as plot_label
-from viscache.plots import ticks_1_2_5
+from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Whitted
 

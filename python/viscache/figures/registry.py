@@ -40,7 +40,7 @@ from viscache.figures.vismap_records import figure8, figure12, table2
 from viscache.figures.vismap_sweep import sweep
 from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
-from viscache.json_values import finite
+from viscache.files import finite
 from viscache.provenance import provenance
 from viscache.settings.spelling import nearest
 

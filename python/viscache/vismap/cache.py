@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
@@ -22,8 +21,6 @@ from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
 
 __all__ = ["VisibilityMapCache"]
-
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 MAX_PIXELS = 1 << 28
 

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from viscache.files import whole_file
 from viscache.provenance import VERSION
 from viscache.settings.checks import require
-from viscache.whole_file import whole_file
 
 __all__ = ["State", "read", "write"]
 
