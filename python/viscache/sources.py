@@ -10,6 +10,21 @@ from viscache import scenes
 from viscache.scene import load_scene
 from viscache.settings.checks import require
 
+#: Folder of scenes that do not come with viscache.
+SCENES_VARIABLE = "VISCACHE_SCENES"
+
+
+def made_by_others(path: str) -> Path | None:
+    """A file below the folder that `$VISCACHE_SCENES` names, where there is one."""
+    folder = os.environ.get(SCENES_VARIABLE)
+    file = Path(folder or "") / path
+    return file if folder and file.is_file() else None
+
+
+def scene_file(name: str) -> Path | None:
+    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`, where there is one."""
+    return made_by_others(f"{name}/scene.xml") or made_by_others(f"{name}/scene.pbrt")
+
 
 def is_builtin(spec: str) -> bool:
     """Whether a spec names a built-in scene: `room`, `room?triangles=200000&lights=24`.

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from viscache.bench.aqvc_frame import scene_file
 from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, group_rows
@@ -22,6 +21,7 @@ from viscache.plots import label as plot_label
 from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Whitted
+from viscache.sources import scene_file
 
 #: C_E between the paper's ends; the paper's preset runs at the ends and one between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}

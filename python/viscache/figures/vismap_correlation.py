@@ -6,7 +6,6 @@ to the sizes it prints. Two scenes made by others stand beside them, where their
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,13 +16,10 @@ from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
 from viscache.figures import vismap_bands as bands
 from viscache.figures.outcome import Outcome, Row
-from viscache.sources import is_builtin
+from viscache.sources import SCENES_VARIABLE, is_builtin, made_by_others
 
 if TYPE_CHECKING:
     import xarray
-
-#: Folder of scenes made by others.
-SCENES_VARIABLE = "VISCACHE_SCENES"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +34,8 @@ class View:
         """The scene as `measure` takes it; None where its file is absent."""
         if is_builtin(self.scene):
             return self.scene
-        folder = os.environ.get(SCENES_VARIABLE)
-        path = Path(folder or "") / self.scene
-        return str(path) if folder and path.is_file() else None
+        path = made_by_others(self.scene)
+        return None if path is None else str(path)
 
 
 PAPER = (

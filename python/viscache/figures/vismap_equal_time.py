@@ -10,13 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vismap_records import VIEWS
-from viscache.figures.vismap_renders import Picture, images, paper_maps
-from viscache.frame import Frame
 from viscache.scenes.light_product import blocked_share, first_hits
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.variance import variance_ratio
@@ -28,8 +27,6 @@ QUICK_RENDERS, QUICK_SIZE = 3, (64, 48)
 COARSE = (64, 48)
 #: Shares of blocked light-product samples: mostly hidden, mostly lit.
 HIDDEN, LIT = 0.9, 0.5
-#: Samples between which product sampling's time is measured.
-CALIBRATED = (20, 80)
 
 Pixels = npt.NDArray[np.bool_]
 
@@ -52,7 +49,7 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome, picture = Outcome(), _garage(quick)
     ours, theirs = printed.EQUAL_TIME_SAMPLES
     renders = QUICK_RENDERS if quick else RENDERS
-    seconds = _seconds([picture.maps(ours, paper_maps(None)) for _ in range(3)])
+    seconds = cpu_median([picture.maps(ours, paper_maps(None)) for _ in range(3)])
     equal = samples_in(picture, seconds)
     cache = picture.build_cache()
     rivals = _rivals(picture, paper_maps(cache), ours, equal, renders)
@@ -96,20 +93,8 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
-def samples_in(picture: Picture, seconds: float) -> int:
-    """How many samples product sampling takes in so many seconds, by a line through two."""
-    low, high = (_seconds([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
-    slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
-    return max(1, round(CALIBRATED[0] + (seconds - low) / slope))
-
-
 def _garage(quick: bool) -> Picture:
     return Picture(scene=VIEWS["garage"].open(quick), size=QUICK_SIZE if quick else SIZE)
-
-
-def _seconds(frames: list[Frame]) -> float:
-    """Of all processors together."""
-    return float(np.median([frame.timings["cpu_s"] for frame in frames]))
 
 
 def _rivals(picture: Picture, maps: VisMaps, ours: int, theirs: int, renders: int) -> Rivals:
@@ -145,7 +130,7 @@ def _shadow_rows(
 def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     """Ours beside the paper's: guided densities, in equal time."""
     samples = printed.EQUAL_TIME_SAMPLES[0]
-    seconds = _seconds([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
+    seconds = cpu_median([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
     equal = samples_in(picture, seconds)
     maps = VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
     rivals = _rivals(picture, maps, samples, equal, renders)

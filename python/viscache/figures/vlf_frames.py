@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, scenes
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
 from viscache.figures.vlf_tracers import (
-    Beams,
     Tuned,
     best_bsp,
     best_field,

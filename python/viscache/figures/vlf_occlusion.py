@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import scenes, vlf
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
 from viscache.figures.outcome import Outcome, Row
@@ -20,7 +21,6 @@ from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import (
     QUICK_DIRECTIONS,
-    Beams,
     Tuned,
     best_bsp,
     best_field,

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from viscache import _core, scenes, vlf
+from viscache.cases.beams import Beams, chords
 from viscache.figures import vlf_bands as bands
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vlf_pictures import new_figure, save_figure
-from viscache.figures.vlf_tracers import MAX_BYTES, Beams, cpu_seconds, embree, write_csv
+from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 
@@ -49,16 +50,6 @@ QUICK_FIELDS = (
     ("bumpy_spheres?triangles=5800", 64, 3),
 )
 X3_DIRECTIONS, QUICK_X3_DIRECTIONS = 129, 33
-
-
-def chords(scene: Scene, n: int) -> Beams:
-    """Rays between random points of the scene's bounding sphere."""
-    rng = np.random.default_rng(5)
-    ends = rng.normal(size=(2, n, 3))
-    ends /= np.linalg.norm(ends, axis=2, keepdims=True)
-    core = scene._core
-    o, e = ends * core.radius + np.asarray(core.center)
-    return Beams(origins=o.astype(np.float32), directions=(e - o).astype(np.float32))
 
 
 def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
