@@ -29,13 +29,13 @@ SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
 import fake_renderer as fake
-import viscache
 from viscache import sources
+from viscache.settings import by_name
 from viscache.sweeps import work
 from viscache.sweeps.sweep import sweep
 
-for name in ("Whitted", "Embree", "Exact", "Aqvc"):
-    setattr(viscache, name, getattr(fake, name))
+for role, name, settings in fake.NAMES:
+    by_name.NAMES[role][name] = settings
 sources.open_scene = lambda spec, **_: fake.FakeScene(name=spec)
 log = os.open(sys.argv[2], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
@@ -47,7 +47,7 @@ def render(scene, integrator, **options):
     os.write(log, f"end {setting} {os.getpid()}\\n".encode())
     return frame
 
-sweep_work.render_function = render
+work.render_function = render
 apart = {"yes": True, "no": False}[sys.argv[5]]
 sweep("room", "whitted", over={"c_e": list(range(1, 1 + int(sys.argv[3])))}, size=(32, 24),
       metrics=["rel_l1"], directory=sys.argv[1], apart=apart)
