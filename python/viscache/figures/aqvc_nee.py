@@ -16,8 +16,8 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import references
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.drawing import draw_lines
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import draw_lines
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.settings.integrators import Whitted

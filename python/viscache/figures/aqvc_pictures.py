@@ -15,9 +15,8 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Band, Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.settings.integrators import Bdpt
 
 
@@ -133,7 +132,7 @@ def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[An
 
 def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
     """Per preset: exact over cached, and the amplified difference."""
-    figure = new_figure((9.0, 3.0 * len(trades)))
+    figure = new_figure(9.0, 3.0 * len(trades))
     for row, (preset, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
         seconds = [f"{f.timings['cpu_s']:.1f}" for f in (trade.exact, trade.frame)]

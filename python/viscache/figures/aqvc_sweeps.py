@@ -13,9 +13,9 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, group_rows
 from viscache.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_living_room import SKIES
-from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.plots import label as plot_label
 from viscache.plots.sweeps import ticks_1_2_5
@@ -218,7 +218,7 @@ def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
 
 def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
     """Three rows: reduction, speed-up, error; anti-aliased on the right."""
-    figure = new_figure((10.0, 9.0))
+    figure = new_figure(10.0, 9.0)
     kinds = {"ray_reduction": "RR", "speedup": "speed-up", "rel_l1": "rel_l1"}
     for row, (what, label) in enumerate(kinds.items()):
         for column, antialiased in enumerate((False, True)):

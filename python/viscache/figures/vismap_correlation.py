@@ -15,6 +15,7 @@ import numpy as np
 from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
 from viscache.figures import vismap_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.sources import SCENES_VARIABLE, is_builtin, made_by_others
 
@@ -65,7 +66,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome.rows += _size_rows(view.name, dataset, quick)
     for name, draw in (("table", plots.table), ("slices", plots.slices)):
         path = folder / f"vismap-fig3-{name}.png"
-        draw(dataset).savefig(path, dpi=150)
+        save_figure(draw(dataset), path, dpi=150)
         outcome.files.append(path)
     return outcome
 
@@ -85,7 +86,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
             outcome.rows += _size_rows(name, dataset, quick)
     outcome.rows += [*_line_rows(found["dynamics"]), *_order_rows(found)]
     path = folder / "vismap-fig4.png"
-    _picture(found).savefig(path, dpi=130)
+    save_figure(_picture(found), path, dpi=130)
     outcome.files.append(path)
     return outcome
 
@@ -228,10 +229,8 @@ def overall_correlation(ds: xarray.Dataset) -> float:
 
 def _picture(found: dict[str, xarray.Dataset]) -> Any:
     """Maps above, tables below, a column per scene."""
-    from matplotlib.figure import Figure
-
     columns = len(found)
-    figure = Figure(figsize=(3.4 * columns, 6.2), layout="constrained")
+    figure = new_figure(3.4 * columns, 6.2)
     axes = figure.subplots(2, columns, squeeze=False)
     image = None
     for k, (name, dataset) in enumerate(found.items()):

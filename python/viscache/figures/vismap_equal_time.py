@@ -13,8 +13,8 @@ from viscache import _core
 from viscache.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vismap_records import VIEWS
 from viscache.scenes.light_product import blocked_share, first_hits
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
@@ -68,7 +68,7 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     ]  # fmt: skip
     titles = (f"with the cache, {ours} samples", f"product sampling, {equal} samples")
     path = folder / "vismap-fig13.png"
-    _picture(rivals, titles).savefig(path, dpi=150)
+    save_figure(_picture(rivals, titles), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -88,7 +88,7 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     )  # fmt: skip
     path = folder / "vismap-fig1.png"
     titles = ("with the cache, 10 samples", "product sampling, 10 samples")
-    _picture(rivals, titles, where=pixels).savefig(path, dpi=150)
+    save_figure(_picture(rivals, titles, where=pixels), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -174,14 +174,12 @@ def noisiest_windows(
 
 def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = None) -> Any:
     """Reference and both sides above, two crops of each below."""
-    from matplotlib.figure import Figure
-
     shown = {"reference": rivals.reference, titles[0]: rivals.maps[0], titles[1]: rivals.product[0]}
     exposure = auto_exposure(rivals.reference, 95.0)
     seen = np.stack([srgb_curve(luminance(image) * exposure) for image in rivals.product])
     noise, edge = seen.var(axis=0), seen.shape[1] // 5
     crops = noisiest_windows(noise if where is None else noise * where, edge, 2)
-    figure = Figure(figsize=(12.0, 9.6), layout="constrained")
+    figure = new_figure(12.0, 9.6)
     axes: Any = figure.subplots(3, 3, height_ratios=(1, 1, 1))
     for column, (title, image) in enumerate(shown.items()):
         draw_image(axes[0, column], image, title, exposure=exposure)

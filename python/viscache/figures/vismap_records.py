@@ -13,6 +13,7 @@ from viscache import _core
 from viscache.correlation import measure
 from viscache.figures import vismap_cache_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_records, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.vismap_density import (
     equal_cells,
@@ -22,7 +23,6 @@ from viscache.figures.vismap_density import (
     records_per_cell,
 )
 from viscache.figures.vismap_living_room import living_rooms
-from viscache.figures.vismap_pictures import draw_records
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
@@ -193,12 +193,10 @@ def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _dots(
     scene: Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
 ) -> None:
-    from matplotlib.figure import Figure
-
     view: _core.Camera = find_camera(scene, camera)
     image = render(scene, Direct(n_environment=16), camera=camera, size=size).image
-    figure = Figure(figsize=(5.0 * len(records), 4.0), layout="constrained")
+    figure = new_figure(5.0 * len(records), 4.0)
     both = figure.subplots(1, len(records), squeeze=False)[0]
     for axes, (title, positions) in zip(both, records.items(), strict=True):
         draw_records(axes, image, view, positions, title)
-    figure.savefig(path, dpi=150)
+    save_figure(figure, path, dpi=150)

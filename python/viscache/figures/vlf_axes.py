@@ -12,10 +12,9 @@ import numpy.typing as npt
 
 from viscache import scenes, vlf
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
 from viscache.figures.vlf_occlusion import OFFSET
-from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
 from viscache.figures.vlf_tracers import first_hits, in_turns, write_csv
 from viscache.scene import Scene
 
@@ -132,7 +131,7 @@ def _draw_banding(
     seen: npt.NDArray[np.bool_],
     folder: Path,
 ) -> Path:
-    figure = new_figure((3.0 * (len(errors) + 1), 3.2))
+    figure = new_figure(3.0 * (len(errors) + 1), 3.2)
     pictures = {"reference": reference} | {f"{n} directions": reference + e
                                            for n, e in errors.items()}  # fmt: skip
     for column, (title, values) in enumerate(pictures.items()):

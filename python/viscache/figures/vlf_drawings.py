@@ -11,8 +11,8 @@ import numpy.typing as npt
 from viscache import vlf
 from viscache._core import vlf as core
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
 
 Array = npt.NDArray[Any]
 TILES = 16
@@ -91,7 +91,7 @@ def _near(a: Array, b: Array, tile: tuple[int, int]) -> bool:
 
 def _draw_edges() -> Any:
     corners = np.array([[-0.82, -0.55], [0.75, -0.2], [-0.1, 0.83]])
-    figure = new_figure((8.0, 4.2))
+    figure = new_figure(8.0, 4.2)
     for column, (title, cover) in enumerate((("DDA", dda), ("every tile touched", supercover))):
         axes = figure.add_subplot(1, 2, column + 1)
         shown: set[tuple[int, int]] = set()
@@ -187,7 +187,7 @@ SHOWN = {"A": ((-0.7, -0.6), (0.35, 0.75)), "B": ((-0.25, 0.7), (0.1, -0.8)),
 def _draw_rays(leaves: int) -> Any:
     """Each ray with the tiles, or the leaves, that it visits."""
     n = 5
-    figure = new_figure((9.0, 3.4))
+    figure = new_figure(9.0, 3.4)
     for column, (name, (o, e)) in enumerate(SHOWN.items()):
         axes = figure.add_subplot(1, len(SHOWN), column + 1)
         for x in np.linspace(-1, 1, n + 1):

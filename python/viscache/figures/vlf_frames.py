@@ -14,9 +14,8 @@ from viscache import _core, scenes
 from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
+from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
 from viscache.figures.vlf_tracers import (
     Tuned,
     best_bsp,
@@ -49,7 +48,7 @@ def _random(count: int) -> Scene:
 
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The scenes of random triangles."""
-    outcome, figure = Outcome(), new_figure((8.0, 4.2))
+    outcome, figure = Outcome(), new_figure(8.0, 4.2)
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
         view = _core.look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
@@ -230,7 +229,7 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
     view = scene.cameras[1]
     frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
-    figure = new_figure((8.0, 4.2))
+    figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
         "Whitted": frame.image, "OpenGL-like": local_shading(frame, view, lights)
     }  # fmt: skip

@@ -12,8 +12,8 @@ from viscache import scenes
 from viscache.cases.beams import chords
 from viscache.cases.moving_object import STOPS, ball, with_object
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import draw_lines
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import draw_lines
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf

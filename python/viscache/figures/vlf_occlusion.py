@@ -16,9 +16,8 @@ from viscache import scenes, vlf
 from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import (
     QUICK_DIRECTIONS,
     Tuned,
@@ -207,7 +206,7 @@ EMBREE_ROWS = "Embree's rows"
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Pictures with ambient occlusion, by the aligned batch, held against Embree's bits."""
     names = ("cow", "church") if quick else tuple(printed.OCCLUSION)
-    outcome, figure = Outcome(), new_figure((3.2 * len(names), 3.4))
+    outcome, figure = Outcome(), new_figure(3.2 * len(names), 3.4)
     for column, name in enumerate(names):
         spot = place(name, quick)
         bits = {engine: _bits(spot, engine) for engine in ("batch", "embree")}

@@ -12,8 +12,8 @@ import numpy as np
 from viscache import _core, scenes, vlf
 from viscache.cases.beams import Beams, chords
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
@@ -133,7 +133,7 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
 
 
 def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure((9.0, 6.0))
+    figure = new_figure(9.0, 6.0)
     measures = {"mrays_s": "Mray/s", "tests": "tests per ray"}
     for row, (measure, label) in enumerate(measures.items()):
         for column, name in enumerate(SWEPT):
@@ -180,7 +180,7 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def _draw_memory(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure((4.6, 4.6))
+    figure = new_figure(4.6, 4.6)
     axes = figure.add_subplot(1, 1, 1)
     used, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
     axes.loglog(used, foretold, "o")
