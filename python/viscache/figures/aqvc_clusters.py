@@ -14,6 +14,7 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, presets
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
 from viscache.settings.integrators import Direct, core_settings
@@ -79,6 +80,7 @@ def eye_samples(shot: Shot) -> EyeSamples:
     )
 
 
+@figure("aqvc-fig2", "cells that follow normals and footprints")
 def figure2(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

@@ -14,6 +14,7 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, Trade, presets
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.settings.by_name import replaced
@@ -29,6 +30,7 @@ GRIDS, QUICK_GRIDS = 12, 4
 Plane = npt.NDArray[np.float64]
 
 
+@figure("aqvc-fig3", "shadow edges with and without refinement")
 def figure3(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -75,6 +77,7 @@ def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], pat
     return save_figure(figure, path)
 
 
+@figure("aqvc-fig4", "scan order shifts shadows")
 def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

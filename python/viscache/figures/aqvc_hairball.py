@@ -15,11 +15,13 @@ from viscache.figures.aqvc_runs import Trade, difference, group_rows
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 
 #: C_E without anti-aliasing and with it; the paper's is not told.
 C_E = {False: 16.0, True: 36.0}
 
 
+@figure("aqvc-fig6", "fine geometry")
 def figure6(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

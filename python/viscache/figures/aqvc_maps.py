@@ -15,6 +15,7 @@ from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import CLOSE_UP, SETUPS
 from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.visibility import ShadowMap
 
@@ -25,6 +26,7 @@ QUICK_RESOLUTIONS = (16, 32, 64, 128)
 MEMORY_SHARE = 0.6
 
 
+@figure("aqvc-fig8", "comparison with shadow maps")
 def figure8(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

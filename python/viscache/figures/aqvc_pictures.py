@@ -17,6 +17,7 @@ from viscache.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Band, Outcome, Row
+from viscache.figures.registry import figure
 from viscache.settings.integrators import Bdpt
 
 
@@ -42,6 +43,7 @@ BIDIRECTIONAL_SIZE, QUICK_BIDIRECTIONAL_SIZE = (256, 256), (48, 48)
 BIDIRECTIONAL_SPP, QUICK_BIDIRECTIONAL_SPP = 64, 4
 
 
+@figure("aqvc-fig5", "exact and cached images, amplified difference")
 def figure5(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

@@ -15,6 +15,7 @@ from viscache.figures.aqvc_runs import Shot, Trade, group_rows
 from viscache.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_living_room import SKIES
 from viscache.figures.vlf_tracers import write_csv
 from viscache.plots import label as plot_label
@@ -57,6 +58,7 @@ class Sweep:
         return self.trades["default"][max(self.trades["default"])]
 
 
+@figure("aqvc-fig7", "ray reduction, speed-up and quality over C_E")
 def figure7(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

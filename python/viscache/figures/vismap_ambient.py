@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.frame import Frame
 from viscache.render import render
 from viscache.scenes import build
@@ -23,6 +24,7 @@ SIZE, QUICK_SIZE = (640, 480), (96, 72)
 QUICK_RAYS = 256
 
 
+@figure("vismap-fig10", "ambient occlusion, reference and cached")
 def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rays and time of both, and the error of the cached picture."""
     outcome = Outcome()

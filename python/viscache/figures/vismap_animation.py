@@ -15,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.plots import COLORS
 from viscache.progress import progress_bar
 from viscache.scene import Scene
@@ -57,6 +58,7 @@ class Frame:
     ratio: float
 
 
+@figure("vismap-temporal", "records and misses over the frames of a moving scene")
 def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records, misses and variance ratio per frame."""
     outcome = Outcome()

@@ -17,6 +17,7 @@ from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
 from viscache.figures import vismap_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.sources import SCENES_VARIABLE, is_builtin, made_by_others
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
+@figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The table and both slices of scene (a)."""
     outcome = Outcome()
@@ -71,6 +73,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
+@figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tables and spatial maps of the four scenes, and of two made by others."""
     outcome = Outcome()

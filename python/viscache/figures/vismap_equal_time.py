@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_records import VIEWS
 from viscache.scenes.light_product import blocked_share, first_hits
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
@@ -44,6 +45,7 @@ class Rivals:
         return np.asarray(np.mean([*self.maps, *self.product], axis=0), float)
 
 
+@figure("vismap-fig13", "equal-time comparison, with the crops of figure 14")
 def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The garage in equal time, with crops (Figure 14)."""
     outcome, picture = Outcome(), _garage(quick)
@@ -73,6 +75,7 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
+@figure("vismap-fig1", "an occluded glossy surface, with and without the control variate")
 def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Glossy surfaces of the garage from which most of the light is hidden, at 10 samples."""
     outcome, picture = Outcome(), _garage(quick)

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from viscache.figures import references
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_records import VIEWS
 from viscache.frame import Frame
 from viscache.scenes.garage import sky_image
@@ -26,6 +27,7 @@ QUICK_SIZE, QUICK_SAMPLES = (80, 60), 32
 TURNS_DEG = (0.0, 45.0, 180.0, 270.0)
 
 
+@figure("vismap-fig11", "the control variate's integral as a preview")
 def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Preview and reference of the garage, and the preview under its light turned, without rays."""
     outcome = Outcome()

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.correlation import measure
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.drawing import draw_records, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_density import (
     equal_cells,
     per_cell_angle,
@@ -82,6 +83,7 @@ def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapS
     return Built(cache=cache, report=cache.update(camera, size=size))
 
 
+@figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
 def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records, resolutions and rays per pixel of three scenes, and of two that the paper lacks."""
     outcome = Outcome()
@@ -132,6 +134,7 @@ def _automatic_row(name: str, built: Built) -> Row:
                note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}")  # fmt: skip
 
 
+@figure("vismap-fig8", "positions of the records")
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records by weight alone and by the difference of maps alone."""
     outcome = Outcome()
@@ -168,6 +171,7 @@ def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> 
     return rows
 
 
+@figure("vismap-fig12", "records in the garden scene")
 def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records of the garden, and how many more there are than in a simple scene."""
     outcome = Outcome()

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.plots import COLORS, pareto
 from viscache.progress import progress_bar
 from viscache.scene import Scene
@@ -53,6 +54,7 @@ class Setting:
     guided: VarianceRatio
 
 
+@figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
 def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The grid on the garage, and the settings that no other beats in rays and variance."""
     scene = build(QUICK_SCENE if quick else SCENE)

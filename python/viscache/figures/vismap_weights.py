@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 
 from viscache import _core
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_printed import STEEPNESS, THETA_MAX_DEG
 
 #: Share of d_max at which the slope is taken.
 STEP = 1e-3
 
 
+@figure("vismap-fig5", "the weighting function")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """w of Eq. 9 over the limits of the search, from above left and from below right."""
     far, tilted = 1.0, math.radians(THETA_MAX_DEG)

@@ -14,6 +14,7 @@ from viscache import scenes, vlf
 from viscache.figures import vlf_bands as bands
 from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_occlusion import OFFSET
 from viscache.figures.vlf_tracers import first_hits, in_turns, write_csv
 from viscache.scene import Scene
@@ -31,6 +32,7 @@ QUICK_X4_SCENES = ("bumpy_spheres?triangles=3000",)
 X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 
+@figure("vlf-x2", "error of ambient occlusion over the number of directions")
 def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Error of ambient occlusion over the number of directions, equal and solid-angle weights."""
     triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
@@ -141,6 +143,7 @@ def _draw_banding(
     return save_figure(figure, folder / "vlf-x2-bands.png")
 
 
+@figure("vlf-x4", "the aligned batch against Embree over points per triangle")
 def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The aligned batch against Embree over the points per triangle, and what is chosen."""
     outcome, table = Outcome(), []

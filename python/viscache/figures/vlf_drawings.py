@@ -13,6 +13,7 @@ from viscache._core import vlf as core
 from viscache.figures import vlf_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 
 Array = npt.NDArray[Any]
 TILES = 16
@@ -22,6 +23,7 @@ CHORDS, QUICK_CHORDS = 2000, 300
 NEAR = 2e-5
 
 
+@figure("vlf-fig1", "tiles of an edge: supercover against DDA")
 def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tiles of an edge: supercover against DDA."""
     rng = np.random.default_rng(1)
@@ -117,6 +119,7 @@ def _rectangle(corner: tuple[float, float], width: float, height: float, color: 
     return Rectangle(corner, width, height, facecolor=color, edgecolor="none")
 
 
+@figure("vlf-fig2", "rays over one and several tiles")
 def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rays over one and several tiles."""
     n = QUICK_CHORDS if quick else CHORDS
@@ -149,6 +152,7 @@ def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
                           for p, d in walks]))  # fmt: skip
 
 
+@figure("vlf-fig3", "linear traversal of a tile's leaves")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Leaves of the tiles that a ray crosses: the linear walk and the stack's."""
     rng = np.random.default_rng(3)

@@ -16,6 +16,7 @@ from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
 from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import (
     Tuned,
     best_bsp,
@@ -46,6 +47,7 @@ def _random(count: int) -> Scene:
     return made
 
 
+@figure("vlf-fig4", "the scenes of random triangles")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The scenes of random triangles."""
     outcome, figure = Outcome(), new_figure(8.0, 4.2)
@@ -65,6 +67,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
+@figure("vlf-fig5", "frame time over the number of triangles")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Time of primary rays over the number of random triangles."""
     size = QUICK_SIZE if quick else printed.RANDOM_SIZE
@@ -137,6 +140,7 @@ def _growth_rows(counts: Sequence[int], times: dict[str, list[float]], quick: bo
     return rows
 
 
+@figure("vlf-fig6", "frame times of a walk through a classroom")
 def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     """A walk through the classroom: CPU time of each frame."""
     frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
@@ -222,6 +226,7 @@ def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
     return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
 
 
+@figure("vlf-fig7", "the classroom")
 def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The classroom with Whitted and with OpenGL-like shading."""
     scene: Scene = scenes.classroom_like()

@@ -14,6 +14,7 @@ from viscache.cases.moving_object import STOPS, ball, with_object
 from viscache.figures import vlf_bands as bands
 from viscache.figures.drawing import draw_lines
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
@@ -29,6 +30,7 @@ QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
 CHORDS, QUICK_CHORDS = 50_000, 2_000
 
 
+@figure("vlf-x5", "an object that moves: time of an update against a rebuild")
 def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """CPU time of an update against that of building the field again."""
     settings = QUICK_FIELD if quick else FIELD

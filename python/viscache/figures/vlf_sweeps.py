@@ -14,6 +14,7 @@ from viscache.cases.beams import Beams, chords
 from viscache.figures import vlf_bands as bands
 from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
@@ -52,6 +53,7 @@ QUICK_FIELDS = (
 X3_DIRECTIONS, QUICK_X3_DIRECTIONS = 129, 33
 
 
+@figure("vlf-x1", "speed, tests and memory over directions, tiles and depth")
 def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tiles and tests per ray, speed, bytes and build time over l, n and depth."""
     base = QUICK_BASE if quick else BASE
@@ -147,6 +149,7 @@ def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
     return save_figure(figure, folder / "vlf-x1.png")
 
 
+@figure("vlf-x3", "memory of a field, foretold and used")
 def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Bytes and list entries foretold over those counted."""
     outcome, table = Outcome(), []
