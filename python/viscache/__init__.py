@@ -79,3 +79,8 @@ __all__ = [
     "tune",
     "vlf",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names alone."""
+    return list(__all__)
