@@ -13,13 +13,14 @@ from viscache import (
 )
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import look_at
 from viscache.connections import Connections, connections
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
+from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
@@ -38,7 +39,7 @@ from viscache.vismap import (
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "AmbientOcclusion",
@@ -88,3 +89,8 @@ __all__ = [
     "tune",
     "vlf",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names alone."""
+    return list(__all__)

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.frame import Frame
 from viscache.oracles.oracle import BlockAnswer, Oracle, PairAnswer
 from viscache.oracles.points import GROUPS, EyePoints, FarEnds, ends_of, pack
@@ -18,6 +17,7 @@ from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.render import frame_settings
 from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted, core_settings
 from viscache.settings.rays import Rays

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
-from typing import Any, Literal, TypeAlias, cast, get_args
+from typing import Any, Literal, cast, get_args
 
 from viscache import _core
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import find_camera
 from viscache.combinations import Request, check
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.sources import oracle_source, parameters_of
 from viscache.oracles.written import Written, is_written
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
@@ -34,7 +34,6 @@ from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
 
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 #: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16

@@ -5,19 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from numbers import Real
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import require
+from viscache.settings.maps import MapSettings
 from viscache.settings.source_context import SourceContext
-from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["VisMaps"]
 
 #: A word of `ALPHAS`, or a number.
 Alpha: TypeAlias = str | float
 ALPHAS = ("previous_pass", "loo", "one", "zero")
+
+
+class RecordCache(Protocol):
+    """What `VisMaps` asks of a `VisibilityMapCache`, which is built over a scene, far above."""
+
+    @property
+    def settings(self) -> MapSettings:
+        """How its records are made."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -58,7 +65,7 @@ class VisMaps(MapSettings):
         Settings of the records: see `MapSettings`.
     """
 
-    cache: VisibilityMapCache | None = None
+    cache: RecordCache | None = None
     update: bool = True
     count_misses: bool = False
     alpha: Alpha = "previous_pass"
@@ -68,7 +75,7 @@ class VisMaps(MapSettings):
 
     def __post_init__(self) -> None:
         MapSettings.__post_init__(self)
-        own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
+        own = self.cache is None or isinstance(getattr(self.cache, "settings", None), MapSettings)
         require(own, "cache must be a VisibilityMapCache", self.cache)
         require(
             self.alpha != "oracle",

@@ -13,11 +13,11 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.environments import apply_environment, decode_images
 from viscache.oracles.correct import Correct
 from viscache.oracles.oracle import Oracle
 from viscache.oracles.written import Written
-from viscache.scenes.coplanar import coplanar_share
+from viscache.scene.coplanar import coplanar_share
+from viscache.scene.environments import apply_environment, decode_images
 from viscache.settings.checks import checked_points, checked_threads
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.visibility import Visibility
