@@ -12,7 +12,8 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.by_name import NotThereYetError
+from viscache.settings.spelling import nearest
 
 #: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
 COMMANDS = {

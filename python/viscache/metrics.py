@@ -234,7 +234,7 @@ METRICS: dict[str, Callable[[Image, Image], float | None]] = {
 
 def check_names(metrics: Iterable[str] | None) -> list[str]:
     """The names as a list (all of them for None); ValueError names the nearest known one."""
-    from viscache.settings.by_name import nearest
+    from viscache.settings.spelling import nearest
 
     names = list(METRICS) if metrics is None else list(metrics)
     for name in names:

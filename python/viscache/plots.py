@@ -11,8 +11,8 @@ import numpy as np
 
 from viscache import labels
 from viscache.drawing import new_figure
-from viscache.settings.by_name import nearest
 from viscache.settings.checks import require
+from viscache.settings.spelling import nearest
 from viscache.sweeps.swept import (
     COLORS,
     MOST_MARKERS,

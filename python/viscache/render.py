@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Literal, TypeAlias
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import find_camera
+from viscache.cameras import find_camera, frame_size
 from viscache.frame import Frame
 from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
@@ -26,6 +27,7 @@ from viscache.settings.integrators import (
     core_settings,
 )
 from viscache.settings.rays import Embree, Rays, Vlf, check_rays
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
@@ -37,12 +39,13 @@ Progress: TypeAlias = bool | Callable[[int, int], None]
 MOST_POINTS_OF_A_TILE = 1 << 16
 
 
+@spelled
 def render(
-    scene: Scene,
-    integrator: Integrator,
+    scene: Scene | str | os.PathLike[str],
+    integrator: Integrator | str,
     *,
-    rays: Rays | None = None,
-    visibility: Visibility | None = None,
+    rays: Rays | str | None = None,
+    visibility: Visibility | str | None = None,
     use: Literal["replace", "correct"] | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -57,12 +60,16 @@ def render(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
+        A string is a file or a built-in name (`room?triangles=5000`).
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
+        Or its name with default settings: "direct", "whitted", "ao" or "bdpt". So with the next
+        two.
     rays : Embree, Bsp or Vlf, optional
-        The ray caster: all rays of the frame go through it.
+        The ray caster: all rays of the frame go through it. "embree", "bsp" or "vlf".
     visibility : Exact, Aqvc, ShadowMap, NeePlusPlus or VisMaps, optional
-        Who answers "does x see y?"; exact by default.
+        Who answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
+        "nee_plus_plus" or "vismap".
     use : {"replace", "correct"}, optional
         How an approximation is used: in place of visibility (Aqvc, ShadowMap), or as a control
         variate whose error is traced (the default of VisMaps, which offers both).
@@ -112,6 +119,7 @@ def render(
     >>> scene = vc.scenes.cube_on_plane()
     >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
     (20, 32, 3)
+    >>> frame = vc.render("slits", "direct", visibility="aqvc", size=(32, 20))
     """
     return render_part(
         scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
@@ -120,12 +128,12 @@ def render(
 
 
 def render_part(
-    scene: Scene,
-    integrator: Integrator,
+    scene: Scene | str | os.PathLike[str],
+    integrator: Integrator | str,
     part: tuple[int, int],
     *,
-    rays: Rays | None = None,
-    visibility: Visibility | None = None,
+    rays: Rays | str | None = None,
+    visibility: Visibility | str | None = None,
     use: Literal["replace", "correct"] | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -140,16 +148,16 @@ def render_part(
 
     `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
     """
-    rays = Embree() if rays is None else rays
-    visibility = visibility or Exact()
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
+    integrator = typing.cast(Integrator, by_name.setting("integrator", integrator))
+    rays = check_rays(rays)
+    visibility = typing.cast(Visibility, by_name.setting("visibility", visibility, "exact"))
     for name, value, known in (
         ("integrator", integrator, typing.get_args(Integrator)),
         ("visibility", visibility, typing.get_args(Visibility)),
     ):
         classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
         require(isinstance(value, known), f"{name} must be {classes}", value)
-    check_rays(rays)
     _check_use(use, visibility, integrator)
     _check_shared(integrator, rays, visibility)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
@@ -162,7 +170,7 @@ def render_part(
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
-    frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
+    frame = _frame_settings(frame_size(size, view), spp, seed, threads)
     frame.part, frame.parts = _checked_part(part, integrator, visibility)
 
     start, cpu = time.perf_counter(), time.process_time()

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, overload
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, queries
 from viscache._core import SceneDescription, SceneError
 from viscache.environments import apply_environment, decode_images
+from viscache.queries import Intersection
 from viscache.scenes.coplanar import coplanar_share
-from viscache.settings.checks import checked_points, checked_threads
+from viscache.settings.checks import checked_threads
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
+from viscache.settings.spelling import spelled
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 
@@ -26,32 +28,11 @@ Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray
 MOST_COUNTED_TRIANGLES = 5_000_000
 
 
-class Intersection(NamedTuple):
-    """Nearest hits of N rays.
-
-    Attributes
-    ----------
-    t : (N,) float32
-        Distance in units of the direction's length; inf where nothing is hit. A surface through the
-        origin itself is hit at 0 by Embree's robust rays, not by others: start off it.
-    triangle : (N,) int64
-        Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
-    barycentrics : (N, 2) float32
-        Weights of the triangle's vertices 1 and 2; NaN for a miss.
-    instance : (N,) int64
-        Index of the instance; -1 for a miss or a mesh that is not instanced.
-    """
-
-    t: npt.NDArray[np.float32]
-    triangle: npt.NDArray[np.int64]
-    barycentrics: npt.NDArray[np.float32]
-    instance: npt.NDArray[np.int64]
-
-
 #: Sizes from the origin from which on a scene is warned of.
 FAR_AWAY = 1e4
 
 
+@spelled
 class Scene:
     """An immutable scene.
 
@@ -272,8 +253,8 @@ class Scene:
     @overload
     def caster(self, rays: Vlf, *, threads: int | None = None) -> _core.vlf.VisibilityField: ...
     @overload
-    def caster(self, rays: Rays | None, *, threads: int | None = None) -> Caster: ...
-    def caster(self, rays: Rays | None = None, *, threads: int | None = None) -> Caster:
+    def caster(self, rays: Rays | str | None, *, threads: int | None = None) -> Caster: ...
+    def caster(self, rays: Rays | str | None = None, *, threads: int | None = None) -> Caster:
         """A ray caster over the scene, built on first use.
 
         Embree's stay with the scene; of the others, the one asked for last.
@@ -281,7 +262,7 @@ class Scene:
         Parameters
         ----------
         rays : Embree, Bsp or Vlf, optional
-            Embree, robust, by default.
+            Or "embree", "bsp", "vlf"; Embree, robust, by default.
         threads : int, optional
             To build with; all cores by default. The caster is the same on any number.
 
@@ -290,7 +271,7 @@ class Scene:
         MemoryError
             The structure would need more than the settings allow.
         """
-        rays = Embree() if rays is None else check_rays(rays)
+        rays = check_rays(rays)
         if isinstance(rays, Embree):
             if rays not in self._embree:
                 self._embree[rays] = rays.build(self._core)
@@ -311,16 +292,17 @@ class Scene:
         x: npt.ArrayLike,
         y: npt.ArrayLike,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does x see y?
 
         Parameters
         ----------
-        x, y : (N, 3) float
-            End points, in scene units. The segment is shortened at both ends by 32 units in the
-            last place of the larger coordinate, so that surfaces at the ends do not block it.
+        x, y : (..., 3) float
+            End points, in scene units; they broadcast as NumPy's arrays do. The segment is
+            shortened at both ends by 32 units in the last place of the larger coordinate, so that
+            surfaces at the ends do not block it.
         rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
         threads : int, optional
@@ -328,15 +310,75 @@ class Scene:
 
         Returns
         -------
-        (N,) bool
+        (...) bool
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
+
+        Examples
+        --------
+        Four points against two, as a matrix:
+
+        >>> import numpy as np
+        >>> import viscache as vc
+        >>> x, y = np.eye(4, 3) + 1, np.eye(2, 3) + 3
+        >>> vc.scenes.cube_on_plane().visible(x[:, None], y[None]).shape
+        (4, 2)
+        """
+        return queries.visible(self.caster(rays, threads=threads), x, y, threads)
+
+    def visible_matrix(
+        self,
+        points: npt.ArrayLike,
+        targets: npt.ArrayLike,
+        *,
+        rays: Rays | str | None = None,
+        threads: int | None = None,
+        progress: bool | Callable[[int, int], None] = False,
+    ) -> npt.NDArray[np.uint64]:
+        """Does each of N points see each of M targets? One bit for every pair.
+
+        The same answers as `visible(points[:, None], targets[None])`, in a 512th of its memory:
+        rays are made tile by tile.
+
+        Parameters
+        ----------
+        points : (N, 3) float
+        targets : (M, 3) float
+            In scene units. Segments are shortened as by `visible`.
+        rays : Embree, Bsp or Vlf, optional
+            Who traces; Embree by default. With `Embree(robust=False)`, rays through an edge may be
+            answered otherwise than by `visible`.
+        threads : int, optional
+            All cores by default; the bits do not depend on it.
+        progress : bool or callable
+            True shows a bar; a callable gets (done, total).
+
+        Returns
+        -------
+        (N, ⌈M/64⌉) uint64
+            Bit k % 64 of word k // 64 of row i is 1 if point i sees target k; unused bits are 0.
 
         Raises
         ------
         ValueError
             Wrong shapes, or coordinates that are not finite or above 1e16.
+        KeyboardInterrupt
+            Within half a second of Ctrl-C.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import viscache as vc
+        >>> scene = vc.scenes.cube_on_plane()
+        >>> bits = scene.visible_matrix(np.eye(4, 3) + 1, np.eye(2, 3) + 3)
+        >>> np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=2).shape
+        (4, 2)
         """
-        ends = checked_points(x, "x"), checked_points(y, "y")
-        return self.caster(rays, threads=threads).visible(*ends, checked_threads(threads))
+        caster = self.caster(rays, threads=threads)
+        return queries.visible_matrix(caster, points, targets, threads, progress)
 
     def occluded(
         self,
@@ -344,7 +386,7 @@ class Scene:
         directions: npt.ArrayLike,
         t_max: float | npt.ArrayLike = np.inf,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything up to t_max?
@@ -354,9 +396,10 @@ class Scene:
 
         Parameters
         ----------
-        origins, directions : (N, 3) float
-            Directions of any length; a zero direction hits nothing.
-        t_max : float or (N,) float, >= 0
+        origins, directions : (..., 3) float
+            Directions of any length; a zero direction hits nothing. With `t_max` they broadcast as
+            NumPy's arrays do.
+        t_max : float or (...) float, >= 0
             In units of the direction's length.
         rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
@@ -365,29 +408,32 @@ class Scene:
 
         Returns
         -------
-        (N,) bool
+        (...) bool
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
         """
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        cores = checked_threads(threads)
-        return self.caster(rays, threads=threads).occluded(o, d, t_max, cores)
+        caster = self.caster(rays, threads=threads)
+        return queries.occluded(caster, origins, directions, t_max, threads)
 
     def intersect(
         self,
         origins: npt.ArrayLike,
         directions: npt.ArrayLike,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> Intersection:
-        """Nearest hits of (N, 3) rays; see `Intersection`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        caster = self.caster(rays, threads=threads)
-        return Intersection(*caster.intersect(o, d, checked_threads(threads)))
+        """Nearest hits of (..., 3) rays, which broadcast; see `Intersection`."""
+        return queries.intersect(self.caster(rays, threads=threads), origins, directions, threads)
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
 
 
+@spelled
 def load_scene(
     path: str | os.PathLike[str],
     *,

@@ -1,12 +1,13 @@
-"""What SCENE means on the command line and in sweep files: a file, or a built-in name."""
+"""What a scene may be given as: a scene, a file, or a built-in name."""
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
 from typing import Any
 
+from viscache.scene import Scene, load_scene
+from viscache.scenes import SCENES, build
 from viscache.settings.checks import require
 
 
@@ -19,7 +20,7 @@ def is_builtin(spec: str) -> bool:
     name = spec.partition("?")[0]
     if not name or set("./\\") & set(name) or Path(spec).is_file():
         return False
-    return not Path(spec).is_dir() or name in importlib.import_module("viscache.scenes").SCENES
+    return not Path(spec).is_dir() or name in SCENES
 
 
 def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
@@ -29,7 +30,7 @@ def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
     return str(Path(relative_to) / spec)
 
 
-def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Any:
+def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Scene:
     """The scene of a spec.
 
     Raises
@@ -39,8 +40,17 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
     ValueError
         An unknown built-in scene or parameter.
     """
-    vc: Any = importlib.import_module("viscache")
     require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):
-        return importlib.import_module("viscache.scenes").build(spec)
-    return vc.load_scene(spec, strict=strict, env=env)
+        made: Scene = build(spec)
+        return made
+    return load_scene(spec, strict=strict, env=env)
+
+
+def opened(scene: Any) -> Scene:
+    """The scene that an argument `scene` means: a Scene itself, a path, or a built-in name."""
+    if isinstance(scene, str | os.PathLike):
+        return open_scene(os.fspath(scene))
+    require(isinstance(scene, Scene), "scene must be a Scene, a file or a built-in name", scene)
+    checked: Scene = scene
+    return checked

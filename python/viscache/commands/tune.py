@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
     parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
                         help="a parameter by its symbol: c_n=8, integrator.n_vpls=256")  # fmt: skip
-    parser.add_argument("--size", type=size, metavar="WxH", default=(640, 400))
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)

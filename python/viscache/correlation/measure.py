@@ -44,8 +44,8 @@ from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.progress import progress_bar
 from viscache.provenance import version
-from viscache.scene import Scene
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ __all__ = ["correlate", "measure", "phi"]
 Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 
+@spelled
 def measure(
     scene: Any,
     *,
@@ -87,7 +88,7 @@ def measure(
 
     Parameters
     ----------
-    scene : Scene or str
+    scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=200000`).
     n_points : int >= 16
         Points on the surfaces. 195,000 with all pairs are the 1.9·10¹⁰ estimates of the paper.
@@ -159,17 +160,13 @@ def measure(
     >>> dict(ds["mean"].sizes)
     {'d': 128, 'theta': 180}
     """
-    opened = sources.open_scene(scene) if isinstance(scene, str) else scene
-    require(isinstance(opened, Scene), "scene must be a Scene, a file or a built-in name", scene)
+    opened = sources.opened(scene)
     check_seed(seed)
     where = points or ("camera" if opened.cameras or camera is not None else "area")
     require(t_max > 0, "t_max must be > 0", t_max)
     require(domain == "sphere" or normals == "geometric",
             'domain must be "sphere" with shading normals', domain)  # fmt: skip
     spec = scene if isinstance(scene, str) else opened.spec
-    require(executor is None or isinstance(spec, str),
-            "scene must be a file or a built-in name when an executor's workers trace it",
-            scene)  # fmt: skip
     chosen = _rows.DirectionSet(map_size=map_size, kind=directions, seed=seed)
     found = _rows.surface_points(opened, n_points, points=where, camera=camera, seed=seed,
                                  normals=normals, threads=threads)  # fmt: skip
@@ -191,7 +188,7 @@ def measure(
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
-            first=first, last=last, folder=run.folder, scene=spec, threads=threads, t_max=t_max,
+            first=first, last=last, folder=run.folder, scene=scene, threads=threads, t_max=t_max,
             scene_hash=opened.content_hash, directions=chosen, engine=engine,
         )  # fmt: skip
 
@@ -223,6 +220,7 @@ def _rows_per_block(engine: RowEngine) -> int | None:
     return BATCH_ROWS_PER_BLOCK if engine in ("auto", "batch") else None
 
 
+@spelled
 def correlate(
     bits: npt.ArrayLike,
     positions: npt.ArrayLike,

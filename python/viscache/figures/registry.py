@@ -42,7 +42,8 @@ from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.by_name import NotThereYetError
+from viscache.settings.spelling import nearest
 
 __all__ = ["FIGURES", "FigureInfo", "reproduce"]
 

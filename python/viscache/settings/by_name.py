@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import difflib
 import importlib
 import json
 import math
 import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
+
+from viscache.settings.spelling import nearest
 
 Role: TypeAlias = Literal["integrator", "rays", "visibility"]
 
@@ -38,13 +39,6 @@ RAYS_AS_VISIBILITY = ("vlf", "bsp")
 
 class NotThereYetError(ValueError):
     """A setting or sub-command that has a name but no implementation yet."""
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """'; did you mean "x"?' or '; known: ...': the end of a message about an unknown name."""
-    names = list(known)
-    close = difflib.get_close_matches(name, names, 1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(names)}"
 
 
 def settings_class(role: Role, name: str) -> type[Any]:
@@ -82,6 +76,12 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
         raise ValueError(f"{role} must be a name or a table with a name, got {spec!r}")
     cls = settings_class(role, name)
     return replaced(cls(), table, role)
+
+
+def setting(role: Role, value: Any, default: str | None = None) -> Any:
+    """Settings as a call takes them: a name or a table becomes an object, None the default's."""
+    value = default if value is None else value
+    return make(role, value) if isinstance(value, (str, Mapping)) else value
 
 
 def parameters(settings: Any) -> dict[str, Any]:

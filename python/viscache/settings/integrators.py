@@ -10,12 +10,14 @@ from typing import Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import setting
 
 __all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 
 PMode: TypeAlias = Literal["last_vertex", "footprint"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Direct:
     """Direct light: point, directional, area lights and environment.
@@ -67,6 +69,7 @@ class Direct:
         require(1 <= self.passes <= 1 << 16, "passes must be in [1, 65536]", self.passes)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Whitted:
     """Eye paths through mirrors and glass, direct light, and virtual point lights for the rest.
@@ -133,6 +136,7 @@ class Whitted:
         require(0 <= self.vpl_bound <= 1, "vpl_bound must be in [0, 1]", self.vpl_bound)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AmbientOcclusion:
     """The visible share of the hemisphere, in [0, 1].
@@ -178,6 +182,7 @@ class AmbientOcclusion:
         _check_density(self)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Bdpt:
     """Bidirectional path tracing (Veach 1997): all light paths of up to `max_depth` edges.

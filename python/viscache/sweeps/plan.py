@@ -13,6 +13,7 @@ import numpy as np
 
 from viscache.provenance import cpu_model, provenance, version
 from viscache.settings import by_name
+from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.store import content_key
 
@@ -232,7 +233,7 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
         return None
     for name in converged:
         if name not in ("spp", "seed"):
-            raise ValueError(f"converged has no {name!r}{by_name.nearest(name, ('spp', 'seed'))}")
+            raise ValueError(f"converged has no {name!r}{nearest(name, ('spp', 'seed'))}")
     if "spp" not in converged:
         raise ValueError(f"converged must name spp, got {dict(converged)}")
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import asdict, replace
 
 import numpy as np
 
-from viscache import _core
-from viscache.cameras import find_camera
+from viscache import _core, sources
+from viscache.cameras import find_camera, frame_size
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
 from viscache.settings.checks import checked_threads, is_whole, require
+from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache, checked_size
-from viscache.vismap.settings import MapSettings
+from viscache.vismap.settings import MapSettings, map_settings
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 
@@ -22,11 +24,12 @@ __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 AMBIENT = MapSettings(criterion="ambient", w_min=0.1, d_max=0.025)
 
 
+@spelled
 def cached_ambient_occlusion(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     *,
     cache: VisibilityMapCache | None = None,
-    settings: MapSettings | None = None,
+    settings: MapSettings | str | None = None,
     camera: str | int | _core.Camera | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -43,13 +46,13 @@ def cached_ambient_occlusion(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     cache : VisibilityMapCache, optional
         A cache of the scene with criterion "ambient", which grows where the image needs it; a new
         one by default.
     settings : MapSettings, optional
-        Of the new cache, by default `viscache.vismap.ambient.AMBIENT`; its criterion becomes
-        "ambient".
+        Of the new cache, or the name of a preset; by default `viscache.vismap.ambient.AMBIENT`. Its
+        criterion becomes "ambient".
     camera, size, threads
         As in `viscache.render`.
     spp, seed : int
@@ -83,10 +86,11 @@ def cached_ambient_occlusion(
     >>> frame.image.shape, frame.counters["unserved"]
     ((20, 32, 1), 0)
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     require(cache is None or settings is None, "settings must be left out with a cache", settings)
     if cache is None:
-        cache = VisibilityMapCache(scene, replace(settings or AMBIENT, criterion="ambient"))
+        chosen = map_settings(settings or AMBIENT)
+        cache = VisibilityMapCache(scene, replace(chosen, criterion="ambient"))
     ambient = cache.settings.criterion == "ambient"
     require(ambient, 'the cache\'s criterion must be "ambient"', cache.settings.criterion)
     require(cache.scene.content_hash == scene.content_hash, "cache must be of the scene",
@@ -94,7 +98,7 @@ def cached_ambient_occlusion(
     require(is_whole(spp) and 1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
     require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     view = find_camera(scene, camera)
-    columns, rows = checked_size(size or (view.width, view.height))
+    columns, rows = checked_size(frame_size(size, view))
     cores = checked_threads(threads)
 
     start, cpu = time.perf_counter(), time.process_time()

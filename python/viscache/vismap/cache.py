@@ -10,16 +10,17 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
-from viscache.cameras import find_camera
+from viscache import _core, sources
+from viscache.cameras import find_camera, frame_size
 from viscache.progress import progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
-from viscache.settings.rays import Caster, Embree, Rays, check_rays
+from viscache.settings.rays import Caster, Rays, check_rays
+from viscache.settings.spelling import spelled
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
-from viscache.vismap.settings import MapSettings
+from viscache.vismap.settings import MapSettings, map_settings
 
 __all__ = ["VisibilityMapCache"]
 
@@ -28,13 +29,15 @@ Progress: TypeAlias = bool | Callable[[int, int], None]
 MAX_PIXELS = 1 << 28
 
 
+@spelled
 class VisibilityMapCache:
     """Records of a scene (paper: Section 5).
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     settings : MapSettings, optional
+        Or the name of a preset.
     rays : Embree, Bsp or Vlf, optional
         Who traces the rays of the records; Embree by default.
 
@@ -49,14 +52,16 @@ class VisibilityMapCache:
     """
 
     def __init__(
-        self, scene: Scene, settings: MapSettings | None = None, *, rays: Rays | None = None
+        self,
+        scene: Scene | str | os.PathLike[str],
+        settings: MapSettings | str | None = None,
+        *,
+        rays: Rays | str | None = None,
     ) -> None:
-        settings = settings or MapSettings()
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
-        require(isinstance(settings, MapSettings), "settings must be a MapSettings", settings)
-        self.scene = scene
+        settings = map_settings(settings)
+        self.scene = sources.opened(scene)
         self.settings = settings
-        self.rays_by = Embree() if rays is None else check_rays(rays)
+        self.rays_by = check_rays(rays)
         self._core = _core.vismap.MapCache(settings.core(), settings.seed)
         self._lock = threading.RLock()
         #: Number of the current frame; `end_frame` counts on.
@@ -101,7 +106,7 @@ class VisibilityMapCache:
         camera: str | int | _core.Camera | None = None,
         *,
         size: tuple[int, int] | None = None,
-        scene: Scene | None = None,
+        scene: Scene | str | os.PathLike[str] | None = None,
         at: tuple[float, float] = (0.5, 0.5),
         threads: int | None = None,
         progress: Progress = False,
@@ -134,10 +139,9 @@ class VisibilityMapCache:
             Within half a second of Ctrl-C; whole records are kept.
         """
         if scene is not None:
-            require(isinstance(scene, Scene), "scene must be a Scene", scene)
-            self.scene = scene
+            self.scene = sources.opened(scene)
         view = find_camera(self.scene, camera)
-        width, height = checked_size(size or (view.width, view.height))
+        width, height = checked_size(frame_size(size, view))
         cores = checked_threads(threads)
         with self._lock:
             startup = self._start(view, width, height, cores)
@@ -357,13 +361,15 @@ class VisibilityMapCache:
         cache_file.write(path, state)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], scene: Scene) -> VisibilityMapCache:
+    def load(
+        cls, path: str | os.PathLike[str], scene: Scene | str | os.PathLike[str]
+    ) -> VisibilityMapCache:
         """Read a cache back.
 
         Parameters
         ----------
         path : path
-        scene : Scene
+        scene : Scene, path or str
             The scene it was made in.
 
         Raises
@@ -374,7 +380,7 @@ class VisibilityMapCache:
         OSError
             The file cannot be read.
         """
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
+        scene = sources.opened(scene)
         state = cache_file.read(path, scene.content_hash)
         cache = cls(scene, MapSettings(**state.settings))
         fit = np.array_equal(cache.directions, state.directions)

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import require
+from viscache.settings.spelling import setting
 from viscache.vismap.cache import VisibilityMapCache
 from viscache.vismap.settings import MapSettings
 
@@ -19,6 +20,7 @@ Alpha: TypeAlias = str | float
 ALPHAS = ("previous_pass", "loo", "one", "zero")
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class VisMaps(MapSettings):
     """Visibility maps for the environment's light (Clarberg, Akenine-Möller 2008).

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
+from viscache.cameras import find_camera, frame_size
 from viscache.environments import read_image
 from viscache.frame import Frame
 from viscache.progress import progress_bar
@@ -18,6 +18,7 @@ from viscache.provenance import provenance
 from viscache.scene import Env
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
+from viscache.settings.spelling import spelled
 from viscache.vismap.cache import Progress, VisibilityMapCache, checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]
@@ -27,6 +28,7 @@ Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 MOST_ROWS = 256
 
 
+@spelled
 class Relighting:
     """An image of a scene whose environment light can be turned and replaced in milliseconds.
 
@@ -72,7 +74,7 @@ class Relighting:
         require(blends, 'the cache\'s criterion must be "visibility"', cache.settings.criterion)
         self.cache = cache
         view = find_camera(cache.scene, camera)
-        self.size = checked_size(size or (view.width, view.height))
+        self.size = checked_size(frame_size(size, view))
         self._view = view.name
         self._threads = checked_threads(threads)
         if update:

@@ -113,7 +113,7 @@ def simulate(
     samples: Sequence[int],
     *,
     camera: str | int | _core.Camera | None = None,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     n_pixels: int = 256,
     replicates: int = 32,
     seed: int = 0,
@@ -130,8 +130,8 @@ def simulate(
         Per pixel and pass, or in all where the way is `one_shot`.
     camera : str, int or Camera, optional
         As `viscache.render` takes it.
-    size : (width, height)
-        Of the picture: pixels decide how far records are looked for.
+    size : (width, height), optional
+        Of the picture: pixels decide how far records are looked for. The camera's own by default.
     n_pixels : int >= 1
         Drawn from those that see a surface, all of them if there are fewer.
     replicates : int >= 2

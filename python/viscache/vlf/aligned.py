@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,11 +11,13 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
+from viscache.array_output import ArrayOutput
 from viscache.progress import progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Vlf
+from viscache.settings.spelling import spelled
 from viscache.vlf.directions import checked_directions
 
 if TYPE_CHECKING:
@@ -33,8 +36,8 @@ Progress: TypeAlias = bool | Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class AlignedRows:
-    """What N points see along l axes."""
+class AlignedRows(ArrayOutput):
+    """What N points see along l axes; as an array, the bits."""
 
     bits: npt.NDArray[np.uint64]
     """(N, ⌈l/64⌉): bit k % 64 of word k // 64 is 1 if nothing blocks the point's ray along axis k,
@@ -52,9 +55,13 @@ class AlignedRows:
         """One per point and axis."""
         return len(self.bits) * self.n_directions
 
+    def _array(self) -> npt.NDArray[np.uint64]:
+        return self.bits
 
+
+@spelled
 def aligned_occlusion(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: npt.ArrayLike,
     normals: npt.ArrayLike,
     n_directions: int = 513,
@@ -81,8 +88,9 @@ def aligned_occlusion(
     ).bits  # fmt: skip
 
 
+@spelled
 def trace_aligned(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: npt.ArrayLike,
     normals: npt.ArrayLike,
     n_directions: int = 513,
@@ -97,7 +105,7 @@ def trace_aligned(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     points : (N, 3) float
         On surfaces; rays start 8 units in the last place off them (visibility/query.h).
     normals : (N, 3) float
@@ -131,7 +139,7 @@ def trace_aligned(
     KeyboardInterrupt
         Within half a second of Ctrl-C.
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     known = engine in get_args(Engine)
     require(known, 'engine must be "auto", "batch", "embree" or "field"', engine)
     frames = _core.vlf.direction_frames(checked_directions(n_directions))
