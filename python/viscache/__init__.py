@@ -9,6 +9,8 @@ from viscache import (
     scenes,
     temporal,
     tiles,
+    variance,
+    vismap,
     vlf,
 )
 from viscache._core import SceneDescription
@@ -76,5 +78,12 @@ __all__ = [
     "temporal",
     "tiles",
     "tune",
+    "variance",
+    "vismap",
     "vlf",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names, without the modules that importing leaves behind."""
+    return sorted(__all__)

@@ -166,6 +166,8 @@ def render_part(
         _check_keep(keep, integrator, visibility)
         require(tuple(part) == (0, 1), "keep must be left out for parts of a frame", keep)
         visibility = typing.cast(Aqvc, visibility).for_kept_table()
+    if isinstance(integrator, AmbientOcclusion):
+        integrator = integrator.within(scene.bounds)
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias, overload
+from typing import Any, TypeAlias, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +15,9 @@ from viscache import _core, queries
 from viscache._core import SceneDescription, SceneError
 from viscache.environments import apply_environment, decode_images
 from viscache.queries import Intersection
+from viscache.scene_parts import Mesh, add_mesh, add_trimesh, checked_meshes
 from viscache.scenes.coplanar import coplanar_share
-from viscache.settings.checks import checked_threads
+from viscache.settings.checks import checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
 
@@ -36,8 +37,9 @@ FAR_AWAY = 1e4
 class Scene:
     """An immutable scene.
 
-    Made by `load_scene`, `Scene.from_arrays`, a function of `viscache.scenes`, or
-    `Scene.from_description`.
+    Made by `load_scene`, `Scene.from_arrays`, `Scene.from_trimesh`, a function of
+    `viscache.scenes`, or `Scene.from_description`. It pickles: by its spec where that gives a scene
+    of the same `content_hash`, else with its arrays, so that pools of processes can take it.
     """
 
     def __init__(self, core: _core.Scene, spec: str | None = None) -> None:
@@ -64,25 +66,27 @@ class Scene:
     @classmethod
     def from_arrays(
         cls,
-        vertices: npt.ArrayLike,
-        triangles: npt.ArrayLike,
+        vertices: npt.ArrayLike | Sequence[Mesh],
+        triangles: npt.ArrayLike | None = None,
         *,
         normals: npt.ArrayLike | None = None,
         base_color: Sequence[float] = (0.5, 0.5, 0.5),
         env: Env | None = None,
     ) -> Scene:
-        """One diffuse, two-sided mesh.
+        """One diffuse, two-sided mesh, or a list of meshes with materials.
 
         Parameters
         ----------
-        vertices : (V, 3) float
-            Positions; finite, at most 1e16 in size.
+        vertices : (V, 3) float, or list of (vertices, triangles) or (vertices, triangles, material)
+            Positions; finite, at most 1e16 in size. A material is an albedo (3,) or a mapping of
+            what `SceneDescription.add_material` takes, whose kind may be a string:
+            `{"kind": "glossy", "roughness": 0.3}`.
         triangles : (T, 3) int
-            Vertex indices in [0, V).
+            Vertex indices in [0, V); left out with a list.
         normals : (V, 3) float, optional
-            Shading normals.
+            Shading normals of the one mesh.
         base_color : (3,) float in [0, 1]
-            Albedo.
+            Albedo of meshes without a material.
         env : path, float, (3,) or (H, W, 3), optional
             Environment light: a lat-long image or constant radiance.
 
@@ -90,25 +94,58 @@ class Scene:
         ------
         SceneError
             An index out of range or a vertex that is not finite.
+        ValueError
+            No list of meshes where triangles are left out.
 
         Examples
         --------
         >>> import viscache as vc
-        >>> scene = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-        >>> scene.visible([[0.2, 0.2, 1.0]], [[0.2, 0.2, -1.0]])
-        array([False])
+        >>> corners, one = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
+        >>> scene = vc.Scene.from_arrays(corners, one)
+        >>> scene.visible([0.2, 0.2, 1.0], [[0.2, 0.2, -1.0], [0.9, 0.9, -1.0]])
+        array([False,  True])
+        >>> vc.Scene.from_arrays([(corners, one), (corners, one, (1.0, 0.0, 0.0))]).triangles
+        2
         """
-        indices = np.asarray(triangles)
-        if indices.size and indices.dtype.kind not in "iu":
-            raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
-        if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
-            low, high = indices.min(), indices.max()
-            raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
         description = SceneDescription()
-        material = description.add_material(base_color=_rgb(base_color, "base_color"))
-        description.add_mesh(
-            vertices, indices.astype(np.uint32), material=material, normals=normals
-        )
+        if triangles is None:
+            require(normals is None, "normals must be left out with a list of meshes", normals)
+            for mesh in checked_meshes(vertices):
+                material = mesh[2] if len(mesh) > 2 else base_color
+                add_mesh(description, mesh[0], mesh[1], material)
+        else:
+            one = cast("npt.ArrayLike", vertices)
+            add_mesh(description, one, triangles, base_color, normals)
+        if env is not None:
+            apply_environment(description, env)
+        return cls.from_description(description)
+
+    @classmethod
+    def from_trimesh(cls, meshes: Any, *, env: Env | None = None) -> Scene:
+        """A scene of trimesh's objects.
+
+        Parameters
+        ----------
+        meshes : trimesh.Trimesh, trimesh.Scene or a list of them
+            What a trimesh scene places is placed. A mesh keeps its main colour as albedo, its
+            texture and shading do not come along.
+        env : path, float, (3,) or (H, W, 3), optional
+            Environment light: trimesh's lights do not come along.
+
+        Raises
+        ------
+        SceneError
+            Something that has no triangles, or triangles that cannot be used.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> import viscache as vc
+        >>> vc.Scene.from_trimesh(trimesh.creation.box(), env=1.0).triangles
+        12
+        """
+        description = SceneDescription()
+        add_trimesh(description, meshes)
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
@@ -144,13 +181,15 @@ class Scene:
     def warnings(self) -> list[str]:
         """What the file asked for that is not modelled, with its place; what to know of a scene.
 
-        That it has no light, or lies so far from the origin that single precision has lost much of
-        its shape.
+        That it has no triangles, no light, or lies so far from the origin that single precision has
+        lost much of its shape.
         """
         texts = [
             f"{where}: {text}" if where else text
             for where, text in _core.scene_warnings(self._core)
         ]
+        if self.triangles == 0:
+            texts.append("the scene has no triangles; rays hit nothing")
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
         return texts + self._far_away()
@@ -429,6 +468,23 @@ class Scene:
         """Nearest hits of (..., 3) rays, which broadcast; see `Intersection`."""
         return queries.intersect(self.caster(rays, threads=threads), origins, directions, threads)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By the spec where that gives the same scene again, else with all arrays."""
+        from viscache.scene_pickle import reduced
+
+        return reduced(self)
+
+    @cached_property
+    def _reopens(self) -> bool:
+        from viscache.scene_pickle import reopens
+
+        return reopens(self)
+
+    def _repr_html_(self) -> str:
+        from viscache.scene_html import scene_html
+
+        return scene_html(self)
+
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
 
@@ -467,10 +523,3 @@ def load_scene(
     if env is not None:
         apply_environment(description, env)
     return Scene.from_description(description, spec=str(Path(path)), threads=threads)
-
-
-def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:
-    rgb = tuple(float(v) for v in value)
-    if len(rgb) != 3:
-        raise ValueError(f"{name} must have 3 values, got {len(rgb)}")
-    return rgb

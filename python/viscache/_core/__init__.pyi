@@ -34,7 +34,11 @@ class SceneDescription:
     
     Vectors are three numbers, lengths are in scene units, light is in linear RGB.
     """
+    def __getstate__(self) -> bytes:
+        ...
     def __init__(self) -> None:
+        ...
+    def __setstate__(self, arg0: bytes) -> None:
         ...
     def add_camera(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 1.0, 0.0], fov_deg: typing.SupportsFloat | typing.SupportsIndex = 45.0, width: typing.SupportsInt | typing.SupportsIndex = 640, height: typing.SupportsInt | typing.SupportsIndex = 400, horizontal: bool = False, name: str = 'camera') -> None:
         """

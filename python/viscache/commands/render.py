@@ -19,7 +19,7 @@ from viscache.settings.checks import require
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
     parser.add_argument("-o", "--output", metavar="OUT.exr", required=True,
-                        help="all layers as .exr; the picture to look at as .png or .jpg")  # fmt: skip
+                        help="all layers as .exr, or a picture to look at: .png, .jpg")  # fmt: skip
     parser.add_argument("--exposure", type=float, metavar="FACTOR",
                         help="of a .png or .jpg; by the picture by default")  # fmt: skip
     parser.add_argument(

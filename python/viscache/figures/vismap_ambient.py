@@ -29,7 +29,7 @@ def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
     n_rays = QUICK_RAYS if quick else printed.AO_RAYS
     cached = cached_ambient_occlusion(scene, size=size, spp=printed.AO_SAMPLES)
-    exact = render(scene, AmbientOcclusion(n_samples=n_rays), size=size, spp=printed.AO_SAMPLES,
+    exact = render(scene, AmbientOcclusion(n_samples=n_rays, max_distance=None), size=size, spp=printed.AO_SAMPLES,
                    progress=progress)  # fmt: skip
     outcome.rows += _rows(exact, cached, n_rays, quick)
     path = folder / "vismap-fig10.png"

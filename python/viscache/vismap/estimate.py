@@ -35,8 +35,10 @@ class VisMaps(MapSettings):
     cache : VisibilityMapCache, optional
         A cache of the scene, whose own settings hold then, those here of the same names do not.
         None: a new one for every frame.
-    update : bool
-        Give records to pixels of this image that want one before it is rendered.
+    update : bool, optional
+        Give records to pixels of this image that want one before it is rendered. By default a new
+        cache gets them and a cache that is given stays as it is: rendering changes it only where
+        `update=True` or `count_misses=True` asks for that.
     count_misses : bool
         Count in the cache how often its records were wrong about the frame's rays, which
         `VisibilityMapCache.end_frame` removes them by. Rays of guided densities count in proportion
@@ -59,7 +61,7 @@ class VisMaps(MapSettings):
     """
 
     cache: VisibilityMapCache | None = None
-    update: bool = True
+    update: bool | None = None
     count_misses: bool = False
     alpha: Alpha = "previous_pass"
     first_alpha: Literal["pilot", "one"] = "pilot"
@@ -82,6 +84,11 @@ class VisMaps(MapSettings):
         require(first, 'first_alpha must be "pilot" or "one"', self.first_alpha)
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
+
+    @property
+    def updates(self) -> bool:
+        """Whether a frame adds records to its cache."""
+        return self.cache is None if self.update is None else self.update
 
     def map_settings(self) -> MapSettings:
         """The part that makes records."""
@@ -112,7 +119,7 @@ class VisMaps(MapSettings):
         """Names and values, JSON-able: of the cache's own settings where one is given."""
         made = self.cache.settings if self.cache else self.map_settings()
         return made.parameters() | {
-            "cache": self.cache is not None, "update": self.update,
+            "cache": self.cache is not None, "update": self.updates,
             "count_misses": self.count_misses, "alpha": self.alpha,
             "first_alpha": self.first_alpha, "sampling": self.sampling, "eta": self.eta,
         }  # fmt: skip
