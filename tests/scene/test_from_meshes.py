@@ -32,7 +32,7 @@ def test_a_list_of_meshes_keeps_each_ones_material() -> None:
     assert scene.triangles == 6
     materials = [_core.scene_materials(scene._core)[m["material"]] for m in scene.meshes()]
     assert materials[0]["base_color"] == pytest.approx((0.1, 0.2, 0.3))
-    assert materials[1]["base_color"] == (1, 0, 0)
+    assert materials[1]["base_color"] == [1, 0, 0]
     assert materials[2]["kind"] == _core.MaterialKind.GLOSSY and materials[2]["roughness"] == 0.25
     for height, mesh in enumerate(scene.meshes()):
         np.testing.assert_array_equal(mesh["vertices"], raised(height).astype("f4"))

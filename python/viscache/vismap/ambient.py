@@ -42,7 +42,7 @@ def cached_ambient_occlusion(
 
     Every record holds the share it sees (Eq. 12, divided by π); a pixel takes the mean of the m
     nearest records under a Gaussian. Free of noise and not unbiased: compare with
-    `viscache.AmbientOcclusion`.
+    `viscache.AmbientOcclusion(max_distance=None)`, which looks as far.
 
     Parameters
     ----------
