@@ -56,13 +56,13 @@ def test_the_constructors_looked_at_are_those_that_users_call() -> None:
     ("call", "says"),
     [
         (lambda: vc.Aqvc(c_ee=3), r"Aqvc has no parameter 'c_ee'; did you mean 'c_e'\?"),
-        (lambda: vc.render("slits", "direct", visbility="aqvc"), "did you mean 'visibility'"),
+        (lambda: vc.render("slits", "direct", visibilty="aqvc"), "did you mean 'visibility'"),
         (lambda: vc.tune("slits", "direct", rel_l2=0.1), "did you mean 'rel_l1'"),
         (lambda: vc.sweep("slits", "direct", ovr={}), "did you mean 'over'"),
         (lambda: vc.load_scene("a.obj", stric=True), "did you mean 'strict'"),
         (lambda: vc.look_at((0, 0, 0), (1, 1, 1), fov=3), "did you mean 'fov_deg'"),
         (lambda: vc.correlation.measure("slits", n_point=3), "did you mean 'n_points'"),
-        (lambda: vc.cached_ambient_occlusion("slits", siz=3), "did you mean 'size'"),
+        (lambda: vc.cached_ambient_occlusion("slits", sizes=3), "did you mean 'size'"),
     ],
 )
 def test_public_calls_name_the_nearest_known_keyword(call: Any, says: str) -> None:

@@ -137,8 +137,8 @@ def test_other_bytes_are_no_description(damage: bytes) -> None:
 
 def test_a_notebook_shows_a_scene() -> None:
     text = described()._repr_html_()
-    for wanted in ("data:image/png;base64,", "thumbnail", "<td>8</td>", "front", "1 point", "1 sphere",
-                   "described", "is only a test", "bounds"):  # fmt: skip
+    for wanted in ("data:image/png;base64,", "thumbnail", "<td>8</td>", "front", "1 point",
+                   "1 sphere", "described", "is only a test", "bounds"):  # fmt: skip
         assert wanted in text, wanted
 
 
