@@ -121,8 +121,8 @@ class FigureGallery(SphinxDirective):
 
 
 def chosen(paper: str) -> list[tuple[str, FigureInfo]]:
-    """The figures of a paper that are there."""
-    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-") and i.is_there]
+    """The figures of a paper."""
+    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-")]
 
 
 def pictures(found: dict[str, Any] | None) -> list[str]:

@@ -1,5 +1,7 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
+import copyreg as _copyreg
+
 from viscache import (
     correlation,
     metrics,
@@ -15,10 +17,11 @@ from viscache import (
 )
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import look_at
 from viscache.frame import Frame
+from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
@@ -26,6 +29,8 @@ from viscache.settings.visibility import Aqvc, Exact, ShadowMap
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
+from viscache.thumbnails import thumbnail as _thumbnail
+from viscache.travelling import reduced as _reduced
 from viscache.vismap import (
     MapSettings,
     Relighting,
@@ -36,7 +41,7 @@ from viscache.vismap import (
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "AmbientOcclusion",
@@ -82,6 +87,10 @@ __all__ = [
     "vismap",
     "vlf",
 ]
+
+# What scenes cannot do by themselves: they know neither a renderer nor what specs mean
+Scene._picture = staticmethod(_thumbnail)
+_copyreg.pickle(Scene, _reduced)
 
 
 def __dir__() -> list[str]:

@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache.array_output import ArrayOutput
+from viscache.files import whole_file
 from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
 from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
-from viscache.whole_file import whole_file
 
 Layer = npt.NDArray[np.float32]
 
@@ -200,7 +200,7 @@ class Frame(ArrayOutput):
         return f"<Frame {width}x{height} layers={list(self.layers)} sha256={self.sha256[:12]}>"
 
     def _repr_html_(self) -> str:
-        return frame_html(self)
+        return frame_html(self.image, self.timings, self.counters)
 
     def _array(self) -> Layer:
         return self.image

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import base64
 import html
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from viscache import tonemap
-
-if TYPE_CHECKING:
-    from viscache.frame import Frame
 
 __all__ = ["frame_html", "picture"]
 
@@ -17,20 +15,19 @@ __all__ = ["frame_html", "picture"]
 FIRST = ("total_s", "cpu_s", "visibility_s", "queries", "rays", "ray_reduction")
 
 
-def frame_html(frame: Frame) -> str:
+def frame_html(image: Any, timings: Mapping[str, float], counters: Mapping[str, Any]) -> str:
     """A picture no wider than 640 pixels and two tables."""
-    numbers = {**frame.timings, **frame.counters}
-    rows = {name: value for name, value in numbers.items() if _is_number(value)}
+    numbers = {name: (value, f" ({clock(name)})") for name, value in timings.items()}
+    numbers |= {name: (value, "") for name, value in counters.items()}
+    rows = {name: row for name, row in numbers.items() if _is_number(row[0])}
     first = [name for name in FIRST if name in rows]
     first += [name for name in rows if name not in first][: len(FIRST) - len(first)]
     rest = [name for name in rows if name not in first]
-    shown = _table(frame, rows, first)
+    shown = _table(rows, first)
     if rest:
-        shown += (
-            f"<details><summary>{len(rest)} more</summary>{_table(frame, rows, rest)}</details>"
-        )
-    width, height = frame.size
-    return f"<div>{picture(frame.image, f'{width}x{height} frame')}{shown}</div>"
+        shown += f"<details><summary>{len(rest)} more</summary>{_table(rows, rest)}</details>"
+    height, width = image.shape[:2]
+    return f"<div>{picture(image, f'{width}x{height} frame')}{shown}</div>"
 
 
 def picture(image: Any, words: str) -> str:
@@ -45,10 +42,10 @@ def clock(name: str) -> str:
     return "CPU" if name == "cpu_s" or name.endswith("_cpu_s") else "wall"
 
 
-def _table(frame: Frame, rows: dict[str, Any], names: list[str]) -> str:
+def _table(rows: Mapping[str, tuple[Any, str]], names: list[str]) -> str:
     cells = "".join(
-        f"<tr><td>{html.escape(name)}{f' ({clock(name)})' if name in frame.timings else ''}</td>"
-        f"<td style='text-align:right'>{_number(rows[name])}</td></tr>"
+        f"<tr><td>{html.escape(name)}{rows[name][1]}</td>"
+        f"<td style='text-align:right'>{_number(rows[name][0])}</td></tr>"
         for name in names
     )
     return f"<table>{cells}</table>"

@@ -7,15 +7,15 @@ import time
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import Literal, TypeAlias
+from typing import Literal
 
 from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import find_camera, frame_size
 from viscache.frame import Frame
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
@@ -33,7 +33,6 @@ from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
 
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 #: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16

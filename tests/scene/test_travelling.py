@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache import _core, scene_pickle
-from viscache.newest import Newest
+from viscache import _core, travelling
+from viscache.workers import Newest
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 SIZE = (24, 16)
@@ -22,7 +22,7 @@ SIZE = (24, 16)
 @pytest.fixture(autouse=True)
 def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing that this process has made before is found again."""
-    monkeypatch.setattr(scene_pickle, "_NEWEST", Newest())
+    monkeypatch.setattr(travelling, "_NEWEST", Newest())
 
 
 def sent(scene: vc.Scene) -> vc.Scene:
@@ -157,11 +157,9 @@ def test_a_scene_without_lights_or_triangles_shows_what_there_is(scene: Any, sho
 def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from viscache import scene_html
-
     def fails(scene: vc.Scene) -> str:
         raise MemoryError("too <large>")
 
-    monkeypatch.setattr(scene_html, "thumbnail", fails)
+    monkeypatch.setattr(vc.Scene, "_picture", staticmethod(fails))
     text = vc.scenes.slits()._repr_html_()
     assert "no picture: too &lt;large&gt;" in text and "triangles" in text

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
-from viscache.cameras import find_camera
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -42,8 +41,9 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
-from viscache.progress import progress_bar
-from viscache.provenance import version
+from viscache.progress import Progress, progress_bar
+from viscache.provenance import VERSION
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
 from viscache.sweeps.store import content_key
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["correlate", "measure", "phi"]
-
-Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 
 @spelled
@@ -180,7 +178,7 @@ def measure(
     require(engine in get_args(RowEngine),
             'engine must be "embree", "batch", "field" or "auto"', engine)  # fmt: skip
     key = content_key({
-        "viscache": version(), "scene": opened.content_hash, "t_max": t_max,
+        "viscache": VERSION, "scene": opened.content_hash, "t_max": t_max,
         "directions": [map_size, directions, seed],
         "points": digest(found.positions, found.normals, found.theta_normals),
         **({} if engine == "embree" else {"engine": engine}),
@@ -288,7 +286,7 @@ def correlate(
     n_pairs = sampled_pairs(pairs, len(rows))
     options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
                            undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
-    key = content_key({"viscache": version(), "rows": digest(
+    key = content_key({"viscache": VERSION, "rows": digest(
         rows, geometry.positions, geometry.normals, geometry.group)})  # fmt: skip
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,

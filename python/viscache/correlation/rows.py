@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from viscache import _core, sources
 from viscache.array_output import ArrayOutput
-from viscache.cameras import find_camera
 from viscache.correlation.directions import DirectionSet
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 from viscache.settings.spelling import spelled
@@ -34,7 +34,6 @@ __all__ = [
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
-Progress: TypeAlias = bool | Callable[[int, int], None]
 RowEngine: TypeAlias = Literal["embree", "batch", "field", "auto"]
 
 N_GROUPS = 16

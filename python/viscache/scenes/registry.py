@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec
 
+from viscache.scene import Scene
 from viscache.scenes.builder import Builder
 from viscache.settings.spelling import nearest
 
@@ -47,8 +48,6 @@ def scene(
     def register(function: Callable[P, Builder]) -> Callable[P, Any]:
         @functools.wraps(function)
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
-            from viscache.scene import Scene
-
             given = signature.bind(*args, **kwargs).arguments
             query = "&".join(f"{k}={v}" for k, v in given.items() if v is not None)
             spec = f"{name}?{query}" if query else name

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from viscache import _core
-from viscache.settings import by_name
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import setting
 
@@ -200,6 +199,8 @@ Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster | _core.vlf
 
 def vlf_settings(given: Vlf | str | None) -> Vlf:
     """The settings of a field that an argument means; ValueError where they are of other rays."""
+    from viscache.settings import by_name  # which knows the classes of this file
+
     chosen: Vlf = by_name.setting("rays", given, "vlf")
     require(isinstance(chosen, Vlf), "settings must be vc.Vlf(...)", chosen)
     return chosen
@@ -207,6 +208,8 @@ def vlf_settings(given: Vlf | str | None) -> Vlf:
 
 def check_rays(rays: Rays | str | None) -> Rays:
     """The settings that `rays=` means, Embree by default; ValueError where they are none."""
+    from viscache.settings import by_name
+
     known = typing.get_args(Rays)
     classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
     chosen: Rays = by_name.setting("rays", rays, "embree")

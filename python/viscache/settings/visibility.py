@@ -11,7 +11,7 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.spelling import setting
-from viscache.vismap.estimate import VisMaps
+from viscache.settings.vismaps import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscache.provenance import cpu_model, provenance, version
+from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
@@ -177,7 +177,7 @@ def _add(
     }
     task = Task(**merged)
     spec: dict[str, Any] = {
-        "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
+        "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
         "env": task.env_hash,
     }  # fmt: skip

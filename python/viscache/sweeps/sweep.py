@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import sources
-from viscache.cameras import find_camera, frame_size
+from viscache.progress import Progress
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest, spelled
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
-from viscache.sweeps.run import Progress, Run
+from viscache.sweeps.run import Run
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import to_dataset, write_netcdf, write_parquet
 
@@ -63,7 +64,7 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene or str
+    scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=200000`).
     integrator : settings or str
         `vc.Whitted(...)` or "whitted".
@@ -131,6 +132,7 @@ def sweep(
         "rays": by_name.setting("rays", rays, "embree"),
         "visibility": by_name.setting("visibility", visibility, "aqvc"),
     }
+    scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
     size = frame_size(size, find_camera(opened, camera)) if size is None else size
     common = {

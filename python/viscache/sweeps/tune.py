@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import sources, tiles
-from viscache.cameras import find_camera, frame_size
 from viscache.render import render_part
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted

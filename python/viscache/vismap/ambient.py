@@ -9,14 +9,14 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from viscache import _core, sources
-from viscache.cameras import find_camera, frame_size
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache, checked_size
-from viscache.vismap.settings import MapSettings, map_settings
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 

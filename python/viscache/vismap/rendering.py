@@ -9,8 +9,8 @@ from viscache import _core
 from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.rays import Rays
+from viscache.settings.vismaps import VisMaps
 from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.estimate import VisMaps
 
 __all__ = ["render_with_maps"]
 
@@ -49,6 +49,8 @@ def render_with_maps(
     cache = visibility.cache
     if cache is None:
         cache = VisibilityMapCache(geometry, visibility.map_settings(), rays=rays)
+    if not isinstance(cache, VisibilityMapCache):
+        raise ValueError(f"cache must be a VisibilityMapCache, got {cache!r}")
     require(cache.settings.criterion == "visibility",
             'the cache\'s criterion must be "visibility"', cache.settings.criterion)  # fmt: skip
     of_scene = cache.scene is geometry or cache.scene.content_hash in (

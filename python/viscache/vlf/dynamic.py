@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, queries, sources
-from viscache.progress import progress_bar
+from viscache import _core, sources
+from viscache.progress import Progress, progress_bar
+from viscache.scene import Scene, queries
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Vlf, vlf_settings
 from viscache.settings.spelling import spelled
-
-if TYPE_CHECKING:
-    from viscache.render import Progress
-    from viscache.scene import Scene
 
 __all__ = ["DynamicField", "DynamicHits"]
 

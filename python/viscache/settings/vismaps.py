@@ -5,19 +5,26 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from numbers import Real
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import require
+from viscache.settings.maps import MapSettings
 from viscache.settings.spelling import setting
-from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["VisMaps"]
 
 #: A word of `ALPHAS`, or a number.
 Alpha: TypeAlias = str | float
 ALPHAS = ("previous_pass", "loo", "one", "zero")
+
+
+class RecordCache(Protocol):
+    """What `VisMaps` asks of a `VisibilityMapCache`, which is built over a scene, far above."""
+
+    @property
+    def settings(self) -> MapSettings:
+        """How its records are made."""
 
 
 @setting
@@ -60,7 +67,7 @@ class VisMaps(MapSettings):
         How records are made: see `MapSettings`.
     """
 
-    cache: VisibilityMapCache | None = None
+    cache: RecordCache | None = None
     update: bool | None = None
     count_misses: bool = False
     alpha: Alpha = "previous_pass"
@@ -70,7 +77,7 @@ class VisMaps(MapSettings):
 
     def __post_init__(self) -> None:
         MapSettings.__post_init__(self)
-        own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
+        own = self.cache is None or isinstance(getattr(self.cache, "settings", None), MapSettings)
         require(own, "cache must be a VisibilityMapCache", self.cache)
         require(self.alpha != "oracle", 'alpha must not be "oracle": it sums over the true '
                 "visibility, which viscache.vismap.simulation alone has", self.alpha)  # fmt: skip

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from figures.every_band import all_bands
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from viscache import _core
-from viscache.scene import Scene
+from viscache.scene.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
 

@@ -5,30 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from viscache import _core, sources
 from viscache._core import SceneDescription, SceneError
-from viscache.newest import Newest
 from viscache.scene import Scene
+from viscache.workers import Newest
 
-__all__ = ["reduced", "reopens"]
+__all__ = ["reduced"]
 
 #: A process that is sent one scene many times makes it once.
 _NEWEST = Newest()
+#: Whether the spec of a scene gives a scene of the same content, found out when it travels first.
+_REOPENS: WeakKeyDictionary[Scene, bool] = WeakKeyDictionary()
 
 
 def reduced(scene: Scene) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
-    """What `Scene.__reduce__` returns."""
-    if scene.spec is not None and scene._reopens:
-        where = sources.absolute(scene.spec, Path.cwd())
-        return _from_spec, (where, scene.spec, scene.content_hash)
+    """How a scene is made again: what `copyreg.pickle` takes."""
+    if scene not in _REOPENS:
+        _REOPENS[scene] = scene.spec is not None and _reopens(scene.spec, scene.content_hash)
+    if _REOPENS[scene]:
+        spec = str(scene.spec)
+        return _from_spec, (sources.absolute(spec, Path.cwd()), spec, scene.content_hash)
     return _from_arrays, (_core.description_of(scene._core), scene.spec, scene.content_hash)
 
 
-def reopens(scene: Scene) -> bool:
-    """Whether the spec gives a scene of the same content now."""
+def _reopens(spec: str, content_hash: str) -> bool:
     try:
-        return sources.open_scene(scene.spec or "").content_hash == scene.content_hash
+        return sources.open_scene(spec).content_hash == content_hash
     except (ValueError, OSError, MemoryError):
         return False
 

@@ -1,8 +1,10 @@
-"""Pictures that figures of the visibility cache share: what a camera sees, with dots on it."""
+"""What figures draw: images as a camera sees them, dots on them, lines over one parameter."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,10 +12,40 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache._core import Camera
+from viscache.plots.drawing import new_figure
 
-__all__ = ["draw_image", "draw_records", "project"]
+__all__ = ["draw_image", "draw_lines", "draw_records", "new_figure", "project", "save_figure"]
 
 Floats = npt.NDArray[np.floating[Any]]
+
+
+def save_figure(figure: Any, path: Path, dpi: int = 120) -> Path:
+    """Write it; returns the path."""
+    figure.savefig(path, dpi=dpi)
+    return path
+
+
+def draw_lines(
+    lines: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    path: Path,
+    *,
+    x: str,
+    y: str,
+    logarithmic: str = "xy",
+) -> Path:
+    """One line per name through its points (x, y)."""
+    figure = new_figure(6.0, 4.0)
+    axes = figure.add_subplot(1, 1, 1)
+    for name, (across, up) in lines.items():
+        axes.plot(across, up, "o-", ms=3, lw=1.2, label=name)
+    if "x" in logarithmic:
+        axes.set_xscale("log")
+    if "y" in logarithmic:
+        axes.set_yscale("log")
+    axes.set(xlabel=x, ylabel=y)
+    axes.grid(lw=0.3)
+    axes.legend(fontsize=8)
+    return save_figure(figure, path)
 
 
 def project(camera: Camera, size: tuple[int, int], points: Floats) -> Floats:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from viscache.whole_file import whole_file, write_whole
+from viscache.files import whole_file, write_whole
 
 
 def test_a_file_takes_its_place_at_the_end_alone(tmp_path: Path) -> None:

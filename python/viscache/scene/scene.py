@@ -6,17 +6,19 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias, cast, overload
+from typing import Any, ClassVar, TypeAlias, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core, queries
+from viscache import _core
 from viscache._core import SceneDescription, SceneError
-from viscache.environments import apply_environment, decode_images
-from viscache.queries import Intersection
-from viscache.scene_parts import Mesh, add_mesh, add_trimesh, checked_meshes
-from viscache.scenes.coplanar import coplanar_share
+from viscache.scene import queries
+from viscache.scene.coplanar import coplanar_share
+from viscache.scene.environments import apply_environment, decode_images
+from viscache.scene.html import scene_html
+from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
+from viscache.scene.queries import Intersection
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
@@ -49,6 +51,9 @@ class Scene:
         self._embree: dict[Embree, _core.EmbreeCaster] = {}
         self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
+
+    #: Makes the thumbnail; set by the package, which can render.
+    _picture: ClassVar[Callable[[Any], str] | None] = None
 
     @classmethod
     def from_description(
@@ -468,22 +473,8 @@ class Scene:
         """Nearest hits of (..., 3) rays, which broadcast; see `Intersection`."""
         return queries.intersect(self.caster(rays, threads=threads), origins, directions, threads)
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """By the spec where that gives the same scene again, else with all arrays."""
-        from viscache.scene_pickle import reduced
-
-        return reduced(self)
-
-    @cached_property
-    def _reopens(self) -> bool:
-        from viscache.scene_pickle import reopens
-
-        return reopens(self)
-
     def _repr_html_(self) -> str:
-        from viscache.scene_html import scene_html
-
-        return scene_html(self)
+        return scene_html(self, Scene._picture)
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"

@@ -1,4 +1,4 @@
-"""Pairs of renderers that figures compare: product sampling, and the same with visibility maps."""
+"""Pairs of renderers that are compared: product sampling, and the same with visibility maps."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from viscache.settings.integrators import Direct
 from viscache.settings.visibility import VisMaps
 from viscache.vismap import MapSettings, VisibilityMapCache
 
-__all__ = ["Picture", "images", "paper_maps"]
+__all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]
 
+#: Samples between which product sampling's time is measured.
+CALIBRATED = (20, 80)
 Images = list[npt.NDArray[np.floating[Any]]]
 
 
@@ -59,3 +61,15 @@ def paper_maps(cache: VisibilityMapCache | None) -> VisMaps:
 def images(make: Callable[[int], Frame], seeds: Sequence[int]) -> Images:
     """Independent renders."""
     return [make(seed).image for seed in seeds]
+
+
+def cpu_median(frames: list[Frame]) -> float:
+    """Median seconds of all processors together."""
+    return float(np.median([frame.timings["cpu_s"] for frame in frames]))
+
+
+def samples_in(picture: Picture, seconds: float) -> int:
+    """How many samples product sampling takes in so many seconds, by a line through two."""
+    low, high = (cpu_median([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
+    slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
+    return max(1, round(CALIBRATED[0] + (seconds - low) / slope))

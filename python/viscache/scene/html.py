@@ -4,30 +4,16 @@ from __future__ import annotations
 
 import html
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import Any
 
-import numpy as np
-
-from viscache.cameras import find_camera
-from viscache.frame_html import picture
-from viscache.render import render
-from viscache.settings.integrators import Direct
-
-if TYPE_CHECKING:
-    from viscache.scene import Scene
-
-__all__ = ["scene_html", "thumbnail"]
-
-#: Pixels of a thumbnail's longer edge.
-EDGE_PX = 240
-#: Few samples: a thumbnail is looked at, not measured.
-QUICK = Direct(n_area=4, n_environment=4, n_brdf=0)
+__all__ = ["scene_html"]
 
 
-def scene_html(scene: Scene) -> str:
+def scene_html(scene: Any, picture: Callable[[Any], str] | None) -> str:
     """The thumbnail and a table; where no picture can be made, the reason in its place."""
     try:
-        shown = thumbnail(scene)
+        shown = picture(scene) if picture else ""
     except (ValueError, MemoryError, RuntimeError) as error:  # the rest is worth showing
         shown = f"<p>{html.escape(f'no picture: {error}')}</p>"
     low, high = scene.bounds
@@ -47,17 +33,5 @@ def scene_html(scene: Scene) -> str:
     return f"<div>{shown}<table><caption>{title}</caption>{cells}</table>{below}</div>"
 
 
-def thumbnail(scene: Scene) -> str:
-    """A small picture in direct light, or of the normals where that is black."""
-    view = find_camera(scene, None)
-    scale = EDGE_PX / max(view.width, view.height)
-    size = (max(1, round(view.width * scale)), max(1, round(view.height * scale)))
-    frame = render(scene, QUICK, size=size)
-    if frame.image.any():
-        return picture(frame.image, "thumbnail")
-    seen = frame.layers["normal"].any(axis=2, keepdims=True)
-    return picture(np.where(seen, 0.5 + 0.5 * frame.layers["normal"], 0), "normals")
-
-
-def _corner(corner: np.ndarray[tuple[int, ...], np.dtype[np.float32]]) -> str:
+def _corner(corner: Any) -> str:
     return f"({', '.join(f'{value:.4g}' for value in corner)})"

@@ -1,4 +1,4 @@
-"""Figures of a sweep for papers. Each returns a matplotlib Figure and leaves pyplot alone."""
+"""Error over cost, heat maps, all pairs of a sweep's variables; writing them to files."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscache import labels
-from viscache.drawing import new_figure
+from viscache.plots import labels
+from viscache.plots.drawing import new_figure
 from viscache.settings.checks import require
 from viscache.settings.spelling import nearest
 from viscache.sweeps.swept import (
-    COLORS,
     MOST_MARKERS,
     MOST_NAMED,
-    colors_for,
     error_of,
     first_of_levels,
     is_grid,
@@ -32,10 +30,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-__all__ = [
-    "COLORS", "FORMATS", "MARKERS", "colors_for", "heatmap", "label", "pairs", "pareto", "save",
-    "save_all", "settings_of", "trade",
-]  # fmt: skip
+__all__ = ["FORMATS", "MARKERS", "heatmap", "label", "pairs", "save", "save_all", "trade"]
 
 #: One for each value of the second swept parameter.
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
