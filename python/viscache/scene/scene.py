@@ -14,7 +14,7 @@ import numpy.typing as npt
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
 from viscache.scene import queries
-from viscache.scene.coplanar import coplanar_share
+from viscache.scene.about import far_away, info, placed_coplanar_share
 from viscache.scene.environments import apply_environment, decode_images
 from viscache.scene.html import scene_html
 from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
@@ -26,13 +26,6 @@ from viscache.settings.spelling import spelled
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 
 Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
-
-
-MOST_COUNTED_TRIANGLES = 5_000_000
-
-
-#: Sizes from the origin from which on a scene is warned of.
-FAR_AWAY = 1e4
 
 
 @spelled
@@ -197,21 +190,7 @@ class Scene:
             texts.append("the scene has no triangles; rays hit nothing")
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
-        return texts + self._far_away()
-
-    def _far_away(self) -> list[str]:
-        low, high = self.bounds.astype(float)
-        size = float(np.max(high - low))
-        if not (np.isfinite(size) and size > 0):
-            return []
-        away = float(np.max(np.abs(low + high))) / 2 / size
-        if away <= FAR_AWAY:
-            return []
-        steps = size / np.spacing(np.float32(away * size))
-        return [
-            f"the scene lies {away:.3g} times its size from the origin, where single precision "
-            f"leaves it {steps:.3g} steps across"
-        ]
+        return texts + far_away(self.bounds)
 
     @cached_property
     def content_hash(self) -> str:
@@ -234,43 +213,11 @@ class Scene:
         Many of them are flat faces cut up: they raise the count without adding shape. None above 5
         million unique triangles, where counting would take long.
         """
-        if self._core.unique_triangles > MOST_COUNTED_TRIANGLES:
-            return None
-        meshes = self.meshes()
-        placed = np.array([int(m["in_world"]) for m in meshes], dtype=float)
-        for members, _ in _core.scene_instances(self._core):
-            placed[list(members)] += 1
-        counts = placed * [len(m["triangles"]) for m in meshes]
-        shares = [
-            coplanar_share(m["vertices"], m["triangles"]) if count else 0.0
-            for m, count in zip(meshes, counts, strict=True)
-        ]
-        return float(counts @ shares / counts.sum()) if counts.sum() > 0 else 0.0
+        return placed_coplanar_share(self._core, self.meshes)
 
     def info(self) -> dict[str, Any]:
         """What `viscache info --json` prints."""
-        bounds = [[float(str(v)) for v in corner] for corner in self.bounds]
-        return {
-            "name": self.name,
-            "triangles": self.triangles,
-            "unique_triangles": self._core.unique_triangles,
-            "instances": self._core.instances,
-            "bounds": bounds,
-            "lights": self.lights,
-            "cameras": [
-                {
-                    "name": c.name,
-                    "origin": list(c.origin),
-                    "forward": list(c.forward),
-                    "size": [c.width, c.height],
-                }
-                for c in self.cameras
-            ],
-            "memory_bytes": self._core.memory_bytes,
-            "coplanar_share": self.coplanar_share,
-            "content_hash": self.content_hash,
-            "warnings": self.warnings,
-        }
+        return info(self)
 
     def with_environment(self, env: Env, *, threads: int | None = None) -> Scene:
         """The same scene under another environment light."""
