@@ -17,7 +17,10 @@ from viscache import (
 )
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
+from viscache.connections import Connections, connections
 from viscache.frame import Frame
+from viscache.oracles.correct import Correct
+from viscache.oracles.points import EyePoints, FarEnds
 from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
@@ -26,6 +29,7 @@ from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitte
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
 from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
@@ -49,9 +53,13 @@ __all__ = [
     "AqvcTable",
     "Bdpt",
     "Bsp",
+    "Connections",
+    "Correct",
     "Direct",
     "Embree",
     "Exact",
+    "EyePoints",
+    "FarEnds",
     "Frame",
     "Intersection",
     "MapSettings",
@@ -65,10 +73,12 @@ __all__ = [
     "VisibilityField",
     "VisibilityMapCache",
     "Vlf",
+    "Vpls",
     "Whitted",
     "__version__",
     "aligned_occlusion",
     "cached_ambient_occlusion",
+    "connections",
     "correlation",
     "designs",
     "load_scene",

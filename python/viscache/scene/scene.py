@@ -6,13 +6,16 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, TypeAlias, cast, overload
+from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
+from viscache.oracles.correct import Correct
+from viscache.oracles.oracle import Oracle
+from viscache.oracles.written import Written
 from viscache.scene import queries
 from viscache.scene.about import far_away, info, placed_coplanar_share
 from viscache.scene.environments import apply_environment, decode_images
@@ -22,6 +25,7 @@ from viscache.scene.queries import Intersection
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
+from viscache.settings.visibility import Visibility
 
 __all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
 
@@ -422,6 +426,45 @@ class Scene:
 
     def _repr_html_(self) -> str:
         return scene_html(self, Scene._picture)
+
+    def oracle(
+        self,
+        visibility: Visibility | Written | str,
+        *,
+        rays: Rays | str | None = None,
+        use: Literal["replace", "correct"] | Correct | None = None,
+        seed: int = 0,
+        spp: int = 1,
+        threads: int | None = None,
+    ) -> Oracle:
+        """A visibility cache as a module: arrays of points in, bits out.
+
+        Parameters
+        ----------
+        visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, or an oracle of your own
+            Or its name with default settings, as in `viscache.render`.
+        rays : Embree, Bsp or Vlf, optional
+            Who traces.
+        use : {"replace", "correct"} or Correct, optional
+            As in `viscache.render`.
+        seed : int >= 0
+            Of methods that draw at random.
+        spp : int >= 1
+            Eye samples per pixel, where the points are such: it tells whether refinement pays.
+        threads : int, optional
+            All cores by default. Answers are the same bits for any number.
+
+        Returns
+        -------
+        Oracle
+            With `block(eyes, lamps)` and `pairs(eyes, index, ends)`.
+
+        Raises
+        ------
+        ValueError
+            A visibility that answers no single connections, such as VisMaps.
+        """
+        return Oracle(self, visibility, rays=rays, use=use, seed=seed, spp=spp, threads=threads)
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
