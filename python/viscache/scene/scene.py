@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
 
 import numpy as np
@@ -18,7 +17,7 @@ from viscache.oracles.oracle import Oracle
 from viscache.oracles.written import Written
 from viscache.scene import queries
 from viscache.scene.about import far_away, info, placed_coplanar_share
-from viscache.scene.environments import apply_environment, decode_images
+from viscache.scene.environments import apply_environment
 from viscache.scene.html import scene_html
 from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
 from viscache.scene.queries import Intersection
@@ -27,7 +26,7 @@ from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
 
-__all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
+__all__ = ["Intersection", "Scene", "SceneError"]
 
 Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
 
@@ -468,39 +467,3 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
-
-
-@spelled
-def load_scene(
-    path: str | os.PathLike[str],
-    *,
-    strict: bool = False,
-    env: Env | None = None,
-    threads: int | None = None,
-) -> Scene:
-    """Load a scene file.
-
-    Parameters
-    ----------
-    path : path
-        `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
-    strict : bool
-        Make what viscache does not model an error; by default it is skipped and named in
-        `Scene.warnings`.
-    env : path, float, (3,) or (H, W, 3), optional
-        Environment light that replaces the file's.
-    threads : int, optional
-        All cores by default.
-
-    Raises
-    ------
-    SceneError
-        A missing, malformed or inconsistent file; names file and place.
-    """
-    if str(path) and Path(path).is_dir():
-        raise SceneError(f"{path}: is a directory, not a scene file")
-    description = _core.load_scene_file(os.fspath(path), strict=strict)
-    decode_images(description, strict=strict)
-    if env is not None:
-        apply_environment(description, env)
-    return Scene.from_description(description, spec=str(Path(path)), threads=threads)
