@@ -164,3 +164,12 @@ def test_dir_is_what_is_public() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert all(hasattr(vc, name) for name in dir(vc))
+
+
+def test_what_saves_loads_and_the_reverse() -> None:
+    classes = [v for v in (getattr(vc, n) for n in vc.__all__) if inspect.isclass(v)]
+    uneven = [c.__name__ for c in classes if hasattr(c, "save") != hasattr(c, "load")]
+    assert uneven == [] and hasattr(vc.Frame, "save") and hasattr(vc.VisibilityMapCache, "load")
+    functions = set(vc.correlation.__all__)
+    assert {n for n in functions if n.startswith("load_")} == {"load_dataset"}
+    assert {n for n in functions if n.startswith("save_")} == {"save_dataset"}
