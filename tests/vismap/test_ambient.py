@@ -137,7 +137,11 @@ def test_images_come_close_to_exact_ones_with_fewer_rays() -> None:
     settings = vc.MapSettings(d_max=0.1, w_min=0.5)
     frame = vc.cached_ambient_occlusion(scene, settings=settings, camera=eye, size=(96, 64), spp=4)
     exact = vc.render(
-        scene, vc.AmbientOcclusion(n_samples=256), camera=eye, size=(96, 64), spp=4
+        scene,
+        vc.AmbientOcclusion(n_samples=256, max_distance=None),
+        camera=eye,
+        size=(96, 64),
+        spp=4,
     ).image[:, :, :1]
     error = frame.image * frame.layers["coverage"] - exact
     assert np.sqrt((error**2).mean()) < 0.04 and abs(error.mean()) < 0.01
@@ -152,7 +156,12 @@ def test_the_points_are_those_of_the_exact_render() -> None:
     for seed in (0, 7):
         frame = vc.cached_ambient_occlusion(scene, camera=eye, size=SIZE, spp=3, seed=seed)
         exact = vc.render(
-            scene, vc.AmbientOcclusion(n_samples=1), camera=eye, size=SIZE, spp=3, seed=seed
+            scene,
+            vc.AmbientOcclusion(n_samples=1, max_distance=None),
+            camera=eye,
+            size=SIZE,
+            spp=3,
+            seed=seed,
         )
         np.testing.assert_array_equal(frame.layers["coverage"], exact.layers["coverage"])
         assert 0 < frame.layers["coverage"].mean() < 1

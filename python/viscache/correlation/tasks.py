@@ -64,7 +64,7 @@ class RowsTask:
     first: int
     last: int
     folder: Path | None
-    scene: str | None
+    scene: Any
     scene_hash: str
     directions: _rows.DirectionSet
     t_max: float
@@ -201,7 +201,7 @@ def count_in_worker(task: PairTask) -> Arrays:
 def trace_in_worker(task: RowsTask) -> Arrays:
     """Run `trace` in a worker: opens the scene itself and keeps the newest one."""
     folder = _shared_folder(task.folder)
-    scene = _SCENE.get(task.scene, lambda: sources.open_scene(str(task.scene)))
+    scene = _SCENE.get(task.scene, lambda: sources.opened(task.scene))
     if scene.content_hash != task.scene_hash:
         raise ValueError(f"scene {task.scene} is not the one the measurement began with")
     with np.load(folder / "points.npz") as file:

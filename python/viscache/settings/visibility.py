@@ -11,6 +11,7 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
 from viscache.settings.vismaps import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]
@@ -20,6 +21,7 @@ LIGHT_GROUPS = (
 )  # fmt: skip
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exact:
     """One ray per question.
@@ -97,6 +99,7 @@ PRESETS["as_printed"] = PRESETS["paper"] | {
 }
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Aqvc:
     """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
@@ -343,6 +346,7 @@ class Aqvc:
         return self.resolved()
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShadowMap:
     """Shadow maps: a plain depth test without a filter, the baseline of AQVC Fig. 8.
