@@ -22,14 +22,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rays", default="embree", choices=list(by_name.NAMES["rays"]))
     parser.add_argument(
-        "--visibility", default="exact",
+        "--visibility",
+        default="exact",
         choices=[*by_name.NAMES["visibility"], *by_name.RAYS_AS_VISIBILITY],
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--use", choices=["replace", "correct"], help="how an approximation is used"
     )
-    parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
-                        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256")  # fmt: skip
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256",
+    )
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
     parser.add_argument("--seed", type=int, default=0)

@@ -1,4 +1,4 @@
-"""How much of a mesh is subdivided flat faces."""
+"""Measures how much of a mesh consists of subdivided flat faces."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ TOLERANCE_RAD = 1e-4
 
 
 def coplanar_share(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> float:
-    """Share of triangles that lie in one plane with a triangle across one of their edges.
+    """Fraction of triangles that are coplanar with a triangle across one of their edges.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def coplanar_share(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> float:
     faces = np.asarray(triangles, np.int64).reshape(-1, 3)
     if len(faces) == 0:
         return 0.0
-    # One number per position: a hash of the three floats' bits.
+    # One number per position: a hash of the bits of the three floats.
     bits = np.ascontiguousarray(points).view(np.uint32).astype(np.uint64)
     with np.errstate(over="ignore"):
         key = _mix(bits[:, 0] + _mix(bits[:, 1] + _mix(bits[:, 2] + np.uint64(0x9E3779B97F4A7C15))))

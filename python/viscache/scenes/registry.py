@@ -1,4 +1,4 @@
-"""Which built-in scenes there are, and building one from text such as `room?triangles=200000`."""
+"""The list of built-in scenes, and building one from text such as `room?triangles=200000`."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class SceneInfo:
 
     name: str
     function: Callable[..., Any]
-    """Makes the scene."""
+    """Builds the scene."""
     builder: Callable[..., Builder]
     """The same, but returns the `Builder` with its records."""
     description: str
-    """One line."""
+    """One-line description."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
     """Name to default, in the order of the signature."""
 
@@ -109,7 +109,7 @@ def build(spec: str) -> Any:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """`; did you mean 'x'?`, or the list of what there is."""
+    """`; did you mean 'x'?`, or the list of known names."""
     names = list(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     if close:

@@ -23,37 +23,38 @@ ALPHAS = ("previous_pass", "loo", "one", "zero")
 class VisMaps(MapSettings):
     """Visibility maps for the environment's light (Clarberg, Akenine-Möller 2008).
 
-    Directions are drawn by light × reflection (`Direct(environment="product")` does that alone).
-    With `use="correct"`, the default, every one is traced and the maps of nearby records are a
-    control variate: less noise, no bias. With `use="replace"` their integral J is the answer,
-    without rays: biased, free of noise. Other lights are traced exactly.
+    Directions are sampled by light × reflection (as with `Direct(environment="product")`). With
+    `use="correct"`, the default, every direction is traced and the maps of nearby records are a
+    control variate: less noise, no bias. With `use="replace"` their integral J is the result,
+    without rays: biased, but without noise. Other lights are traced exactly.
 
     Parameters
     ----------
     cache : VisibilityMapCache, optional
-        A cache of the scene, whose own settings hold then, those here of the same names do not.
-        None: a new one for every frame.
+        A cache of the scene. Its own settings then apply instead of those given here under the same
+        names. None: a new cache for every frame.
     update : bool
-        Give records to pixels of this image that want one before it is rendered.
+        Insert records where the pixels of this image need them, before it is rendered.
     count_misses : bool
-        Count in the cache how often its records were wrong about the frame's rays, which
-        `VisibilityMapCache.end_frame` removes them by. Rays of guided densities count in proportion
-        to product sampling, whose share of wrong answers `eps_max` thus means either way.
+        Count in the cache how often its records disagreed with the rays of the frame.
+        `VisibilityMapCache.end_frame` removes records by these counts. Rays sampled with guided
+        densities are weighted to product sampling, so `eps_max` is the error rate under product
+        sampling in both cases.
     alpha : {"previous_pass", "loo", "one", "zero"} or float
-        The control variate's coefficient. "previous_pass": by regression on the samples of all
-        earlier passes of the pixel, in the first pass by `first_alpha`. "loo":
-        on the other samples of the pass, for `Direct(points="independent")` only. "one": the paper.
-        "zero": product sampling alone.
+        Coefficient of the control variate. "previous_pass": by regression on the samples of all
+        earlier passes of the pixel; in the first pass by `first_alpha`. "loo": by regression on the
+        other samples of the pass, only for `Direct(points="independent")`. "one": 1 as in the
+        paper. "zero": product sampling alone.
     first_alpha : {"pilot", "one"}
-        α of the first pass with "previous_pass": regressed on the samples of a trial on some
-        pixels, or the paper's.
+        α of the first pass with "previous_pass": by regression on the samples of a pilot on some
+        pixels, or 1 as in the paper.
     sampling : {"auto", "product", "guided"}
-        "guided": the maps, dilated, shape the density too. "product": the paper. "auto": guided
-        where a trial on some pixels promises a tenth less variance.
+        "guided": the dilated maps also shape the density. "product": as in the paper. "auto":
+        guided if a pilot on some pixels predicts at least a tenth less variance.
     eta : float in (0, 1]
-        Floor of guided densities, relative to product sampling; 1 is product sampling.
+        Minimum of guided densities relative to product sampling; 1 is product sampling.
     preset, m, n_startup, d_max, ...
-        How records are made: see `MapSettings`.
+        Settings of the records: see `MapSettings`.
     """
 
     cache: VisibilityMapCache | None = None
@@ -68,8 +69,12 @@ class VisMaps(MapSettings):
         MapSettings.__post_init__(self)
         own = self.cache is None or isinstance(self.cache, VisibilityMapCache)
         require(own, "cache must be a VisibilityMapCache", self.cache)
-        require(self.alpha != "oracle", 'alpha must not be "oracle": it sums over the true '
-                "visibility, which viscache.vismap.simulation alone has", self.alpha)  # fmt: skip
+        require(
+            self.alpha != "oracle",
+            'alpha must not be "oracle": it sums over the true '
+            "visibility, which viscache.vismap.simulation alone has",
+            self.alpha,
+        )
         if isinstance(self.alpha, str):
             fits = self.alpha in ALPHAS
         else:
@@ -82,7 +87,7 @@ class VisMaps(MapSettings):
         require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
 
     def map_settings(self) -> MapSettings:
-        """The part that makes records."""
+        """The settings of the records."""
         return MapSettings(**{f.name: getattr(self, f.name) for f in fields(MapSettings)})
 
     def estimate(self, replace: bool, points: _core.PointSet) -> _core.VisMapSettings:
@@ -91,26 +96,36 @@ class VisMaps(MapSettings):
         Raises
         ------
         ValueError
-            alpha="loo" with points that depend on each other.
+            alpha="loo" is combined with dependent points.
         """
         even = points == _core.PointSet.ZERO_TWO
-        require(not (self.alpha == "loo" and even),
-                'points must be "independent" with alpha="loo"', "even")  # fmt: skip
-        modes = {"previous_pass": _core.AlphaMode.PREVIOUS_PASS,
-                 "loo": _core.AlphaMode.LEAVE_ONE_OUT}  # fmt: skip
+        fits = not (self.alpha == "loo" and even)
+        require(fits, 'points must be "independent" with alpha="loo"', "even")
+        modes = {
+            "previous_pass": _core.AlphaMode.PREVIOUS_PASS,
+            "loo": _core.AlphaMode.LEAVE_ONE_OUT,
+        }
         word = self.alpha if isinstance(self.alpha, str) else ""
         value = {"zero": 0.0}.get(word, 1.0) if word else float(self.alpha)
         return _core.VisMapSettings(
-            alpha=modes.get(word, _core.AlphaMode.FIXED), alpha_value=value,
-            pilot_alpha=self.first_alpha == "pilot", sampling=self.sampling, eta=self.eta,
-            replace=replace, points=points,
-        )  # fmt: skip
+            alpha=modes.get(word, _core.AlphaMode.FIXED),
+            alpha_value=value,
+            pilot_alpha=self.first_alpha == "pilot",
+            sampling=self.sampling,
+            eta=self.eta,
+            replace=replace,
+            points=points,
+        )
 
     def parameters(self) -> dict[str, Any]:
-        """Names and values, JSON-able: of the cache's own settings where one is given."""
+        """Names and values for JSON; with a cache, its own settings."""
         made = self.cache.settings if self.cache else self.map_settings()
         return made.parameters() | {
-            "cache": self.cache is not None, "update": self.update,
-            "count_misses": self.count_misses, "alpha": self.alpha,
-            "first_alpha": self.first_alpha, "sampling": self.sampling, "eta": self.eta,
-        }  # fmt: skip
+            "cache": self.cache is not None,
+            "update": self.update,
+            "count_misses": self.count_misses,
+            "alpha": self.alpha,
+            "first_alpha": self.first_alpha,
+            "sampling": self.sampling,
+            "eta": self.eta,
+        }

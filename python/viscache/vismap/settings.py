@@ -17,7 +17,7 @@ __all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
 
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 
-#: Thresholds of the presets; the paper has three of them and prints no numbers.
+#: Thresholds of the presets. The paper has three presets but gives no numbers.
 PRESETS: dict[str, dict[str, float]] = {
     "low": {"w_min": 0.2, "delta_max": 0.10},
     "medium": {"w_min": 0.3, "delta_max": 0.06},
@@ -27,63 +27,67 @@ PRESETS: dict[str, dict[str, float]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MapSettings:
-    """How records are made, found, inserted and removed (paper: Section 5, Table 1).
+    """How records are created, found, inserted and removed (VisMap Sec. 5, Table 1).
 
     Parameters
     ----------
     preset : {"low", "medium", "high", "auto"}
-        Gives `w_min` and `delta_max` where they are None. "auto": the tightest of which the
-        start-up lets expect few enough records (`automatic_thresholds`).
+        Determines `w_min` and `delta_max` if they are None. "auto": the tightest thresholds for
+        which the start-up predicts few enough records (`automatic_thresholds`).
     m : int in [4, 7]
-        M: maps have 2^m x 2^m cells; 76, 172, 572, 2172 bytes a record.
+        M: maps have 2^m x 2^m cells; a record takes 76, 172, 572 or 2172 bytes.
     n_startup : int >= 1
-        Records of the start-up, at first hits spread over the image.
+        Number of start-up records, at first hits distributed over the image.
     d_max : float > 0
-        How far records are looked for, in widths of the image with pixels as large as they appear
-        at the point; never more than a tenth of the scene's diagonal.
+        Search radius for records as a fraction of the image width, measured by the size of a pixel
+        at the point; at most a tenth of the scene's diagonal.
     theta_max_deg : float in (0, 180]
-        Normals of records that are used differ by less.
+        Records are used only if their normal differs by less.
     n_best : int in [1, 8]
-        Records that are blended.
+        Maximum number of blended records.
     m_nearest : int in [n_best, 64]
-        Records among which they are chosen.
+        Number of nearest records from which they are chosen.
     lam : float >= 0
         λ of Eq. 9.
     w_min : float in [0, 1], optional
-        A point gets a record if none in reach weighs as much.
+        A point gets a record if no record in reach has this weight.
     delta_max : float in [0, 1], optional
-        A point gets a record if the blended maps differ more on average (Eq. 11).
+        A point gets a record if the mean difference of the blended maps is larger (Eq. 11).
     r_min_px : float >= 0
-        No record for differing maps where one stands nearer, in footprints of a pixel.
+        If a record is nearer than this, in footprints of a pixel, differing maps do not cause a new
+        one.
     max_records : int in [1, 2^26]
-        The cache takes no more.
+        Maximum number of records in the cache.
     weight_test : {"full", "w_hat", "raw"}
-        What is held against `w_min`: w_g·ŵ, ŵ, or w of Eq. 9.
+        The weight compared with `w_min`: w_g·ŵ, ŵ, or w of Eq. 9.
     filter : {"during", "after"}
-        Similar normals are asked for while the nearest are searched, or of the nearest found.
+        Test normals during the search for the nearest records, or after it.
     criterion : {"visibility", "ambient"}
-        "ambient": records for ambient occlusion, more of them where a surface is near; maps may
-        differ. Their rays look for the nearest hit.
+        "ambient": records for ambient occlusion. There are more of them near surfaces, and maps may
+        differ. Their rays find the nearest hit.
     mode : {"batch", "locked"}
-        "batch": the same records for any number of threads. "locked": the paper's read-write lock.
+        "batch": the same records for any number of threads. "locked": a read-write lock, as in the
+        paper.
     batch : int >= 1
-        Pixels that are looked up together.
+        Number of pixels that are looked up together.
     settle : bool
-        Pass over the image until no pixel wants a record; False: once, as the paper does.
+        True: repeat passes over the image until no pixel needs a record. False: a single pass, as
+        in the paper.
     order : {"scanline", "hilbert", "coarse_to_fine"}
-        In which order pixels may insert.
+        Order in which pixels may insert records.
     removal : {"rate", "wilson", "worst", "none"}
-        At the end of a frame, remove records whose share of wrong answers exceeds `eps_max`; the
-        lower end of whose 95 % interval does; the `k_worst` with the greatest shares; or none.
+        Records removed at the end of a frame. "rate": those whose error rate exceeds `eps_max`.
+        "wilson": those for which the lower end of its 95 % interval does. "worst": the `k_worst`
+        with the highest error rates.
     eps_max : float in [0, 1]
-        ε_max, as a share.
+        ε_max: maximum error rate.
     min_rays : int >= 0
-        Records that were compared with fewer rays stay.
+        Records compared with fewer rays are kept.
     k_worst : int >= 0
     unused_frames : int >= 0
-        Records that no pixel used for so many frames are removed; 0 = never.
+        Records that no pixel used for this many frames are removed; 0: never.
     seed : int >= 0
-        Of the directions of the maps and of the start-up rays.
+        Seed of the directions of the maps and of the start-up rays.
     """
 
     preset: Literal["low", "medium", "high", "auto"] = "medium"
@@ -123,18 +127,18 @@ class MapSettings:
             value = getattr(self, name)
             require(low <= value <= high, f"{name} must be in [{low}, {high}]", value)
         require(0 < self.d_max <= 1000, "d_max must be in (0, 1000]", self.d_max)
-        require(self.removal != "worst" or self.k_worst > 0,
-                'k_worst must be > 0 with removal="worst"', self.k_worst)  # fmt: skip
+        fits = self.removal != "worst" or self.k_worst > 0
+        require(fits, 'k_worst must be > 0 with removal="worst"', self.k_worst)
         require(0 <= self.eps_max <= 1, "eps_max must be in [0, 1]", self.eps_max)
         self.core()
 
     def core(self) -> _core.vismap.MapCacheParameters:
-        """The C++ struct; thresholds that the start-up gives are still the preset "medium"'s.
+        """The C++ struct. Thresholds to be determined by the start-up have the values of "medium".
 
         Raises
         ------
         ValueError
-            A value out of range.
+            A value is out of range.
         """
         preset = PRESETS.get(self.preset, PRESETS["medium"])
         return _core.vismap.MapCacheParameters(
@@ -147,7 +151,7 @@ class MapSettings:
         )  # fmt: skip
 
     def thresholds(self, startup: Mapping[str, Any] | None = None) -> tuple[float, float]:
-        """(w_min, delta_max) as given, by the preset, or by the start-up's statistics."""
+        """(w_min, delta_max) as given, from the preset, or from the statistics of the start-up."""
         given = self.w_min, self.delta_max
         if self.preset == "auto" and startup is not None:
             chosen = automatic_thresholds(startup["tested"], startup["difference"])
@@ -158,32 +162,33 @@ class MapSettings:
         return w_min, delta_max
 
     def parameters(self) -> dict[str, Any]:
-        """Names and values, JSON-able."""
+        """Names and values for JSON."""
         return asdict(self)
 
 
-#: Records that `expected_records` may say with "auto"; images of 1600×1200 get up to three times
-#: as many (docs/performance.md).
+#: Maximum of `expected_records` with "auto". Images of 1600×1200 get up to three times as many
+#: records (docs/performance.md).
 EXPECTED_RECORDS = 5000
-#: Records that stand behind every start-up record that none of the others serves.
+#: Number of records per start-up record for which no other start-up record is usable.
 RECORDS_PER_UNSERVED = 10
-#: Steps from the preset "medium", doubling delta_max's inverse, among which "auto" chooses.
+#: The choices of "auto": steps from the preset "medium", each full step halves delta_max.
 STEPS = np.linspace(-2, 2, 81)
 
 
 def expected_records(tested: Floats, difference: Floats, w_min: float, delta_max: float) -> float:
-    """Roughly how many records an image will get, from its start-up.
+    """Estimate from the start-up how many records an image will get.
 
-    Where no record serves, many small surfaces are near each other, and each wants its own. Where
-    maps differ, the difference falls with the distance of the records, their number rises with
-    its square. Each start-up record is looked up without itself.
+    Where no record is usable, there are many small surfaces close together, and each needs its own
+    records. Where maps differ, the difference is proportional to the distance of records, and their
+    number grows with the inverse square of that distance. Each start-up record is looked up without
+    itself.
 
     Parameters
     ----------
     tested : (N,) float
-        Greatest weight of another record; 0 where none is in reach.
+        Largest weight of another record; 0 if none is in reach.
     difference : (N,) float
-        Mean difference of the maps that would be blended; NaN of fewer than two.
+        Mean difference of the maps that would be blended; NaN for fewer than two.
     """
     known = difference[np.isfinite(difference)]
     by_weight = len(tested) + RECORDS_PER_UNSERVED * np.count_nonzero(tested < w_min)
@@ -192,10 +197,10 @@ def expected_records(tested: Floats, difference: Floats, w_min: float, delta_max
 
 
 def automatic_thresholds(tested: Floats, difference: Floats) -> tuple[float, float]:
-    """Starting values of w_min and delta_max from the start-up, which the paper leaves open.
+    """Choose w_min and delta_max from the start-up; the paper does not specify them.
 
-    The tightest pair of which not too many records are to be expected (`expected_records`), on a
-    line through the presets that goes beyond them on both sides.
+    The pairs lie on a line through the presets that extends beyond them on both sides. The tightest
+    pair is chosen for which `expected_records` is small enough.
 
     Parameters
     ----------
