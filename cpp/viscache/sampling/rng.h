@@ -25,7 +25,8 @@ enum class Purpose : uint32_t {
     kMapStartup,
     kEyeSubpath,
     kLightSubpath,
-    kRoulette
+    kRoulette,
+    kResidual
 };
 
 /// Bijective 64-bit mixer (variant 13 of Stafford's murmur finalisers).

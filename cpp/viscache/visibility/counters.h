@@ -54,6 +54,9 @@ struct Counters {
     // these, answers that were also traced, and those that the ray contradicted
     uint64_t reused_kept = 0, reused_fresh = 0, checked_kept = 0, checked_fresh = 0, wrong_kept = 0,
              wrong_fresh = 0;
+    // Answers as control variates
+    uint64_t corrections = 0;   ///< queries whose ray was traced as well
+    uint64_t contradicted = 0;  ///< of these, those whose answer the ray contradicts
     // Product sampling of the environment
     uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
     uint64_t product_guided = 0, product_unserved = 0;  ///< of these, with a guided density; without a record
@@ -120,6 +123,8 @@ inline void Counters::merge(const Counters& b) {
     checked_fresh += b.checked_fresh;
     wrong_kept += b.wrong_kept;
     wrong_fresh += b.wrong_fresh;
+    corrections += b.corrections;
+    contradicted += b.contradicted;
     product_points += b.product_points;
     product_dark += b.product_dark;
     product_guided += b.product_guided;

@@ -19,7 +19,7 @@ from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.spelling import nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
 
@@ -105,15 +105,14 @@ def run(name: str, quick: bool = False) -> dict[str, Any]:
     Raises
     ------
     ValueError
-        An unknown name; the message has the nearest known one.
-    NotThereYetError
-        A bench whose part viscache does not have yet.
+        An unknown name (the message has the nearest known one), or a bench whose part viscache
+        does not have yet.
     """
     if name not in BENCHES:
         raise ValueError(f"unknown bench {name!r}{nearest(name, BENCHES)}")
     function = BENCHES[name].function
     if function is None:
-        raise NotThereYetError(f"bench {name} is not there yet in this version of viscache")
+        raise ValueError(f"bench {name} is not there yet in this version of viscache")
     outcome = function(quick)
     return {
         "bench": name,

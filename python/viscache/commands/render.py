@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
+import viscache as vc
 from viscache import sources
 from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
 from viscache.settings import by_name
@@ -59,7 +58,6 @@ def run(arguments: argparse.Namespace) -> int:
     known = [camera.name for camera in scene.cameras]
     wish: str | None = arguments.camera
     index = wish is not None and wish not in known and wish.isdecimal()
-    vc: Any = importlib.import_module("viscache")
     options = {} if arguments.size is None else {"size": arguments.size}
     frame = vc.render(
         scene, chosen["integrator"], rays=chosen["rays"], visibility=chosen["visibility"],

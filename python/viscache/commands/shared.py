@@ -8,10 +8,10 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
 
-from viscache.json_values import finite
+from viscache import workers
+from viscache.files import finite
 from viscache.provenance import thread_count
 from viscache.settings import by_name
-from viscache.sweeps import executors
 
 
 def print_json(value: Any) -> None:
@@ -79,8 +79,8 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
 def chosen_executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor | None]:
     """The executor chosen by the options of `add_workers`; None: this process."""
     if arguments.dask is not None:
-        return executors.dask_executor(arguments.dask)
-    return executors.process_pool(arguments.workers)
+        return workers.dask_executor(arguments.dask)
+    return workers.process_pool(arguments.workers)
 
 
 def threads_of_a_worker(arguments: argparse.Namespace) -> int | None:

@@ -18,8 +18,8 @@ from viscache.correlation.derived import (
 )
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
+from viscache.files import whole_file
 from viscache.provenance import provenance
-from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray

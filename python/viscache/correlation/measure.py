@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
-from viscache.cameras import find_camera
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -42,9 +41,10 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
-from viscache.progress import progress_bar
-from viscache.provenance import version
+from viscache.progress import Progress, progress_bar
+from viscache.provenance import VERSION
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.sweeps.store import content_key
 
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["correlate", "measure", "phi"]
-
-Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 
 def measure(
@@ -193,7 +191,7 @@ def measure(
     fits = engine in get_args(RowEngine)
     require(fits, 'engine must be "embree", "batch", "field" or "auto"', engine)
     described: dict[str, Any] = {
-        "viscache": version(),
+        "viscache": VERSION,
         "scene": opened.content_hash,
         "t_max": t_max,
         "directions": [map_size, directions, seed],
@@ -303,7 +301,7 @@ def correlate(
     options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
                            undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
     rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
-    key = content_key({"viscache": version(), "rows": rows_digest})
+    key = content_key({"viscache": VERSION, "rows": rows_digest})
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
                   executor=executor, threads=threads, report=report)  # fmt: skip

@@ -7,7 +7,6 @@ any number of threads and any instruction set.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -23,7 +22,7 @@ from viscache.correlation.pair_tiles import (
     tile_numbers,
     tile_side,
 )
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.settings.checks import is_whole, require
 
 __all__ = [
@@ -39,7 +38,6 @@ __all__ = [
     "tile_list",
 ]
 
-Progress: TypeAlias = bool | Callable[[int, int], None]
 Domain: TypeAlias = Literal["sphere", "joint", "union"]
 Undefined: TypeAlias = Literal["skip", "one_if_both"]
 

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.derived import ENOUGH_PAIRS
-from viscache.drawing import new_figure
 from viscache.plots import COLORS, save
+from viscache.plots.drawing import new_figure
 
 if TYPE_CHECKING:
     import xarray

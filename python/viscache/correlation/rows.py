@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.correlation.directions import DirectionSet
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 
@@ -31,7 +31,6 @@ __all__ = [
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
-Progress: TypeAlias = bool | Callable[[int, int], None]
 RowEngine: TypeAlias = Literal["embree", "batch", "field", "auto"]
 
 N_GROUPS = 16

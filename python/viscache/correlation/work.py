@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.pair_tiles import TILE, choose_tiles, tile_list
-from viscache.sweeps.executors import window
+from viscache.workers import window
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")

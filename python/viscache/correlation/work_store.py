@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.whole_file import whole_file
+from viscache.files import whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from viscache import _core, scenes, tonemap
-from viscache.figures import aqvc_quality_bands as bands
+from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_bias import bias_rows
 from viscache.figures.aqvc_errors import autocorrelation, bias, error_plane, stray_light
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
@@ -35,6 +35,9 @@ KINDS = {"delta": ("point", "directional"), "conference": ("area",),
          "apartment": ("vpl", "environment")}  # fmt: skip
 
 
+@figure(
+    "aqvc-quality", "quality choices of the quantized cache: normals, grids, jitter, refinement"
+)
 def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All choices, a picture of stairs with and without jitter, and a table."""
     outcome = Outcome(rows=leaking_cells())
@@ -223,7 +226,7 @@ def jitter(quick: bool, size: Size, path: Path) -> tuple[list[Row], Path]:
         ]  # fmt: skip
         pictures[f"refinement {refinement}"] = plain.frame.image
         pictures[f"refinement {refinement}, jitter"] = moved.frame.image
-    figure = new_figure((12.0, 3.0))
+    figure = new_figure(12.0, 3.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
     height, width = exact.image.shape[:2]
     window = np.s_[height // 2 : 3 * height // 4, width // 3 : 7 * width // 12]

@@ -12,9 +12,8 @@ from typing import Any
 
 from viscache.figures import page, registry
 from viscache.figures.code import code_hash
-from viscache.json_values import finite
+from viscache.files import finite, write_whole
 from viscache.provenance import provenance
-from viscache.whole_file import write_whole
 
 __all__ = ["failing", "finished", "reproduce_all"]
 
@@ -61,8 +60,6 @@ def reproduce_all(
     folder.mkdir(parents=True, exist_ok=True)
     results: list[Result] = []
     for name, info in registry.FIGURES.items():
-        if not info.is_there:
-            continue
         wanted = size if info.sized else None
         known = finished(folder, name, quick=quick, size=wanted, older=older)
         result = known or _reproduced(name, folder, quick=quick, size=wanted, progress=progress)

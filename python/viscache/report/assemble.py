@@ -10,9 +10,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from viscache import labels
-from viscache.labels import number
-from viscache.whole_file import write_whole
+from viscache.files import write_whole
+from viscache.plots import labels
+from viscache.plots.labels import number
 
 #: Initial gain of difference maps.
 DIFFERENCE_GAIN = 16

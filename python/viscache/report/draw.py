@@ -6,8 +6,8 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
-from viscache import labels
-from viscache.labels import number, plain
+from viscache.plots import labels
+from viscache.plots.labels import number, plain
 from viscache.report.svg import SHAPES, Mark, scatter
 from viscache.report.svg_grids import Dot, heatmap, pairs
 from viscache.sweeps.swept import (

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from viscache import tonemap
+from viscache.files import write_whole
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage
 from viscache.sweeps.store import Store
 from viscache.sweeps.swept import pareto
-from viscache.whole_file import write_whole
 
 #: Default maximum number of FLIP maps, because each takes seconds.
 MOST_FLIP_MAPS = 24

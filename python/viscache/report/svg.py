@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from viscache import labels
-from viscache.labels import number
+from viscache.plots import labels
+from viscache.plots.labels import number
 from viscache.sweeps.swept import pareto
 
 WIDTH, HEIGHT = 560, 360

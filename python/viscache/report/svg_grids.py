@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscache import labels
-from viscache.labels import number
+from viscache.plots import labels
+from viscache.plots.labels import number
 from viscache.report.pictures import scale_colors
 from viscache.report.svg import Area, Axis, across, frame, upwards
 

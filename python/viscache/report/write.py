@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import labels
-from viscache.labels import plain
+from viscache.plots import labels
+from viscache.plots.labels import plain
 from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import sampling
-from viscache.cameras import find_camera
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.tonemap import LUMINANCE as WEIGHTS
 

@@ -10,7 +10,8 @@ from typing import Any, Literal, TypeAlias
 from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
-from viscache.vismap.estimate import VisMaps
+from viscache.settings.source_context import SourceContext
+from viscache.settings.vismaps import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]
 
@@ -46,10 +47,17 @@ class Exact:
     def __post_init__(self) -> None:
         check_types(self)
 
-    def core(self) -> tuple[_core.PacketOrder | None, bool | None]:
-        """The C++ settings."""
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
         order = None if self.order == "auto" else _core.PacketOrder[self.order.upper()]
-        return order, self.coherent
+        if context.batch is None:
+            return _core.ExactSource(
+                context.scene, context.caster, order=order, coherent=self.coherent
+            )
+        return _core.AlignedSource(
+            context.scene, context.caster, context.batch, choose=self.sky_engine == "auto",
+            order=order, coherent=self.coherent,
+        )  # fmt: skip
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""
@@ -291,6 +299,18 @@ class Aqvc:
         core.validate()
         return core
 
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        scene, caster, spp = context.scene, context.caster, context.spp
+        if context.kept is not None:
+            table, check, repair = context.kept
+            return _core.KeptTableSource(
+                scene, caster, self.core(), table, spp=spp, check=check, repair=repair
+            )
+        if context.bidirectional:
+            return _core.FrameTableSource(scene, caster, self.core(), spp=spp)
+        return _core.AqvcSource(scene, caster, self.core(), spp=spp)
+
     def for_frame_table(self) -> Aqvc:
         """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
 
@@ -368,6 +388,10 @@ class ShadowMap:
         require(0 <= self.bias <= 1, "bias must be in [0, 1]", self.bias)
         require(0 <= self.slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", self.slope_bias)
         require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        return _core.ShadowMapSource(context.scene, context.caster, self.core())
 
     def core(self) -> _core.ShadowMapSettings:
         """The C++ struct."""

@@ -8,13 +8,13 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings
 from viscache.vismap.cache import VisibilityMapCache, checked_size
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings
 from viscache.settings.rays import Caster, Embree, Rays, check_rays
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["VisibilityMapCache"]
-
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 MAX_PIXELS = 1 << 28
 

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.provenance import version
+from viscache.files import whole_file
+from viscache.provenance import VERSION
 from viscache.settings.checks import require
-from viscache.whole_file import whole_file
 
 __all__ = ["State", "read", "write"]
 
@@ -62,7 +62,7 @@ def write(path: str | os.PathLike[str], state: State) -> None:
     head = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
-        "viscache": version(),
+        "viscache": VERSION,
         "scene_hash": state.scene_hash,
         "settings": state.settings,
         "frame": state.frame,

@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
-from viscache.environments import read_image
 from viscache.frame import Frame
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env
+from viscache.scene.cameras import find_camera
+from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
-from viscache.vismap.cache import Progress, VisibilityMapCache, checked_size
+from viscache.vismap.cache import VisibilityMapCache, checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]
 

@@ -9,8 +9,8 @@ from viscache import _core
 from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.rays import Rays
+from viscache.settings.vismaps import VisMaps
 from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.estimate import VisMaps
 
 __all__ = ["render_with_maps"]
 
@@ -24,11 +24,14 @@ def render_with_maps(
     core: _core.IntegratorSettings,
     frame: _core.FrameSettings,
     visibility: VisMaps,
+    source: _core.OracleSource,
     *,
     replace: bool,
     progress: Any,
 ) -> dict[str, Any]:
     """Implements `viscache.render` with `VisMaps`; `geometry` is the scene before env= changed it.
+
+    `source` makes the oracles that trace the rays.
 
     Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
 
@@ -51,6 +54,8 @@ def render_with_maps(
     cache = visibility.cache
     if cache is None:
         cache = VisibilityMapCache(geometry, visibility.map_settings(), rays=rays)
+    if not isinstance(cache, VisibilityMapCache):
+        raise ValueError(f"cache must be a VisibilityMapCache, got {cache!r}")
     fits = cache.settings.criterion == "visibility"
     require(fits, 'the cache\'s criterion must be "visibility"', cache.settings.criterion)
     of_scene = cache.scene is geometry or cache.scene.content_hash in (
@@ -67,11 +72,13 @@ def render_with_maps(
     points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)
     records_s = time.perf_counter() - start
     with cache._lock:
-        result: dict[str, Any] = _core.render_vismap(
-            scene._core, caster, view, core, frame, settings, cache._core, points.d_max,
-            points.footprint, count_misses=visibility.count_misses, cache_frame=cache.frame,
-            progress=progress,
+        maps = _core.cache_maps(
+            settings, cache._core, frame, points.d_max, points.footprint,
+            count_misses=visibility.count_misses, cache_frame=cache.frame,
         )  # fmt: skip
+        result: dict[str, Any] = _core.render_frame(
+            scene._core, caster, view, core, frame, source, maps=maps, progress=progress
+        )
     result["counters"].update(records=len(cache), records_inserted=inserted, records_rays=traced)
     result["timings"]["records_s"] = records_s
     return result

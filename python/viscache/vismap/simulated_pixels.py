@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.scenes.light_product import (
     LUMINANCE,
     Hits,

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Vlf
 from viscache.vlf.directions import checked_directions
-
-if TYPE_CHECKING:
-    from viscache.vlf.field import VisibilityField
+from viscache.vlf.field import VisibilityField
 
 __all__ = ["AlignedRows", "Engine", "aligned_occlusion", "trace_aligned"]
 
@@ -29,7 +26,6 @@ BUILD_REFERENCE_S = 75e-9
 FIELD_MARGIN = 0.6
 #: Upper bound of Embree's time per ray, point by point, in all measured scenes.
 MOST_EMBREE_NS = 600.0
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -179,8 +175,6 @@ class _Asked(NamedTuple):
 def _check_field(field: VisibilityField | None, scene: Scene, n_directions: int) -> None:
     if field is None:
         return
-    from viscache.vlf.field import VisibilityField
-
     require(isinstance(field, VisibilityField), "field must be a VisibilityField", field)
     same = field.scene is scene and field.n_directions == n_directions
     require(

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
+from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Vlf
-
-if TYPE_CHECKING:
-    from viscache.render import Progress
-    from viscache.scene import Scene
 
 __all__ = ["DynamicField", "DynamicHits"]
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
+from viscache.scene import Intersection, Scene
 from viscache.settings.checks import checked_points, checked_threads
 from viscache.settings.rays import Vlf
-
-if TYPE_CHECKING:
-    from viscache.render import Progress
-    from viscache.scene import Intersection, Scene
 
 __all__ = ["VisibilityField"]
 
@@ -149,8 +146,6 @@ class VisibilityField:
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
         """Nearest hits of (N, 3) rays; as `Scene.intersect`."""
-        from viscache.scene import Intersection
-
         o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
         return Intersection(*self._core.intersect(o, d, checked_threads(threads)))
 
