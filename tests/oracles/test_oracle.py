@@ -71,9 +71,7 @@ def test_vanishing_cells_give_the_exact_bits(room: vc.Scene, points: vc.EyePoint
     np.testing.assert_array_equal(exact.bits[:, 1] >> np.uint64(36), 0)  # unused bits
 
 
-def test_larger_cells_cost_fewer_rays_and_more_errors(
-    room: vc.Scene, points: vc.EyePoints
-) -> None:
+def test_larger_cells_cost_fewer_rays_and_more_errors(room: vc.Scene, points: vc.EyePoints) -> None:
     ends = lamps(room)
     exact = room.oracle(vc.Exact()).block(points, ends).visible
     rays, wrong = [], []
@@ -155,9 +153,7 @@ def test_clusters_tell_whose_ray_answered(room: vc.Scene, points: vc.EyePoints) 
         _ = oracle.block(points, ends).clusters
 
 
-def test_every_query_of_exact_rays_is_its_own_cluster(
-    room: vc.Scene, points: vc.EyePoints
-) -> None:
+def test_every_query_of_exact_rays_is_its_own_cluster(room: vc.Scene, points: vc.EyePoints) -> None:
     log = room.oracle(vc.Exact()).block(points[:50], lamps(room, 5), clusters=True).clusters
     assert len(np.unique(log["cluster"])) == len(log) == 250
     assert log["traced"].all()
@@ -200,9 +196,7 @@ def test_density_comes_from_neighbours_where_none_is_given() -> None:
     assert np.isfinite(np.asarray(equal.density)).all()
 
 
-def test_a_corrected_oracle_with_share_one_is_exact(
-    room: vc.Scene, points: vc.EyePoints
-) -> None:
+def test_a_corrected_oracle_with_share_one_is_exact(room: vc.Scene, points: vc.EyePoints) -> None:
     ends = lamps(room)
     exact = room.oracle(vc.Exact()).block(points, ends)
     right = room.oracle(vc.Aqvc(c_e=16), use=vc.Correct(share=1)).block(points, ends)
@@ -232,9 +226,7 @@ def test_bad_arrays_are_refused(make: Any, match: str) -> None:
         make()
 
 
-def test_bad_questions_are_refused_and_lose_nothing(
-    room: vc.Scene, points: vc.EyePoints
-) -> None:
+def test_bad_questions_are_refused_and_lose_nothing(room: vc.Scene, points: vc.EyePoints) -> None:
     oracle, ends = room.oracle(vc.Aqvc()), lamps(room, 3)
     for call, match in (
         (lambda: oracle.block(points, ends, np.ones((2, 3), dtype=bool)), "wanted must be"),

@@ -35,7 +35,9 @@ class AsBits:
         return np.packbits(seen, axis=1, bitorder="little").view(np.uint64)
 
     def pairs(self, eyes: Any, index: Any, ends: Any) -> Any:
-        return np.array([eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)], dtype=bool)
+        return np.array(
+            [eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)], dtype=bool
+        )
 
 
 @dataclass(frozen=True)
@@ -88,9 +90,7 @@ def test_traced_rays_make_the_exact_frame(
     size = (16, 10) if isinstance(oracle, AsBits) else SIZE
     exact = vc.render(room, integrator, size=size, **options)
     for threads in (1, 3):
-        made = vc.render(
-            room, integrator, size=size, visibility=oracle, threads=threads, **options
-        )
+        made = vc.render(room, integrator, size=size, visibility=oracle, threads=threads, **options)
         assert made.sha256 == exact.sha256
         assert made.counters["queries"] == exact.counters["queries"]
         if isinstance(oracle, Rays):
@@ -119,9 +119,7 @@ def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
 
 def test_it_serves_as_control_variate(room: vc.Scene) -> None:
     exact = vc.render(room, WHITTED, size=SIZE)
-    right = vc.render(
-        room, WHITTED, size=SIZE, visibility=Grid(cell=0.5), use=vc.Correct(share=1)
-    )
+    right = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=0.5), use=vc.Correct(share=1))
     assert right.sha256 == exact.sha256
     weighted = vc.render(room, WHITTED, size=SIZE, visibility=Half(), use=vc.Correct(share=1))
     np.testing.assert_allclose(weighted.image, exact.image, rtol=1e-5, atol=1e-7)
@@ -232,9 +230,7 @@ def test_a_cancelled_frame_is_interrupted(room: vc.Scene) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        vc.render(
-            room, vc.Whitted(n_vpls=1024), size=(640, 400), visibility=Rays(), progress=stop
-        )
+        vc.render(room, vc.Whitted(n_vpls=1024), size=(640, 400), visibility=Rays(), progress=stop)
 
 
 def test_arrays_are_asked_through_it_as_well(room: vc.Scene, tmp_path: Path) -> None:

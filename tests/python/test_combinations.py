@@ -59,7 +59,9 @@ def test_there_is_a_request_for_each_rule() -> None:
     assert len(BROKEN) == len(RULES)
 
 
-@pytest.mark.parametrize("integrator", [vc.Direct(), vc.Whitted(), vc.AmbientOcclusion(), vc.Bdpt()])
+@pytest.mark.parametrize(
+    "integrator", [vc.Direct(), vc.Whitted(), vc.AmbientOcclusion(), vc.Bdpt()]
+)
 @pytest.mark.parametrize("use", [None, "correct"])
 @pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(), vc.NeePlusPlus(), Own()])
 def test_every_integrator_works_with_every_oracle(

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from viscache._core._testing import glossy_sum
 
 from scene.test_bsdf import glossy
 from viscache import _core
+from viscache._core._testing import glossy_sum
 from viscache._core.sampling import eval_bsdf
 
 ISAS = ("portable", "avx2", "avx512")

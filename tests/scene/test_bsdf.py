@@ -3,11 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 import pytest
-from viscache._core._testing import diffuse_albedo, pdf_bsdf, sample_bsdf
 
 from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
 from viscache import _core
 from viscache._core import MaterialKind
+from viscache._core._testing import diffuse_albedo, pdf_bsdf, sample_bsdf
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 N = 200_000

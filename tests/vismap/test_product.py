@@ -6,11 +6,11 @@ import sys
 
 import numpy as np
 import pytest
-from viscache._core._testing import ProductTree, reflection_at_nodes
 
 from sampling.chi_square import p_value
 from viscache import _core
 from viscache._core import PointSet
+from viscache._core._testing import ProductTree, reflection_at_nodes
 from viscache._core.sampling import eval_bsdf
 from viscache._core.vismap import EnvironmentPyramid, morton2, points
 from vismap.worlds import coarser, cosine_lobe, directions, luminance, morton, sky, surface
