@@ -20,7 +20,7 @@ from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
@@ -49,6 +49,7 @@ __all__ = [
     "Intersection",
     "MapSettings",
     "NeePlusPlus",
+    "PaperForm",
     "Relighting",
     "Scene",
     "SceneDescription",

@@ -10,16 +10,9 @@ from typing import Any
 from viscache import _core
 from viscache.scene import Scene
 from viscache.settings.checks import is_whole, require
-from viscache.settings.visibility import Aqvc
+from viscache.settings.aqvc import KEYED, Aqvc
 
 __all__ = ["AqvcTable"]
-
-#: Parameters on which keys, or what is kept under them, depend: the same in all frames of a table.
-KEYED_BY = (
-    *("c_l", "c_n", "c_z", "c_r", "normal_mode", "grid_offset", "grid_seed", "scale_free"),
-    *("res_rule", "env_rule", "vpl_key", "hash", "digest_bits"),
-)
-
 
 class AqvcTable:
     """Bits of visibility that frames of `vc.render(..., keep=table)` hand on to the next ones.
@@ -124,7 +117,7 @@ class AqvcTable:
                 self)  # fmt: skip
         try:
             core = cache.core()
-            keyed = {name: getattr(core, name) for name in KEYED_BY}
+            keyed = {name: getattr(core, name) for name in KEYED}
             if not core.scale_free:
                 keyed["the scene's bounding sphere"] = _core.scene_sphere(scene._core)
             if self._core is None:

@@ -12,7 +12,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.by_name import nearest
 
 #: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
 COMMANDS = {
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return OK
-    except (ValueError, OSError, NotThereYetError, MemoryError) as error:
+    except (ValueError, OSError, MemoryError) as error:
         if debug:
             raise
         return _complain(_reason(error))

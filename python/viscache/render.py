@@ -369,9 +369,9 @@ def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) 
                 "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.NeePlusPlus(...) with Bdpt",
                 visibility)  # fmt: skip
     elif isinstance(visibility, Aqvc):
-        require(visibility.storage != "shared",
+        require(visibility.paper.storage != "shared",
                 'storage must be "table", "exact" or "paper_tiles" without Bdpt',
-                visibility.storage)  # fmt: skip
+                visibility.paper.storage)  # fmt: skip
     if isinstance(integrator, Direct) and not both:
         product = integrator.environment == "product"
         require(not (product and isinstance(visibility, Aqvc | NeePlusPlus)),

@@ -11,17 +11,13 @@ import numpy as np
 
 from viscache import provenance
 from viscache.commands.shared import print_json
-from viscache.settings.by_name import NotThereYetError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--extremes", action="store_true", help="the numerical-extremes suite")
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if arguments.extremes:
-        raise NotThereYetError("doctor --extremes is not there yet in this version of viscache")
     active, best = provenance.isa()
     made = provenance.provenance()
     report: dict[str, Any] = {

@@ -61,8 +61,6 @@ def reproduce_all(
     folder.mkdir(parents=True, exist_ok=True)
     results: list[Result] = []
     for name, info in registry.FIGURES.items():
-        if not info.is_there:
-            continue
         wanted = size if info.sized else None
         known = finished(folder, name, quick=quick, size=wanted, older=older)
         result = known or _reproduced(name, folder, quick=quick, size=wanted, progress=progress)

@@ -42,7 +42,7 @@ from viscache.figures.vismap_table3 import table3
 from viscache.figures.vismap_weights import figure5
 from viscache.json_values import finite
 from viscache.provenance import provenance
-from viscache.settings.by_name import NotThereYetError, nearest
+from viscache.settings.by_name import nearest
 
 __all__ = ["FIGURES", "FigureInfo", "reproduce"]
 
@@ -55,15 +55,9 @@ class FigureInfo:
     """One figure or table of the papers, or one of ours beside them."""
 
     description: str
-    function: Figure | None = None
-    """None where the part it shows is not there yet."""
+    function: Figure
     sized: bool = False
     """Whether its pictures can be rendered at another size."""
-
-    @property
-    def is_there(self) -> bool:
-        """False for a figure whose part viscache does not have yet."""
-        return self.function is not None
 
 
 #: Name to figure, in the order of the papers.
@@ -103,7 +97,7 @@ FIGURES: dict[str, FigureInfo] = {
         sized=True,
     ),
     "aqvc-quality": FigureInfo(
-        description="quality choices of the quantized cache: normals, grids, jitter, refinement",
+        description="quality choices of the quantized cache: normals, grids, refinement",
         function=aqvc_quality.quality,
         sized=True,
     ),
@@ -233,14 +227,10 @@ def reproduce(
     ------
     ValueError
         An unknown name, with the nearest known one; a size where it has no effect.
-    NotThereYetError
-        A figure whose part viscache does not have yet.
     """
     if name not in FIGURES:
         raise ValueError(f"unknown figure {name!r}{nearest(name, FIGURES)}")
     function = FIGURES[name].function
-    if function is None:
-        raise NotThereYetError(f"reproduce {name} is not there yet in this version of viscache")
     if size is not None and not FIGURES[name].sized:
         sized = ", ".join(n for n, info in FIGURES.items() if info.sized)
         raise ValueError(f"size must be left out for {name}; it is for {sized}")

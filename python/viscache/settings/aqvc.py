@@ -1,7 +1,12 @@
-"""Settings of the quantized visibility cache."""
+"""Settings of the quantized visibility cache.
+
+Ranges, defaults and meanings of the parameters stand in `cpp/viscache/aqvc/parameter_table.h` and
+`parameters.h` alone; the classes here take them from there.
+"""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
@@ -9,17 +14,22 @@ from typing import Any, Literal
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.not_given import NotGiven, not_given, plain
 
-__all__ = ["Aqvc"]
+__all__ = ["Aqvc", "PaperForm"]
 
 LIGHT_GROUPS = (
     "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
 )  # fmt: skip
 
-#: Parameters of `Aqvc` that are mappings by light group.
+#: Rows of the C++ table by name.
+ROWS = {row["name"]: row for row in _core.aqvc.parameter_rows()}
+#: Parameters on which keys, or what is kept under them, depend.
+KEYED = tuple(name for name, row in ROWS.items() if row["keyed"])
+#: Parameters that are mappings by light group.
 BY_GROUP = ("c_e_groups", "refinement_groups")
 
-#: What the presets change of the C++ defaults (docs/deviations.md tells why).
+#: What the presets change of the defaults (docs/deviations.md tells why).
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
     # Fewer and larger clusters, rays where they count (docs/aqvc.md)
@@ -48,12 +58,117 @@ PRESETS["as_printed"] = PRESETS["paper"] | {
     "env_rule": "printed",
 }
 
+_DEFAULTS = _core.aqvc.AqvcParameters()
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+
+def _default(name: str) -> Any:
+    """The C++ default, marked as not given."""
+    return not_given(getattr(_DEFAULTS, name))
+
+
+def _documented(cls: type[Any]) -> type[Any]:
+    """Writes the parameters of the C++ table into the docstring, at the line `{parameters}`."""
+    lines = []
+    for f in fields(cls):
+        if f.name in ROWS:
+            row = ROWS[f.name]
+            default = "{}" if f.name in BY_GROUP else repr(f.default).replace("'", '"')
+            lines.append(f"    {f.name} : {row['kind']}, default {default}")
+            lines.append(textwrap.fill(row["doc"], 92, initial_indent=8 * " ",
+                                       subsequent_indent=8 * " "))  # fmt: skip
+    if cls.__doc__:
+        cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
+    return cls
+
+
+def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
+    """Where nothing was given: the preset's value, or the default."""
+    for f in fields(settings):
+        if f.name in ROWS and isinstance(getattr(settings, f.name), NotGiven):
+            value = preset.get(f.name, plain(f.default))
+            object.__setattr__(settings, f.name, not_given(value))
+
+
+def _is_given(value: Any) -> bool:
+    if isinstance(value, PaperForm):
+        return any(_is_given(getattr(value, f.name)) for f in fields(value))
+    return not isinstance(value, NotGiven) and value != {}
+
+
+def _given(settings: Any) -> str:
+    """The constructor call with what was given."""
+    values = {f.name: getattr(settings, f.name) for f in fields(settings)}
+    given = [f"{name}={value!r}" for name, value in values.items() if _is_given(value)]
+    return f"{type(settings).__name__}({', '.join(given)})"
+
+
+def _core_of(*settings: Any) -> _core.aqvc.AqvcParameters:
+    """The C++ struct with the values of these settings, checked."""
+    core = _core.aqvc.AqvcParameters()
+    for part in settings:
+        for f in fields(part):
+            if f.name in ROWS:
+                value = plain(getattr(part, f.name))
+                try:
+                    setattr(core, f.name, dict(value) if f.name in BY_GROUP else value)
+                except TypeError as error:
+                    message = f"{f.name} must be a number in range, got {value!r}"
+                    raise ValueError(message) from error
+    core.validate()
+    return core
+
+
+@_documented
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class PaperForm:
+    """What the paper's own form of the cache has besides: `Aqvc(paper=PaperForm(...))`.
+
+    What is given wins over the preset, the rest is the preset's.
+
+    Parameters
+    ----------
+    {parameters}
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> exact_table = vc.PaperForm(form="pairs", storage="exact")
+    >>> vc.Aqvc(preset="paper", paper=exact_table).paper.level_rule
+    'log2'
+    """
+
+    form: Literal["waves", "pairs"] = _default("form")
+    storage: Literal["table", "exact", "shared", "paper_tiles"] = _default("storage")
+    batch: int = _default("batch")
+    queue: int = _default("queue")
+    c_w: int = _default("c_w")
+    order: Literal["hm", "scanline", "random"] = _default("order")
+    c_pg: float = _default("c_pg")
+    hash: Literal["scheme2", "scheme1", "scheme1_mixed"] = _default("hash")
+    digest_bits: int = _default("digest_bits")
+    normal_mode: Literal["round", "floor", "octahedral", "single"] = _default("normal_mode")
+    grid_offset: bool = _default("grid_offset")
+    tangent_neighbours: bool = _default("tangent_neighbours")
+    res_rule: Literal["eq7", "eq6"] = _default("res_rule")
+    env_rule: Literal["derived", "printed"] = _default("env_rule")
+    cell_density: Literal["light", "mixture"] = _default("cell_density")
+    vpl_key: Literal["point", "surface"] = _default("vpl_key")
+    level_rule: Literal["finest", "log2"] = _default("level_rule")
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        _core_of(self)
+
+    def __repr__(self) -> str:
+        return _given(self)
+
+
+@_documented
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Aqvc:
     """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
 
-    Every parameter but `preset` and `c_e` may be None: the preset's value. What is given wins.
+    What is given wins over the preset; the defaults shown are those of the preset "default".
 
     Parameters
     ----------
@@ -62,145 +177,33 @@ class Aqvc:
         It pays with many lights and in foliage, not with few lamps.
         "paper": the paper's parameters with our corrections, one query at a time through the hash
         table. "as_printed": with its slips too (docs/deviations.md).
-    c_e : float > 0
-        C_E: a cluster spans about C_E × C_E eye samples. The error knob.
-    c_e_groups : mapping of light group to float > 0
-        C_E of single groups: point, directional, area, environment, vpl, ambient; of `Bdpt` also
-        connection (two surfaces) and camera.
-    c_l : float in [0.001, 1000]
-        C_L: and about C_L × C_L light samples at the far end (Eq. 7 and 9), where that is a surface
-        or the sky. 1, the paper's. Below 1: finer light cells, for an error of the sky or of area
-        lights that C_E does not bring down. Not with res_rule "eq6", whose C_E is both ends'.
-    c_n : int in [1, 64]
-        C_N: normal bins per axis (Eq. 4). 8.
-    c_z : float in [0.01, 1024]
-        C_Z: cells are this much thinner along the normal. 4; the paper: 8.
-    c_r : float in [1.001, 16]
-        C_R: ratio of the ladder of resolutions (Eq. 8). 1.2; with `Bdpt` 2.
-    normal_mode : {"round", "floor", "octahedral", "single"}
-        Bins of normals: to the nearest on a cube's lattice, or down (the paper); about as many on
-        the octahedral map; or one grid for all normals, which lets light through thin walls.
-    grid_offset : bool
-        Shift the grids by irrational amounts, so that no plane lies on a cell face.
-    scale_free : bool
-        Cells are C_R^k units of length wide and count from the origin, instead of dividing the
-        scene's bounding sphere: they stay the same when the scene grows or moves.
-    grid_seed : int >= 0
-        Another shift per number, and another random order.
-    tangent_neighbours : bool
-        Neighbour cells follow the tangent plane instead of keeping v_z.
-    jitter : bool
-        Move every eye point along its tangent plane by up to half a cell before it is quantised,
-        by `grid_seed`: the edges of cells become noise. A point stays where it is if no eye point
-        of the tile lies in the cell it would come to. Not with res_rule "eq6".
-    res_rule : {"eq7", "eq6"}
-        Cells of surface–surface connections: Eq. 7; with `Bdpt` Eq. 6.
-    env_rule : {"derived", "printed"}
-        Eq. 9 with 4π on the right side, or as printed.
-    cell_density : {"mixture", "light"}
-        Density that the light cells of samples of each pixel's own follow: of all techniques
-        together, which differs between pixels where the BRDF is sampled too, or of light sampling
-        alone, so that all pixels have the same cells: fewer rays, more error.
-    vpl_key : {"point", "surface"}
-        One column per VPL, or VPLs quantised as surface points.
-    refinement : {"auto", "on", "off"}
-        Alg. 2. Auto: for point, directional and VPL groups unless C_E² <= spp; off with `Bdpt`.
-    refinement_groups : mapping of light group to {"auto", "on", "off"}
-        The same for single groups, named as in `c_e_groups`.
-    nil_refine : float in [0, 1]
-        Share of the cells that refine where two or more of their four neighbours are unknown; an
-        unknown neighbour agrees otherwise. 0.
-    level_rule : {"finest", "log2"}
-        Levels C_E, C_E/level_step … down to c_finest, or max(1, ceil(log2 C_E)) of them.
-    level_step, c_finest : float
-        See level_rule. 4 and 4.
-    max_levels : int >= 0
-        Cuts the list of levels; 0 = no limit.
-    by_contribution : bool
-        C_E of each connection by what it would carry unoccluded: C_E·(mean f / f)^(1/p). Only where
-        refinement is on and in the form "waves"; others ignore it.
-    contribution_power : float in [0.1, 100]
-        The exponent p, 2.5: brighter connections get cells as much finer as errors count more.
-    contribution_lift : float in [1, 1024]
-        The coarsest level is this many C_E. 2.
-    contribution_slack : int in [0, 32]
-        Levels a connection may be refined past the first that asked it. 1.
-    hash : {"scheme2", "scheme1", "scheme1_mixed"}
-        Hash of the table (Eq. 10). Scheme 1 collides on point lights; kept to show that.
-    digest_bits : int in [1, 31]
-        Bits of the digest beside the visibility bit.
-    table_bytes : int
-        Size of the table: of one tile, 4 MiB; with `Bdpt` of the frame, 256 MiB. Bit rows of
-        samples of each pixel's own take up to 16 times that before the table steps in.
-    order : {"hm", "scanline", "random"}
-        Processing order of `pairs` and rows: Halton–Morton (Sec. 4.3) or comparisons.
-    c_pg : float
-        C_PG: growth of the order's segments. 3.7.
-    form : {"waves", "rows", "pairs"}
-        How groups of shared lights run: level waves, rows in pixel order, one query at a time.
-        Samples of each pixel's own go through rows of bits by light cell, or with "pairs" through
-        the table.
-    storage : {"table", "exact", "shared", "paper_tiles"}
-        The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one, which
-        takes up what was traced between rounds of work: the same values for any number of threads.
-        "shared", with `Bdpt` alone: threads read and write it at once; which of a cluster's
-        segments is traced is chance. "paper_tiles", without `Bdpt`: tiles of 32² pixels dealt out
-        to the threads, each of which keeps its table over all of its own, as the paper does on the
-        CPU; the same bytes for the same number of threads alone.
-    batch : int >= 0
-        Eye points that are processed together; 0 = the form's own, 1 = one query at a time.
-    queue : int in [0, 1024], even
-        Of the table, instead of batches: length of the queue of postponed rays (Sec. 4.4). Half as
-        many queries look up their values at a time, a warp; when more than half of it is taken, its
-        first half is traced. 0 = no queue; the paper: 64.
-    c_w : int in [1, 1024]
-        C_W: where at least so many rays of a warp are missing, they are traced at once. 31.
+    {parameters}
+    paper : PaperForm
+        What the paper's own form has besides.
 
     Examples
     --------
     >>> import viscache as vc
-    >>> vc.Aqvc(c_e=8).resolved()["c_z"], vc.Aqvc(preset="paper").resolved()["c_z"]
-    (4.0, 8.0)
+    >>> vc.Aqvc(c_e=8).c_z, vc.Aqvc(preset="paper").c_z, vc.Aqvc(preset="paper", c_z=2).c_z
+    (4.0, 8.0, 2.0)
     """
 
     preset: Literal["default", "fast", "paper", "as_printed"] = "default"
-    c_e: float = 12.0
+    c_e: float = _default("c_e")
     c_e_groups: Mapping[str, float] = field(default_factory=dict, hash=False)
-    c_l: float | None = None
-    c_n: int | None = None
-    c_z: float | None = None
-    c_r: float | None = None
-    normal_mode: Literal["round", "floor", "octahedral", "single"] | None = None
-    grid_offset: bool | None = None
-    scale_free: bool | None = None
-    grid_seed: int | None = None
-    tangent_neighbours: bool | None = None
-    jitter: bool | None = None
-    res_rule: Literal["eq7", "eq6"] | None = None
-    env_rule: Literal["derived", "printed"] | None = None
-    cell_density: Literal["mixture", "light"] | None = None
-    vpl_key: Literal["point", "surface"] | None = None
-    refinement: Literal["auto", "on", "off"] | None = None
+    c_l: float = _default("c_l")
+    c_n: int = _default("c_n")
+    c_z: float = _default("c_z")
+    c_r: float = _default("c_r")
+    scale_free: bool = _default("scale_free")
+    grid_seed: int = _default("grid_seed")
+    refinement: Literal["auto", "on", "off"] = _default("refinement")
     refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
-    nil_refine: float | None = None
-    level_rule: Literal["finest", "log2"] | None = None
-    level_step: float | None = None
-    c_finest: float | None = None
-    max_levels: int | None = None
-    by_contribution: bool | None = None
-    contribution_power: float | None = None
-    contribution_lift: float | None = None
-    contribution_slack: int | None = None
-    hash: Literal["scheme2", "scheme1", "scheme1_mixed"] | None = None
-    digest_bits: int | None = None
-    table_bytes: int | None = None
-    order: Literal["hm", "scanline", "random"] | None = None
-    c_pg: float | None = None
-    form: Literal["waves", "rows", "pairs"] | None = None
-    storage: Literal["table", "exact", "shared", "paper_tiles"] | None = None
-    batch: int | None = None
-    queue: int | None = None
-    c_w: int | None = None
+    level_step: float = _default("level_step")
+    c_finest: float = _default("c_finest")
+    by_contribution: bool = _default("by_contribution")
+    table_bytes: int = _default("table_bytes")
+    paper: PaperForm = PaperForm()
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -214,6 +217,11 @@ class Aqvc:
                 f"c_e_groups[{group!r}] must be > 0 and finite", value,
             )  # fmt: skip
         self._check_refinement_groups()
+        require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
+        _fill(self, PRESETS[self.preset])
+        paper = replace(self.paper)
+        _fill(paper, PRESETS[self.preset])
+        object.__setattr__(self, "paper", paper)
         self.core()
 
     def _check_refinement_groups(self) -> None:
@@ -235,48 +243,40 @@ class Aqvc:
         ValueError
             A value out of range.
         """
-        values = dict(PRESETS[self.preset])
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if f.name not in BY_GROUP and f.name != "preset" and value is not None:
-                values[f.name] = value
-        core = _core.aqvc.AqvcParameters()
-        for name, value in values.items():
-            try:
-                setattr(core, name, value)
-            except TypeError as error:
-                raise ValueError(f"{name} must be a number in range, got {value!r}") from error
-        core.c_e_group = [float(self.c_e_groups.get(g, 0.0)) for g in LIGHT_GROUPS]
-        core.refinement_group = [self.refinement_groups.get(g) for g in LIGHT_GROUPS]
-        core.validate()
-        return core
+        return _core_of(self, self.paper)
 
     def for_frame_table(self) -> Aqvc:
         """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
 
         In the default preset also C_R = 2 (docs/deviations.md, A35).
         """
-        return replace(
-            self,
-            c_r=2.0 if self.c_r is None and self.preset == "default" else self.c_r,
-            res_rule=self.res_rule or "eq6",
-            refinement=self.refinement or "off",
-            table_bytes=256 << 20 if self.table_bytes is None else self.table_bytes,
-        )
+        own: dict[str, Any] = {"table_bytes": 256 << 20, "refinement": "off"}
+        if self.preset == "default":
+            own["c_r"] = 2.0
+        return self._unless_given(own, {"res_rule": "eq6"})
 
     def for_kept_table(self) -> Aqvc:
         """With what a table kept over frames needs: one query at a time, scale-free cells."""
-        form, storage = self.form or "pairs", self.storage or "table"
+        made = self._unless_given({"scale_free": True}, {"form": "pairs", "storage": "table"})
+        form, storage = made.paper.form, made.paper.storage
         require(form == "pairs", 'form must be "pairs" with keep', form)
         require(storage == "table", 'storage must be "table" with keep', storage)
-        free = True if self.scale_free is None else self.scale_free
-        return replace(self, form="pairs", storage="table", scale_free=free)
+        return made
+
+    def __repr__(self) -> str:
+        return _given(self)
+
+    def _unless_given(self, own: Mapping[str, Any], paper: Mapping[str, Any]) -> Aqvc:
+        """With these values, where nothing was given."""
+        papers = {n: v for n, v in paper.items() if isinstance(getattr(self.paper, n), NotGiven)}
+        values = {n: v for n, v in own.items() if isinstance(getattr(self, n), NotGiven)}
+        return replace(self, **values, paper=replace(self.paper, **papers))
 
     def resolved(self) -> dict[str, Any]:
-        """Every parameter's value, the preset's filled in."""
-        core = self.core()
-        given = {"preset": self.preset, **{name: dict(getattr(self, name)) for name in BY_GROUP}}
-        return given | {f.name: getattr(core, f.name) for f in fields(self) if f.name not in given}
+        """Every parameter's value, those of `paper` under their own names."""
+        own = {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name != "paper"}
+        own |= {name: dict(own[name]) for name in BY_GROUP}
+        return own | {f.name: plain(getattr(self.paper, f.name)) for f in fields(self.paper)}
 
     def parameters(self) -> dict[str, Any]:
         """Names and values as used: `resolved`."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeAlias
 
 from viscache import _core
-from viscache.settings.aqvc import Aqvc
+from viscache.settings.aqvc import Aqvc, PaperForm
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.vismap.estimate import VisMaps
 
-__all__ = ["Aqvc", "Exact", "NeePlusPlus", "ShadowMap", "VisMaps", "Visibility"]
+__all__ = ["Aqvc", "Exact", "NeePlusPlus", "PaperForm", "ShadowMap", "VisMaps", "Visibility"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
