@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "viscache/aqvc/parameter_table.h"
+#include "viscache/aqvc/parameters.h"
 
 namespace py = pybind11;
 
@@ -18,6 +18,8 @@ void bind_aqvc_samples(py::module_& m);
 namespace {
 
 using Class = py::class_<AqvcParameters>;
+template <class Value>
+using Row = ParameterRow<AqvcParameters, Value>;
 template <class Value>
 using ByGroup = std::array<Value, kLightGroups>;
 
@@ -41,7 +43,7 @@ size_t group_named(const char* parameter, const std::string& name) {
 // How a parameter is read and written: numbers as they are, closed sets by name, those by light group as
 // mappings of the groups that have their own.
 template <class Value>
-void bind_row(Class& c, const ParameterRow<Value>& row) {
+void bind_row(Class& c, const Row<Value>& row) {
     if constexpr (std::is_enum_v<Value>)
         c.def_property(
             row.name, [row](const AqvcParameters& p) { return kNames<Value>[size_t(p.*row.member)]; },
@@ -52,7 +54,7 @@ void bind_row(Class& c, const ParameterRow<Value>& row) {
         c.def_readwrite(row.name, row.member);
 }
 
-void bind_row(Class& c, const ParameterRow<ByGroup<double>>& row) {
+void bind_row(Class& c, const Row<ByGroup<double>>& row) {
     c.def_property(
         row.name,
         [row](const AqvcParameters& p) {
@@ -67,7 +69,7 @@ void bind_row(Class& c, const ParameterRow<ByGroup<double>>& row) {
         });
 }
 
-void bind_row(Class& c, const ParameterRow<ByGroup<std::optional<Refinement>>>& row) {
+void bind_row(Class& c, const Row<ByGroup<std::optional<Refinement>>>& row) {
     c.def_property(
         row.name,
         [row](const AqvcParameters& p) {
@@ -89,9 +91,8 @@ AqvcParameters from_keywords(const py::kwargs& keywords) {
     py::object self = py::cast(&p, py::return_value_policy::reference);
     for (auto [name, value] : keywords) {
         bool known = false;
-        for_each_parameter([&](const auto& row) { known |= py::cast<std::string>(name) == row.name; });
-        if (!known)
-            throw py::value_error("AqvcParameters has no parameter " + py::cast<std::string>(name));
+        for_each_row(kAqvcRows, [&](const auto& row) { known |= py::cast<std::string>(name) == row.name; });
+        if (!known) throw py::value_error("AqvcParameters has no parameter " + py::cast<std::string>(name));
         py::setattr(self, name, value);
     }
     p.validate();
@@ -100,10 +101,11 @@ AqvcParameters from_keywords(const py::kwargs& keywords) {
 
 /// What a parameter may be, as Python's help says it.
 template <class Value>
-std::string kind_of(const ParameterRow<Value>& row) {
+std::string kind_of(const Row<Value>& row) {
     if constexpr (std::is_enum_v<Value>) {
         std::string all;
-        for (const char* name : kNames<Value>) all += (all.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+        for (const char* name : kNames<Value>)
+            all += (all.empty() ? "\"" : ", \"") + std::string(name) + "\"";
         return "{" + all + "}";
     } else if constexpr (std::same_as<Value, ByGroup<double>>) {
         return "mapping of light group to float > 0";
@@ -120,7 +122,7 @@ std::string kind_of(const ParameterRow<Value>& row) {
 py::list parameter_rows() {
     using namespace py::literals;
     py::list rows;
-    for_each_parameter([&](const auto& row) {
+    for_each_row(kAqvcRows, [&](const auto& row) {
         rows.append(py::dict("name"_a = row.name, "kind"_a = kind_of(row), "keyed"_a = bool(row.use & kKeyed),
                              "paper"_a = bool(row.use & kPaper), "doc"_a = row.doc));
     });
@@ -133,7 +135,7 @@ void bind_aqvc(py::module_& m) {
     py::module_ a = m.def_submodule("aqvc", "Quantized visibility cache (AQVC).");
     Class c(a, "AqvcParameters", "Parameters of the quantized cache; see viscache.Aqvc.");
     c.def(py::init(&from_keywords));
-    for_each_parameter([&](const auto& row) { bind_row(c, row); });
+    for_each_row(kAqvcRows, [&](const auto& row) { bind_row(c, row); });
     c.def("validate", &AqvcParameters::validate);
     c.def(
         "level_list",

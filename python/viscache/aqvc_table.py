@@ -9,10 +9,11 @@ from typing import Any
 
 from viscache import _core
 from viscache.scene import Scene
-from viscache.settings.checks import is_whole, require
 from viscache.settings.aqvc import KEYED, Aqvc
+from viscache.settings.checks import is_whole, require
 
 __all__ = ["AqvcTable"]
+
 
 class AqvcTable:
     """Bits of visibility that frames of `vc.render(..., keep=table)` hand on to the next ones.

@@ -175,7 +175,7 @@ def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
     used = cached(table_bytes=None).parameters["visibility"]
     assert (used["res_rule"], used["refinement"], used["c_r"]) == ("eq6", "off", 2)
     assert used["table_bytes"] == 256 * MIB
-    paper = vc.Aqvc(preset="paper", res_rule="eq7").for_frame_table().resolved()
+    paper = vc.Aqvc(preset="paper", paper=vc.PaperForm(res_rule="eq7")).for_frame_table().resolved()
     assert (paper["res_rule"], paper["refinement"]) == ("eq7", "off")
     assert (paper["c_z"], paper["c_r"]) == (8, pytest.approx(1.2))
     assert vc.Aqvc(c_r=1.5).for_frame_table().c_r == 1.5
@@ -196,7 +196,12 @@ def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
 
 def test_tiles_of_other_integrators_do_not_race() -> None:
     with pytest.raises(ValueError, match='storage must be "table", "exact" or "paper'):
-        vc.render(room(), vc.Direct(), visibility=vc.Aqvc(storage="shared"), size=(4, 4))
+        vc.render(
+            room(),
+            vc.Direct(),
+            visibility=vc.Aqvc(paper=vc.PaperForm(storage="shared")),
+            size=(4, 4),
+        )
 
 
 @pytest.mark.parametrize("depth", [1, 2, 5])

@@ -14,8 +14,9 @@ namespace viscache {
 
 class ContributionLevels {
 public:
-    static constexpr double kPower = 2.5;  ///< p: brighter connections get cells as much finer as errors count
-    static constexpr double kLift = 2;     ///< C_E of the coarsest level over that of the group
+    static constexpr double kPower =
+        2.5;                            ///< p: brighter connections get cells as much finer as errors count
+    static constexpr double kLift = 2;  ///< C_E of the coarsest level over that of the group
 
     /// Without a source every column is due at every level and refined to the finest.
     void begin(const Contributions* source, const Columns& columns, const std::vector<double>& levels,

@@ -125,8 +125,8 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
             contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
         const std::vector<double> levels =
             level_list(parameters_, lights.group, spp_, weighs ? ContributionLevels::kLift : 1);
-        worth_.begin(weighs ? contributions_ : nullptr, columns_, levels,
-                     parameters_.group_c_e(lights.group), parameters_.level_step);
+        worth_.begin(weighs ? contributions_ : nullptr, columns_, levels, parameters_.group_c_e(lights.group),
+                     parameters_.level_step);
         const TileCells& cells = cells_of(levels);
         clamps = cells.clamps;
         rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters);

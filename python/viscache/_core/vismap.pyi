@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'sample_points', 'startup_points', 'time_product', 'wilson_lower']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'sample_points', 'startup_points', 'wilson_lower']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -403,10 +403,6 @@ def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster,
 def startup_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
     """
     First hits of n rays, stratified over the image; misses; bad normals.
-    """
-def time_product(light: EnvironmentPyramid, shading: collections.abc.Sequence[viscache._core.sampling.ShadingPoint], samples: typing.SupportsInt | typing.SupportsIndex, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> dict:
-    """
-    CPU seconds per tree and per sample over the shading points, and the mean number of leaves.
     """
 def wilson_lower(misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
     """

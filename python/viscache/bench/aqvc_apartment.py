@@ -28,9 +28,7 @@ def settings(c_e: float) -> dict[str, Visibility]:
     groups = {"point": 4.0}
     return {
         "rows": Aqvc(c_e=c_e, c_e_groups=groups),
-        "light's cells": Aqvc(
-            c_e=c_e, c_e_groups=groups, paper=PaperForm(cell_density="light")
-        ),
+        "light's cells": Aqvc(c_e=c_e, c_e_groups=groups, paper=PaperForm(cell_density="light")),
         "exact": Exact(),
     }
 

@@ -128,8 +128,9 @@ def table_size(quick: bool, size: Size) -> list[Row]:
 def kept_tables(shot: Shot) -> list[Row]:
     """H3 on the CPU: tiles of 32², a table per thread, the paper's 4 MB and others."""
     frames = {
-        size: shot.frame(Aqvc(preset="paper", c_e=8, table_bytes=size,
-                              paper=PaperForm(storage="paper_tiles")))
+        size: shot.frame(
+            Aqvc(preset="paper", c_e=8, table_bytes=size, paper=PaperForm(storage="paper_tiles"))
+        )
         for size in KEPT_TABLES
     }
     largest = frames[KEPT_TABLES[-1]]

@@ -11,6 +11,7 @@ from viscache.frame import Frame
 
 __all__ = ["Interval", "bias", "mean_interval", "stray_light"]
 
+
 @dataclass(frozen=True, slots=True)
 class Interval:
     """A mean and half the width of its 95 % confidence interval."""

@@ -1,7 +1,7 @@
 """Settings of the quantized visibility cache.
 
-Ranges, defaults and meanings of the parameters stand in `cpp/viscache/aqvc/parameter_table.h` and
-`parameters.h` alone; the classes here take them from there.
+Ranges, defaults and meanings of the parameters stand in `cpp/viscache/aqvc/parameters.h` alone; the
+classes here take them from there.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
 
 def parameters(settings: Any) -> dict[str, Any]:
     """Names and values of a settings object, those of settings within it under their own names."""
-    found = {}
+    found: dict[str, Any] = {}
     for f in dataclasses.fields(settings):
         value = getattr(settings, f.name)
         found |= parameters(value) if dataclasses.is_dataclass(value) else {f.name: value}
@@ -167,8 +167,7 @@ def owner(
     """Whose parameter a bare or dotted name is: (role, parameter)."""
     prefix, dot, parameter = name.partition(".")
     if dot and prefix in ROLES:
-        role = typing.cast("Role", prefix)
-        return role, _bare(settings[role], parameter, role)
+        return prefix, _bare(settings[prefix], parameter, prefix)
     if dot:
         for role in bare:
             if prefix in nested(settings[role]):
