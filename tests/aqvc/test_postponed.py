@@ -104,7 +104,7 @@ def test_postponing_costs_few_rays_and_little_error() -> None:
 )
 def test_bad_queues_are_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        vc.Aqvc(**given)
+        vc.PaperForm(**given)
 
 
 def test_bidirectional_path_tracing_has_no_queue() -> None:
