@@ -1,0 +1,119 @@
+"""Frames, caches and statistics whose bytes must not change, and how each is made.
+
+Rays go through the package's own BSP: Embree's answers within rounding of an edge depend on its version and on
+the instruction set, the BSP's do not.
+"""
+
+import hashlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import viscache as vc
+
+SIZE = (48, 32)
+ROOM = "room?triangles=2000"
+
+
+def digest(*arrays: Any) -> str:
+    """Hash of the arrays' bytes."""
+    total = hashlib.sha256()
+    for array in arrays:
+        total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()[:24]
+
+
+def frame(
+    scene: str, integrator: Any, *, size: tuple[int, int] = SIZE, **options: Any
+) -> Callable[[], str]:
+    """A frame's colour, counted rays and queries."""
+
+    def make() -> str:
+        made = vc.render(vc.load_scene(scene) if "." in scene else vc.scenes.build(scene), integrator,
+                         size=size, rays=vc.Bsp(), **options)  # fmt: skip
+        counts = [made.counters["queries"], made.counters["rays"], made.counters["camera_rays"]]
+        return digest(made.image, np.array(counts, dtype=np.int64))
+
+    return make
+
+
+def kept_frames() -> str:
+    """Three frames over one table of the quantized cache."""
+    table, scene = vc.AqvcTable(table_bytes=1 << 20, check=0.25), vc.scenes.build(ROOM)
+    frames = [
+        vc.render(scene, vc.Whitted(n_vpls=32), visibility=vc.Aqvc(c_e=8), size=SIZE, seed=seed,
+                  rays=vc.Bsp(), keep=table)
+        for seed in range(3)
+    ]  # fmt: skip
+    counts = [[f.counters["rays"], f.counters["checked_kept"]] for f in frames]
+    return digest(*(f.image for f in frames), np.array(counts, dtype=np.int64))
+
+
+def correlation() -> str:
+    """Means and counts of the visibility correlation of given rows of bits."""
+    random = np.random.default_rng(5)
+    bits = random.integers(0, 1 << 63, (300, 8), dtype=np.uint64)
+    normals = random.normal(size=(300, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    measured = vc.correlation.correlate(
+        bits, random.random((300, 3)), normals,
+        d_edges=np.linspace(0, 2, 9), theta_edges_deg=np.linspace(0, 180, 7),
+    )  # fmt: skip
+    return digest(measured["n"].values, measured["n_undefined"].values)
+
+
+def map_records() -> str:
+    """A blended ambient occlusion by visibility maps, and how many records it took."""
+    scene = vc.scenes.build(ROOM)
+    cache = vc.VisibilityMapCache(scene, rays=vc.Bsp())
+    camera = vc.look_at((0, 0.2, 2), (0, 0, 0), (0, 1, 0), 50)
+    cache.update(camera, size=SIZE)
+    return digest(np.array([len(cache), cache.rays], dtype=np.int64))
+
+
+def swept() -> str:
+    """Errors and rays of a small sweep."""
+    table = vc.sweep(vc.scenes.build(ROOM), vc.Whitted(n_vpls=16), over={"visibility.c_e": [4.0, 16.0]},
+                     visibility=vc.Aqvc(), rays=vc.Bsp(), size=SIZE)  # fmt: skip
+    return digest(table["rel_l1"].values, np.asarray(table["rays"].values, dtype=np.int64))
+
+
+def cases() -> dict[str, Callable[[], str]]:
+    """Name → what makes the digest."""
+    whitted, direct = vc.Whitted(n_vpls=64), vc.Direct()
+    found: dict[str, Callable[[], str]] = {}
+    for name, scene in (("room", ROOM), ("slits", "slits"), ("cube", "cube_on_plane")):
+        found[f"{name} exact"] = frame(scene, whitted)
+        for c_e in (2.0, 8.0, 16.0):
+            found[f"{name} aqvc {c_e}"] = frame(scene, whitted, visibility=vc.Aqvc(c_e=c_e), spp=4)
+        for preset in ("fast", "paper", "as_printed"):
+            cache = vc.Aqvc(preset=preset, c_e=8)
+            found[f"{name} aqvc {preset}"] = frame(scene, direct, visibility=cache)
+        found[f"{name} shadow maps"] = frame(
+            scene, whitted, visibility=vc.ShadowMap(resolution=128, vpls=True)
+        )
+        found[f"{name} nee++"] = frame(scene, whitted, visibility=vc.NeePlusPlus())
+        found[f"{name} bdpt"] = frame(scene, vc.Bdpt(), size=(24, 16), spp=2)
+        found[f"{name} bdpt aqvc"] = frame(
+            scene, vc.Bdpt(), size=(24, 16), spp=2, visibility=vc.Aqvc(c_e=8)
+        )
+        found[f"{name} bdpt nee++"] = frame(
+            scene, vc.Bdpt(), size=(24, 16), spp=2, visibility=vc.NeePlusPlus()
+        )
+        found[f"{name} ambient"] = frame(scene, vc.AmbientOcclusion(max_distance=1.0), spp=2)
+        found[f"{name} ambient aqvc"] = frame(
+            scene, vc.AmbientOcclusion(max_distance=1.0), spp=2, visibility=vc.Aqvc(c_e=8)
+        )
+    env = (1.0, 0.8, 0.6)
+    product = vc.Direct(environment="product")
+    found["environment exact"] = frame("cube_on_plane", product, env=env)
+    for use in ("replace", "correct"):
+        found[f"environment maps {use}"] = frame(
+            "cube_on_plane", product, env=env, use=use, visibility=vc.VisMaps()
+        )
+    found["sky shared"] = frame("cube_on_plane", vc.Direct(environment="shared"), env=env,
+                                visibility=vc.Aqvc(c_e=8))  # fmt: skip
+    found |= {"kept table": kept_frames, "correlation": correlation, "map records": map_records,
+              "sweep": swept}  # fmt: skip
+    return found
