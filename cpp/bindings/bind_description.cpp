@@ -103,6 +103,17 @@ void bind_description(py::module_& m) {
             },
             py::arg("position"), py::arg("intensity"), "Add a point light; intensity in W/sr.")
         .def(
+            "add_point_lights",
+            [](SceneDescription& d, const FloatArray& positions, const FloatArray& intensities) {
+                const Vec3 *p = rows3(positions, "positions"), *i = rows3(intensities, "intensities");
+                if (positions.shape(0) != intensities.shape(0))
+                    throw py::value_error("positions and intensities must have equal numbers of rows, got " +
+                                          shape_text(positions) + " and " + shape_text(intensities));
+                for (py::ssize_t k = 0; k < positions.shape(0); ++k) d.point_lights.push_back({p[k], i[k]});
+            },
+            py::arg("positions"), py::arg("intensities"),
+            "Add point lights, (M, 3) each; intensities in W/sr.")
+        .def(
             "add_directional_light",
             [](SceneDescription& d, Float3 direction, Float3 irradiance) {
                 d.directional_lights.push_back({normalize(vec3(direction)), vec3(irradiance)});

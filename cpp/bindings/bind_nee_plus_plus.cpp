@@ -1,84 +1,12 @@
-// Frames by Next Event Estimation++: a small frame learns the map of visibilities, then Russian roulette.
+// Next Event Estimation++: settings, and its map for tests.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
-#include "frame_dict.h"
-#include "interrupt.h"
-#include "viscache/render/bdpt.h"
-#include "viscache/scene/check.h"
-#include "viscache/visibility/roulette_oracle.h"
+#include "viscache/visibility/voxel_visibility.h"
 
 namespace viscache::bindings {
 
 namespace {
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// The frame that learns: of that many pixels or a few more, at most those of the frame; one sample each.
-FrameSettings learning_frame(FrameSettings frame, int pixels) {
-    const double scale = std::min(1.0, std::sqrt(double(pixels) / (double(frame.width) * frame.height)));
-    frame.width = int(std::ceil(frame.width * scale)), frame.height = int(std::ceil(frame.height * scale));
-    frame.spp = 1;
-    return frame;
-}
-
-/// `render(frame, make_oracle, control)` renders a frame of any size with any oracles.
-template <class Render>
-py::dict learn_and_render(const Scene& scene, const RayCaster& caster, const FrameSettings& frame,
-                          const NeePlusPlusSettings& settings, bool weighted, const py::object& progress,
-                          Render render) {
-    settings.validate();
-    VoxelVisibility map(scene.bounds(), settings);
-    FrameResult learnt, result;
-    double learn_s = 0;
-    const float extent = scene.offset_extent();
-    run_interruptible(
-        [&](Control& control) {
-            const double start = wall_seconds();
-            learnt = render(
-                learning_frame(frame, settings.learn_pixels),
-                [&] { return std::make_unique<LearningOracle>(map, caster, extent); }, control);
-            learn_s = wall_seconds() - start;
-            control.done = 0;
-            result = render(
-                frame,
-                [&] { return std::make_unique<RouletteOracle>(map, caster, extent, frame.seed, weighted); },
-                control);
-        },
-        progress);
-    const uint64_t traced = result.counters.rays();
-    for (int g = 0; g < kLightGroups; ++g) result.counters.group(g).rays += learnt.counters.group(g).rays;
-    result.counters.light_rays += learnt.counters.light_rays;
-    result.counters.camera_rays += learnt.counters.camera_rays;
-    result.stages.merge(learnt.stages);
-    py::dict out = frame_dict(result);
-    out["counters"]["discarded"] = result.counters.queries() - traced;
-    out["counters"]["learning_rays"] = learnt.counters.rays();
-    out["counters"]["voxel_pairs"] = map.pairs_tested(), out["counters"]["map_bytes"] = map.bytes();
-    out["timings"]["learning_s"] = learn_s;
-    return out;
-}
-
-py::dict render_light(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                      const IntegratorSettings& integrator, const FrameSettings& frame,
-                      const NeePlusPlusSettings& settings, bool weighted, const py::object& progress) {
-    return learn_and_render(scene, caster, frame, settings, weighted, progress,
-                            [&](const FrameSettings& size, const OracleFactory& make, Control& control) {
-                                return render_frame(scene, caster, camera, integrator, size, make, control);
-                            });
-}
-
-py::dict render_paths(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                      const BdptSettings& bdpt, const FrameSettings& frame,
-                      const NeePlusPlusSettings& settings, bool weighted, const py::object& progress) {
-    return learn_and_render(scene, caster, frame, settings, weighted, progress,
-                            [&](const FrameSettings& size, const OracleFactory& make, Control& control) {
-                                return render_bdpt(scene, caster, camera, bdpt, size,
-                                                   RoundOracles{.make = make}, control);
-                            });
-}
 
 /// A map over a box, filled with given connections, for tests.
 py::tuple learnt_map(const NeePlusPlusSettings& settings, std::array<float, 3> low, std::array<float, 3> high,
@@ -119,12 +47,6 @@ void bind_nee_plus_plus(py::module_& m) {
         .def_readwrite("symmetric", &NeePlusPlusSettings::symmetric)
         .def_readwrite("max_bytes", &NeePlusPlusSettings::max_bytes)
         .def("validate", &NeePlusPlusSettings::validate);
-    m.def("render_nee_plus_plus", &render_light, py::arg("scene"), py::arg("caster"), py::arg("camera"),
-          py::arg("integrator"), py::arg("frame"), py::arg("settings"), py::kw_only(),
-          py::arg("weighted") = true, py::arg("progress") = py::none());
-    m.def("render_bdpt_nee_plus_plus", &render_paths, py::arg("scene"), py::arg("caster"), py::arg("camera"),
-          py::arg("integrator"), py::arg("frame"), py::arg("settings"), py::kw_only(),
-          py::arg("weighted") = true, py::arg("progress") = py::none());
     m.def("learnt_map", &learnt_map, py::arg("settings"), py::arg("low"), py::arg("high"), py::arg("near"),
           py::arg("far"), py::arg("seen"), py::kw_only(), py::arg("direction") = false,
           "Cells of both ends (N,), then visibility and probability of each connection once all are counted "

@@ -77,6 +77,8 @@ void bind_scene_info(py::module_& m) {
         },
         py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
+    m.def("scene_offset_extent", &Scene::offset_extent, py::arg("scene"),
+          "The length that offsets of ray origins are relative to.");
     m.def(
         "scene_sphere",
         [](const Scene& s) {

@@ -1,66 +1,13 @@
-// Frames whose point and directional lights are looked up in shadow maps.
+// Shadow maps: settings, and the look-ups of one light for tests.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
-#include "frame_dict.h"
-#include "interrupt.h"
-#include "viscache/scene/check.h"
-#include "viscache/visibility/coherence_trial.h"
-#include "viscache/visibility/shadow_map_oracle.h"
+#include "viscache/render/shared_lights.h"
+#include "viscache/visibility/shadow_map.h"
 
 namespace viscache::bindings {
 
 namespace {
-
-double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-ShadowMaps build_maps(const Scene& scene, const RayCaster& caster, std::span<const SharedLights> lights,
-                      const ShadowMapSettings& settings, int threads, Control& control) {
-    // Shared directions of the sky are samples, not lights: no maps
-    std::vector<const FarEnds*> with_maps;
-    for (const SharedLights& l : lights) {
-        const auto group = LightGroup(l.ends.group);
-        if (group == LightGroup::kPoint || group == LightGroup::kDirectional ||
-            (group == LightGroup::kVpl && settings.vpls))
-            with_maps.push_back(&l.ends);
-    }
-    const ShadowMapExtent extent{scene.center(), scene.radius(), scene.offset_extent()};
-    return ShadowMaps(caster, extent, settings, with_maps, threads, control);
-}
-
-py::dict render(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                const IntegratorSettings& integrator, const FrameSettings& frame,
-                const ShadowMapSettings& settings, const py::object& progress) {
-    settings.validate();
-    FrameResult result;
-    std::optional<ShadowMaps> maps;
-    double maps_s = 0;
-    run_interruptible(
-        [&](Control& control) {
-            check_camera(camera);
-            const double start = wall_seconds();
-            // The frame's shared lights, once more and in the same order; their rays are counted by the frame
-            IntegratorSettings wanted = integrator;
-            if (!settings.vpls) wanted.n_vpls = 0;
-            Counters uncounted;
-            const auto lights = make_shared_lights(scene, caster, {camera, frame.width, frame.height}, wanted,
-                                                   frame, control, uncounted);
-            maps.emplace(build_maps(scene, caster, lights, settings, frame.threads, control));
-            maps_s = wall_seconds() - start;
-            result = render_frame(
-                scene, caster, camera, integrator, frame,
-                [&] { return std::make_unique<ShadowMapOracle>(*maps, caster, scene.offset_extent()); },
-                control);
-        },
-        progress);
-    for (int g = 0; g < kLightGroups; ++g) result.counters.group(g).rays += maps->rays(g);
-    py::dict out = frame_dict(result);
-    out["counters"]["shadow_maps"] = maps->maps(), out["counters"]["shadow_map_rays"] = maps->rays();
-    out["counters"]["shadow_map_bytes"] = maps->bytes(), out["timings"]["shadow_maps_s"] = maps_s;
-    return out;
-}
 
 /// The look-ups of one light in its map, for tests.
 py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& settings, Vec3 far, bool direction,
@@ -105,9 +52,6 @@ void bind_shadow_map(py::module_& m) {
         .def_readwrite("vpls", &ShadowMapSettings::vpls)
         .def_readwrite("max_bytes", &ShadowMapSettings::max_bytes)
         .def("validate", &ShadowMapSettings::validate);
-    m.def("render_shadow_maps", &render, py::arg("scene"), py::arg("caster"), py::arg("camera"),
-          py::arg("integrator"), py::arg("frame"), py::arg("settings"), py::kw_only(),
-          py::arg("progress") = py::none());
     m.def(
         "lit_by_light",
         [](const RayCaster& caster, const ShadowMapSettings& settings, std::array<float, 3> far,

@@ -1,13 +1,10 @@
-// Rendering with visibility maps.
+// Visibility maps that frames estimate the environment with.
+#include "frame_maps.h"
+
 #include <pybind11/stl.h>
 
 #include "bound_maps.h"
-#include "frame_dict.h"
-#include "interrupt.h"
 #include "pixel_maps.h"
-#include "viscache/visibility/exact.h"
-#include "viscache/visibility/ray_caster.h"
-#include "viscache/vismap/temporal.h"
 
 namespace viscache::bindings {
 
@@ -30,24 +27,6 @@ VisMapSettings settings_of(AlphaMode alpha, double alpha_value, bool pilot_alpha
     return s;
 }
 
-FrameResult render_maps(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                        const IntegratorSettings& integrator, const FrameSettings& frame,
-                        const EnvironmentMaps& maps, const py::object& progress) {
-    if (!scene.environment())
-        throw py::value_error("scene must have an environment light for visibility maps");
-    if (integrator.environment != EnvironmentSampling::kProduct || integrator.n_environment < 1)
-        throw py::value_error("integrator must sample the environment by its product, n_environment >= 1");
-    FrameResult result;
-    run_interruptible(
-        [&](Control& control) {
-            result = render_frame(
-                scene, caster, camera, integrator, frame,
-                [&] { return std::make_unique<ExactOracle>(caster, scene.offset_extent()); }, control, &maps);
-        },
-        progress);
-    return result;
-}
-
 }  // namespace
 
 void bind_vismap_render(py::module_& m) {
@@ -55,37 +34,35 @@ void bind_vismap_render(py::module_& m) {
         .def(py::init(&settings_of), py::kw_only(), py::arg("alpha"), py::arg("alpha_value"),
              py::arg("pilot_alpha"), py::arg("sampling"), py::arg("eta"), py::arg("replace"),
              py::arg("points"));
+    py::class_<FrameMaps>(m, "FrameMaps", "Maps that one frame estimates the environment with.");
     m.def(
-        "render_vismap",
-        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
-           const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
-           MapCache& cache, const FloatArray& d_max, const FloatArray& footprint, bool count_misses,
-           uint32_t cache_frame, const py::object& progress) {
-            EnvironmentMaps maps{pixel_maps(cache, frame, d_max, footprint), settings};
-            if (count_misses) maps.source.records = cache.size();
-            const FrameResult result = render_maps(scene, caster, camera, integrator, frame, maps, progress);
-            if (result.tally) add_tally(cache, *result.tally, cache_frame);
-            return frame_dict(result);
+        "cache_maps",
+        [](const VisMapSettings& settings, MapCache& cache, const FrameSettings& frame,
+           const FloatArray& d_max, const FloatArray& footprint, bool count_misses, uint32_t cache_frame) {
+            FrameMaps made{{pixel_maps(cache, frame, d_max, footprint), settings}, {}};
+            if (count_misses) made.maps.source.records = cache.size();
+            made.take_tally = [&cache, cache_frame](const RecordTally& tally) {
+                add_tally(cache, tally, cache_frame);
+            };
+            return made;
         },
-        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
-        py::arg("settings"), py::arg("cache"), py::arg("d_max"), py::arg("footprint"), py::kw_only(),
-        py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::arg("progress") = py::none(),
-        "A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and "
-        "footprint are those of the pixels' centres, (H·W,).");
+        py::arg("settings"), py::arg("cache"), py::arg("frame"), py::arg("d_max"), py::arg("footprint"),
+        py::kw_only(), py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
+        "Those of a cache, which must not change while the frame is rendered; d_max and footprint are those "
+        "of the pixels' centres, (H·W,).");
     m.def(
-        "render_given_maps",
-        [](const Scene& scene, const RayCaster& caster, const Camera& camera,
-           const IntegratorSettings& integrator, const FrameSettings& frame, const VisMapSettings& settings,
-           const BoolArray& bits, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
-            const BoundMaps given(bits, beta, dilated);
-            if (!given.dilated()) throw py::value_error("dilated must be given");
-            const EnvironmentMaps maps{
-                {given.view.m, [&] { return [&](Vec3, Vec3, size_t) { return given.view; }; }, 0}, settings};
-            return frame_dict(render_maps(scene, caster, camera, integrator, frame, maps, py::none()));
+        "given_maps",
+        [](const VisMapSettings& settings, const BoolArray& bits, const FloatArray& beta,
+           const std::vector<BoolArray>& dilated) {
+            const auto given = std::make_shared<BoundMaps>(bits, beta, dilated);
+            if (!given->dilated()) throw py::value_error("dilated must be given");
+            return FrameMaps{
+                {{given->view.m, [given] { return [given](Vec3, Vec3, size_t) { return given->view; }; }, 0},
+                 settings},
+                {}};
         },
-        py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
         py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),
-        "The same with one blend of maps for all points, whatever they see (tests).");
+        "One blend of maps for all points, whatever they see (tests).");
 }
 
 }  // namespace viscache::bindings

@@ -5,11 +5,13 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 void bind_aqvc(py::module_& m);
+void bind_ask(py::module_& m);
 void bind_bdpt(py::module_& m);
 void bind_bsp(py::module_& m);
 void bind_correlation_pairs(py::module_& m);
 void bind_correlation_rows(py::module_& m);
 void bind_description(py::module_& m);
+void bind_frames(py::module_& m);
 void bind_eye_paths(py::module_& m);
 void bind_kept_table(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
@@ -17,13 +19,16 @@ void bind_lobes(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
 void bind_nee_plus_plus(py::module_& m);
+void bind_python_oracle(py::module_& m);
 void bind_relighting(py::module_& m);
 void bind_render(py::module_& m);
 void bind_render_aligned(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_sources(py::module_& m);
 void bind_shadow_map(py::module_& m);
+void bind_taps(py::module_& m);
 void bind_triangles(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
 void bind_vismap_cache(py::module_& m);
@@ -75,4 +80,9 @@ PYBIND11_MODULE(_core, m) {
     bind_render_aligned(m);
     bind_vlf_dynamic(m);
     bind_vlf_parts(m);
+    bind_sources(m);
+    bind_frames(m);
+    bind_ask(m);
+    bind_taps(m);
+    bind_python_oracle(m);
 }

@@ -59,8 +59,8 @@ class FigureSummary(SphinxDirective):
         found = [r for name in FIGURES if (r := result(self.config.viscache_figures, name))]
         if not found:
             return markdown(self, [
-                "This copy of the site was built without results, so it lists the figures only:"
-                " `scripts/docs --figures DIR` shows those of `viscache reproduce all -o DIR`.",
+                "This copy of the site was built without results, so it only lists the figures."
+                " `scripts/docs --figures DIR` shows results of `viscache reproduce all -o DIR`.",
             ])  # fmt: skip
         rows = [row for r in found for row in r["rows"] if row["holds"] is not None]
         kind = "quick" if all(r["quick"] for r in found) else "full"
@@ -69,9 +69,9 @@ class FigureSummary(SphinxDirective):
         return markdown(self, [
             f"Below: a {kind} run of viscache {made['viscache']} with Embree {made['embree']}"
             f" ({made['isa']}), {len(found)} figures and tables, {held} of {len(rows)} bands"
-            " hold. " + ("Quick runs are seconds each, with small scenes and pictures: they show"
-            " what a figure looks like, and their numbers are not the ones to quote. Those of full"
-            " runs stand in [Performance](/performance.md)." if kind == "quick" else ""),
+            " hold. " + ("A quick run takes seconds per figure, with small scenes and pictures."
+            " It shows what a figure looks like. Do not quote its numbers;"
+            " [Performance](/performance.md) has those of full runs." if kind == "quick" else ""),
         ])  # fmt: skip
 
 
@@ -121,8 +121,8 @@ class FigureGallery(SphinxDirective):
 
 
 def chosen(paper: str) -> list[tuple[str, FigureInfo]]:
-    """The figures of a paper that are there."""
-    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-") and i.is_there]
+    """The figures of a paper."""
+    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-")]
 
 
 def pictures(found: dict[str, Any] | None) -> list[str]:

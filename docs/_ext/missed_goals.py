@@ -1,4 +1,4 @@
-"""`{missed-goals}`: the rows of docs/performance.md that say "missed", with their section."""
+"""`{missed-goals}`: the rows under docs/performance that say "missed", with their section."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from missed_rows import anchor, missed
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-PAGE = "performance"
+PAGES = "performance"
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
@@ -21,14 +21,14 @@ def setup(app: Sphinx) -> dict[str, Any]:
 
 class MissedGoals(SphinxDirective):
     def run(self) -> list[nodes.Node]:
-        path = self.env.doc2path(PAGE)
-        self.env.note_dependency(str(path))
-        lines = ["| section | what | said |", "| --- | --- | --- |"]
-        found = list(missed(Path(path).read_text("utf-8")))
-        assert found, f"{path} must tell of missed goals"
-        for row in found:
-            link = f"[{row.section}]({PAGE}.md#{anchor(row.section)})"
-            lines.append(f"| {link} | {row.what} | {row.words} |")
+        folder = Path(self.env.srcdir) / PAGES
+        lines = ["| section | what | result |", "| --- | --- | --- |"]
+        for path in sorted(folder.glob("*.md")):
+            self.env.note_dependency(str(path))
+            for row in missed(path.read_text("utf-8")):
+                link = f"[{row.section}]({PAGES}/{path.name}#{anchor(row.section)})"
+                lines.append(f"| {link} | {row.what} | {row.words} |")
+        assert len(lines) > 2, f"{folder} must have rows of missed goals"
         parent = nodes.Element()
         self.state.nested_parse(StringList(lines, "missed-goals"), 0, parent)
         return parent.children

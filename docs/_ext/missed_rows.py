@@ -1,4 +1,4 @@
-"""What docs/performance.md tells of missed goals."""
+"""Rows of missed goals in the pages of docs/performance."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Missed:
 
 
 def missed(source: str) -> Iterator[Missed]:
-    """Rows of tables that name a missed goal: the first cell, and the cells that say it."""
+    """Table rows that name a missed goal: their first cell and the cells with the word."""
     section, head = "", []
     for line in source.splitlines():
         if line.startswith("## "):
@@ -32,5 +32,5 @@ def missed(source: str) -> Iterator[Missed]:
 
 
 def anchor(section: str) -> str:
-    """The heading's name in links, as MyST and GitHub make it."""
+    """The heading's anchor in links, as MyST and GitHub make it."""
     return re.sub(r"[^\w\- ]", "", section.lower()).replace(" ", "-")

@@ -13,14 +13,19 @@ from viscache import (
 )
 from viscache._core import SceneDescription
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import look_at
+from viscache.connections import Connections, connections
 from viscache.frame import Frame
+from viscache.oracles.correct import Correct
+from viscache.oracles.points import EyePoints, FarEnds
+from viscache.provenance import VERSION
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
+from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
@@ -34,7 +39,7 @@ from viscache.vismap import (
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "AmbientOcclusion",
@@ -42,9 +47,13 @@ __all__ = [
     "AqvcTable",
     "Bdpt",
     "Bsp",
+    "Connections",
+    "Correct",
     "Direct",
     "Embree",
     "Exact",
+    "EyePoints",
+    "FarEnds",
     "Frame",
     "Intersection",
     "MapSettings",
@@ -59,10 +68,12 @@ __all__ = [
     "VisibilityField",
     "VisibilityMapCache",
     "Vlf",
+    "Vpls",
     "Whitted",
     "__version__",
     "aligned_occlusion",
     "cached_ambient_occlusion",
+    "connections",
     "correlation",
     "designs",
     "load_scene",
@@ -79,3 +90,8 @@ __all__ = [
     "tune",
     "vlf",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names alone."""
+    return list(__all__)

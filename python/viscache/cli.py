@@ -12,7 +12,8 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from viscache.settings.by_name import nearest
+from viscache.provenance import VERSION
+from viscache.settings.spelling import nearest
 
 #: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
 COMMANDS = {
@@ -58,9 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     """The parser; only the sub-command that was given gets its arguments (and its imports)."""
     parser = _Parser(prog="viscache", description="Trade shadow rays for accuracy, and measure it.")
-    from viscache.provenance import version
-
-    parser.add_argument("--version", action="version", version=f"viscache {version()}")
+    parser.add_argument("--version", action="version", version=f"viscache {VERSION}")
     parser.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
     subs = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     wanted = next((word for word in given if not word.startswith("-")), None)

@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
+from viscache.files import whole_file
 from viscache.provenance import provenance as _provenance
-from viscache.whole_file import whole_file
 
 Layer = npt.NDArray[np.float32]
 

@@ -27,6 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
+from viscache.settings.spelling import nearest
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
@@ -234,8 +235,6 @@ METRICS: dict[str, Callable[[Image, Image], float | None]] = {
 
 def check_names(metrics: Iterable[str] | None) -> list[str]:
     """The names as a list (all of them for None); ValueError names the nearest known one."""
-    from viscache.settings.by_name import nearest
-
     names = list(METRICS) if metrics is None else list(metrics)
     for name in names:
         if name not in METRICS:

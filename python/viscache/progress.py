@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeAlias
+
+#: What long calls take: True shows a bar, a callable gets (done, total).
+Progress: TypeAlias = bool | Callable[[int, int], None]
 
 
 @contextmanager
 def progress_bar(
-    progress: bool | Callable[[int, int], None], unit: str = "tile"
+    progress: Progress, unit: str = "tile"
 ) -> Iterator[Callable[[int, int], None] | None]:
     """A function of (done, total) for the core, or None."""
     if callable(progress):

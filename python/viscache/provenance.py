@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import datetime
-import importlib
 import os
 import platform
 from functools import cache
 from typing import Any
 
-
-def version() -> str:
-    """The version of viscache."""
-    return str(importlib.import_module("viscache").__version__)
+#: The version of viscache.
+VERSION = "0.1.0"
 
 
 def _core() -> Any:
@@ -60,7 +57,7 @@ def provenance(threads: int | None = None) -> dict[str, Any]:
     import numpy
 
     return {
-        "viscache": version(),
+        "viscache": VERSION,
         "numpy": numpy.__version__,
         "python": platform.python_version(),
         "embree": embree_version(),

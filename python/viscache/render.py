@@ -4,34 +4,36 @@ from __future__ import annotations
 
 import os
 import time
-import typing
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
-from typing import Literal, TypeAlias
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import asdict, replace
+from typing import Any, Literal, cast, get_args
 
 from viscache import _core
 from viscache.aqvc_table import AqvcTable
-from viscache.cameras import find_camera
+from viscache.combinations import Request, check
 from viscache.frame import Frame
-from viscache.progress import progress_bar
+from viscache.oracles.correct import Correct
+from viscache.oracles.sources import oracle_source, parameters_of
+from viscache.oracles.written import Written, is_written
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
     Bdpt,
-    Direct,
     Integrator,
-    Whitted,
     core_settings,
 )
 from viscache.settings.rays import Embree, Rays, Vlf, check_rays
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Visibility, VisMaps
+from viscache.settings.source_context import SourceContext
+from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
 __all__ = ["render"]
 
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 #: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16
@@ -42,8 +44,8 @@ def render(
     integrator: Integrator,
     *,
     rays: Rays | None = None,
-    visibility: Visibility | None = None,
-    use: Literal["replace", "correct"] | None = None,
+    visibility: Visibility | Written | None = None,
+    use: Literal["replace", "correct"] | Correct | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
     seed: int = 0,
@@ -61,11 +63,13 @@ def render(
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
     rays : Embree, Bsp or Vlf, optional
         The ray caster: all rays of the frame go through it.
-    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus or VisMaps, optional
-        Who answers "does x see y?"; exact by default.
-    use : {"replace", "correct"}, optional
-        How an approximation is used: in place of visibility (Aqvc, ShadowMap), or as a control
-        variate whose error is traced (the default of VisMaps, which offers both).
+    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
+        Who answers "does x see y?"; exact by default. An object with a method
+        `block(eyes, lamps, wanted)` is an oracle of your own (docs/howto/own-cache.md).
+    use : {"replace", "correct"} or Correct, optional
+        How an approximation is used: in place of visibility (the default, but of VisMaps), or as a
+        control variate whose error is traced for a random share of the queries: unbiased.
+        "correct" is `vc.Correct()`; VisMaps have a control variate of their own.
     size : (width, height), optional
         Pixels; the camera's own by default.
     spp : int >= 1
@@ -125,8 +129,8 @@ def render_part(
     part: tuple[int, int],
     *,
     rays: Rays | None = None,
-    visibility: Visibility | None = None,
-    use: Literal["replace", "correct"] | None = None,
+    visibility: Visibility | Written | None = None,
+    use: Literal["replace", "correct"] | Correct | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
     seed: int = 0,
@@ -142,69 +146,58 @@ def render_part(
     """
     rays = Embree() if rays is None else rays
     visibility = visibility or Exact()
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
-    for name, value, known in (
-        ("integrator", integrator, typing.get_args(Integrator)),
-        ("visibility", visibility, typing.get_args(Visibility)),
-    ):
-        classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
-        require(isinstance(value, known), f"{name} must be {classes}", value)
-    check_rays(rays)
-    _check_use(use, visibility, integrator)
-    _check_shared(integrator, rays, visibility)
+    _check_settings(scene, integrator, rays, visibility, use, keep)
+    number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
-    if keep is not None:
-        _check_keep(keep, integrator, visibility)
-        require(tuple(part) == (0, 1), "keep must be left out for parts of a frame", keep)
-        visibility = typing.cast(Aqvc, visibility).for_kept_table()
+    if keep is not None and isinstance(visibility, Aqvc):
+        visibility = visibility.for_kept_table()
+    request = Request(
+        integrator=integrator, rays=rays, visibility=visibility, use=use, keep=keep is not None,
+        parts=parts,
+    )  # fmt: skip
+    check(request)
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
-    frame = _frame_settings(size or (view.width, view.height), spp, seed, threads)
-    frame.part, frame.parts = _checked_part(part, integrator, visibility)
+    frame = frame_settings(size or (view.width, view.height), spp, seed, threads)
+    frame.part, frame.parts = number, parts
 
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
     build_s = time.perf_counter() - start
-    with progress_bar(progress) as report:
-        if isinstance(integrator, Bdpt):
-            result = _bidirectional(
-                (scene._core, caster, view, integrator.core(), frame), visibility, report
+    core = integrator.core() if isinstance(integrator, Bdpt) else core_settings(integrator)
+    batch = None
+    if isinstance(visibility, Exact) and not isinstance(core, _core.BdptSettings):
+        batch = _sky_batch(scene, geometry, core, visibility)
+    check(replace(request, batch=batch is not None))
+    with ExitStack() as stack:
+        report = stack.enter_context(progress_bar(progress))
+        kept = None
+        if keep is not None:
+            table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
+            kept = (table, keep.check, keep.repair)
+        context = SourceContext(
+            scene=scene._core, caster=caster, spp=spp, seed=seed, batch=batch, kept=kept,
+            bidirectional=isinstance(integrator, Bdpt),
+        )  # fmt: skip
+        source = oracle_source(visibility, use, context)
+        if isinstance(core, _core.BdptSettings):
+            result = _core.render_bdpt(
+                scene._core, caster, view, core, frame, source, progress=report
             )
+        elif isinstance(visibility, VisMaps):
+            result = render_with_maps(
+                scene, geometry, rays, caster, view, core, frame, visibility, source,
+                replace=use == "replace", progress=report,
+            )  # fmt: skip
         else:
-            core = core_settings(integrator)
-            parts = (scene._core, caster, view, core, frame)
-            if isinstance(visibility, Aqvc) and keep is not None:
-                with keep._frame(scene, visibility) as table:
-                    result = _core.render_aqvc_kept(
-                        *parts, visibility.core(), table, check=keep.check, repair=keep.repair,
-                        progress=report,
-                    )  # fmt: skip
-            elif isinstance(visibility, Aqvc):
-                result = _core.render_aqvc(*parts, visibility.core(), progress=report)
-            elif isinstance(visibility, ShadowMap):
-                result = _core.render_shadow_maps(*parts, visibility.core(), progress=report)
-            elif isinstance(visibility, NeePlusPlus):
-                result = _core.render_nee_plus_plus(*parts, visibility.core(), progress=report)
-            elif core.ambient_aligned:
-                embree = typing.cast(_core.EmbreeCaster, caster)  # _check_shared allows no other
-                result = _core.render_aligned(
-                    scene._core, embree, view, core, frame, _batch_for(scene, integrator, frame),
-                    field=_fields_for(scene, integrator, frame), progress=report,
-                )  # fmt: skip
-            elif isinstance(visibility, VisMaps):
-                result = render_with_maps(
-                    scene, geometry, rays, *parts[1:], visibility, replace=use == "replace",
-                    progress=report,
-                )  # fmt: skip
-            else:
-                batch = _sky_batch(scene, geometry, core, visibility)
-                require(batch is None or frame.parts == 1,
-                        'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with'
-                        " shared directions", visibility)  # fmt: skip
-                result = _exact(parts, visibility, batch, report)
+            result = _core.render_frame(
+                scene._core, caster, view, core, frame, source,
+                batch=_batch_for(scene, integrator, frame),
+                field=_field_for(scene, integrator, frame), progress=report,
+            )  # fmt: skip
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
@@ -221,8 +214,8 @@ def render_part(
             "scene_hash": scene.content_hash,
             "integrator": {"name": type(integrator).__name__, **asdict(integrator)},
             "rays": {"name": type(rays).__name__, **asdict(rays)},
-            "visibility": {"name": type(visibility).__name__, **visibility.parameters()},
-            "use": use or ("correct" if isinstance(visibility, VisMaps) else "replace"),
+            "visibility": {"name": type(visibility).__name__, **parameters_of(visibility)},
+            "use": _use_in_words(use, visibility),
             "size": [frame.width, frame.height],
             "spp": spp,
             "seed": seed,
@@ -241,79 +234,60 @@ def render_part(
     return made
 
 
-def _checked_part(
-    part: tuple[int, int], integrator: Integrator, visibility: Visibility
-) -> tuple[int, int]:
-    """The part, where such a frame can be rendered in parts."""
+def _check_settings(
+    scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
+) -> None:
+    """Hold every argument to its kind."""
+    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
+    require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
+    known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
+    require(isinstance(visibility, get_args(Visibility)) or is_written(visibility),
+            f"visibility must be {known} or an object with a method block", visibility)  # fmt: skip
+    check_rays(rays)
+    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
+        isinstance(use, Correct) and not isinstance(visibility, VisMaps)
+    )  # fmt: skip
+    require(fits, 'use must be "replace" or "correct", or vc.Correct(...) unless visibility is'
+            " VisMaps", use)  # fmt: skip
+    require(keep is None or isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
+
+
+def _use_in_words(use: Any, visibility: Any) -> Any:
+    """How the approximation was used, as frames record it."""
+    if isinstance(use, Correct):
+        return {"name": "correct", **asdict(use)}
+    return use or ("correct" if isinstance(visibility, VisMaps) else "replace")
+
+
+def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
     number, parts = part
     require(is_whole(parts) and 1 <= parts <= 1 << 20, "parts must be in [1, 2^20]", parts)
     require(is_whole(number) and 0 <= number < parts, "part must be in [0, parts)", number)
-    if parts > 1:
-        require(isinstance(visibility, Exact | Aqvc),
-                "visibility must be vc.Exact(...) or vc.Aqvc(...) for parts of a frame",
-                visibility)  # fmt: skip
-        require(not isinstance(integrator, Bdpt)
-                and getattr(integrator, "directions", "") != "shared",
-                "integrator must not be Bdpt nor share directions for parts of a frame",
-                integrator)  # fmt: skip
-        require(getattr(visibility, "storage", "") != "paper_tiles",
-                'storage must be "table" or "exact" for parts of a frame', visibility)  # fmt: skip
     return int(number), int(parts)
-
-
-def _bidirectional(
-    parts: tuple[
-        _core.Scene, _core.RayCaster, _core.Camera, _core.BdptSettings, _core.FrameSettings
-    ],
-    visibility: Visibility,
-    report: Callable[[int, int], None] | None,
-) -> dict[str, typing.Any]:
-    """A frame of `Bdpt`."""
-    if isinstance(visibility, Aqvc):
-        return _core.render_bdpt_aqvc(*parts, visibility.core(), progress=report)
-    if isinstance(visibility, NeePlusPlus):
-        return _core.render_bdpt_nee_plus_plus(*parts, visibility.core(), progress=report)
-    assert isinstance(visibility, Exact)  # _check_use allows no other
-    order, coherent = visibility.core()
-    return _core.render_bdpt_exact(*parts, order=order, coherent=coherent, progress=report)
 
 
 def _batch_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
-) -> list[_core.vlf.AlignedBatch]:
-    """The batch a frame of shared directions may use; none where Embree traces them anyway."""
-    engine = integrator.engine if isinstance(integrator, AmbientOcclusion) else "embree"
+) -> _core.vlf.AlignedBatch | None:
+    """The batch that ambient occlusion along shared directions may use."""
+    if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
+        return None
     n_points = frame.width * frame.height * frame.spp
-    hopeless = engine == "auto" and _core.vlf.is_hopeless(scene.triangles, n_points)
-    none = engine in ("embree", "field") or hopeless
-    return [] if none else [scene.aligned_batch()]
+    hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene.triangles, n_points)
+    none = integrator.engine in ("embree", "field") or hopeless
+    return None if none else scene.aligned_batch()
 
 
-def _fields_for(
+def _field_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
-) -> list[_core.vlf.VisibilityField]:
+) -> _core.vlf.VisibilityField | None:
     """The field that a frame of shared directions asks for."""
-    if not isinstance(integrator, AmbientOcclusion) or integrator.engine != "field":
-        return []
-    return [scene.caster(Vlf(n_directions=integrator.n_samples), threads=frame.threads)]
-
-
-def _exact(
-    parts: tuple[
-        _core.Scene, _core.RayCaster, _core.Camera, _core.IntegratorSettings, _core.FrameSettings
-    ],
-    visibility: Exact,
-    batch: _core.vlf.AlignedBatch | None,
-    report: Callable[[int, int], None] | None,
-) -> dict[str, typing.Any]:
-    """An exact frame; with a batch, shared directions may go through it."""
-    order, coherent = visibility.core()
-    if batch is None:
-        return _core.render_exact(*parts, order=order, coherent=coherent, progress=report)
-    choose = visibility.sky_engine == "auto"
-    return _core.render_shared(
-        *parts, batch, choose=choose, order=order, coherent=coherent, progress=report
-    )
+    if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
+        return None
+    if integrator.engine != "field":
+        return None
+    return scene.caster(Vlf(n_directions=integrator.n_samples), threads=frame.threads)
 
 
 def _sky_batch(
@@ -329,59 +303,7 @@ def _sky_batch(
     return None if visibility.sky_engine == "auto" and hopeless else geometry.aligned_batch()
 
 
-def _check_shared(integrator: Integrator, rays: Rays, visibility: Visibility) -> None:
-    if isinstance(integrator, AmbientOcclusion) and integrator.directions == "shared":
-        require(isinstance(rays, Embree) and rays.robust,
-                "rays must be vc.Embree() with shared directions", rays)  # fmt: skip
-        require(isinstance(visibility, Exact),
-                "visibility must be vc.Exact(...) with shared directions", visibility)  # fmt: skip
-    if isinstance(visibility, Exact) and visibility.sky_engine != "embree":
-        require(isinstance(rays, Embree) and rays.robust,
-                f'rays must be vc.Embree() with sky_engine="{visibility.sky_engine}"',
-                rays)  # fmt: skip
-        require(
-            isinstance(integrator, Direct | Whitted),
-            "integrator must be vc.Direct(...) or vc.Whitted(...) with sky_engine",
-            integrator,
-        )
-
-
-def _check_keep(keep: AqvcTable, integrator: Integrator, visibility: Visibility) -> None:
-    require(isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
-    require(isinstance(visibility, Aqvc), "visibility must be vc.Aqvc(...) with keep", visibility)
-    require(isinstance(integrator, Direct | Whitted),
-            "integrator must be vc.Direct(...) or vc.Whitted(...) with keep",
-            integrator)  # fmt: skip
-
-
-def _check_use(use: str | None, visibility: Visibility, integrator: Integrator) -> None:
-    both = isinstance(visibility, VisMaps)
-    known = (None, "replace", "correct") if both else (None, "replace")
-    require(use in known, "use must be " + " or ".join(f'"{u}"' for u in known if u), use)
-    if both:
-        require(isinstance(integrator, Direct | Whitted),
-                "integrator must be vc.Direct(...) or vc.Whitted(...) with visibility maps",
-                integrator)  # fmt: skip
-        require(getattr(integrator, "environment", "") != "shared",
-                'environment must not be "shared" with visibility maps', "shared")  # fmt: skip
-    if isinstance(integrator, Bdpt):
-        require(isinstance(visibility, Exact | Aqvc | NeePlusPlus),
-                "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.NeePlusPlus(...) with Bdpt",
-                visibility)  # fmt: skip
-    elif isinstance(visibility, Aqvc):
-        require(visibility.paper.storage != "shared",
-                'storage must be "table", "exact" or "paper_tiles" without Bdpt',
-                visibility.paper.storage)  # fmt: skip
-    if isinstance(integrator, Direct) and not both:
-        product = integrator.environment == "product"
-        require(not (product and isinstance(visibility, Aqvc | NeePlusPlus)),
-                'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
-                visibility)  # fmt: skip
-        require(product or integrator.passes == 1,
-                'passes must be 1 without environment="product"', integrator.passes)  # fmt: skip
-
-
-def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> list[str]:
+def _warnings(scene: Scene, integrator: Integrator, visibility: Any) -> list[str]:
     texts = list(scene.warnings)
     if isinstance(integrator, AmbientOcclusion):
         texts = [w for w in texts if "no light" not in w]
@@ -394,9 +316,10 @@ def _warnings(scene: Scene, integrator: Integrator, visibility: Visibility) -> l
     return texts
 
 
-def _frame_settings(
+def frame_settings(
     size: tuple[int, int], spp: int, seed: int, threads: int | None
 ) -> _core.FrameSettings:
+    """The C++ settings of a frame, checked."""
     pair = isinstance(size, Sequence) and len(size) == 2 and all(is_whole(v) for v in size)
     require(pair, "size must be (width, height)", size)
     for name, value in (("spp", spp), ("seed", seed), ("threads", threads)):

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
 from typing import Any
 
+from viscache import scenes
+from viscache.scene import load_scene
 from viscache.settings.checks import require
+
+#: Folder of scenes that do not come with viscache.
+SCENES_VARIABLE = "VISCACHE_SCENES"
+
+
+def made_by_others(path: str) -> Path | None:
+    """A file below the folder that `$VISCACHE_SCENES` names, where there is one."""
+    folder = os.environ.get(SCENES_VARIABLE)
+    file = Path(folder or "") / path
+    return file if folder and file.is_file() else None
+
+
+def scene_file(name: str) -> Path | None:
+    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`, where there is one."""
+    return made_by_others(f"{name}/scene.xml") or made_by_others(f"{name}/scene.pbrt")
 
 
 def is_builtin(spec: str) -> bool:
@@ -19,7 +35,7 @@ def is_builtin(spec: str) -> bool:
     name = spec.partition("?")[0]
     if not name or set("./\\") & set(name) or Path(spec).is_file():
         return False
-    return not Path(spec).is_dir() or name in importlib.import_module("viscache.scenes").SCENES
+    return not Path(spec).is_dir() or name in scenes.SCENES
 
 
 def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
@@ -39,8 +55,7 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
     ValueError
         An unknown built-in scene or parameter.
     """
-    vc: Any = importlib.import_module("viscache")
     require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):
-        return importlib.import_module("viscache.scenes").build(spec)
-    return vc.load_scene(spec, strict=strict, env=env)
+        return scenes.build(spec)
+    return load_scene(spec, strict=strict, env=env)

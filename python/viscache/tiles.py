@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from viscache import sources
+from viscache import sources, workers
 from viscache.frame import Frame, Layer
-from viscache.newest import Newest
 from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.checks import is_whole, require
-from viscache.sweeps import executors
+from viscache.workers import Newest
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 
@@ -98,7 +97,7 @@ def render(
         require(named is not None,
                 "scene must be a file or a built-in name when an executor's workers render it",
                 scene)  # fmt: skip
-    n = parts or (PARTS_HERE if executor is None else executors.window(executor))
+    n = parts or (PARTS_HERE if executor is None else workers.window(executor))
     require(is_whole(n) and 1 <= n <= 1 << 16, "parts must be in [1, 65536]", n)
     tasks = [(number, int(n)) for number in range(int(n))]
     done: list[Part | None] = [None] * int(n)

@@ -19,15 +19,15 @@ from known_report import HEIGHT, WIDTH, Report
 @pytest.fixture(scope="session")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
     """A report of 3 × 2 settings, moved away from its directory."""
-    import viscache
     from viscache import report, sources
+    from viscache.settings import by_name
     from viscache.sweeps import work
     from viscache.sweeps.store import Store
     from viscache.sweeps.sweep import sweep
 
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("Whitted", "Embree", "Exact", "Aqvc"):
-            patch.setattr(viscache, name, getattr(fake, name), raising=False)
+        for role, name, settings in fake.NAMES:
+            patch.setitem(by_name.NAMES[role], name, settings)
         patch.setattr(work, "render_function", fake.fake_render)
         patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
         directory = tmp_path_factory.mktemp("sweep")

@@ -17,7 +17,7 @@ from codebase.repository import sources
 #: Modules whose public names are for users; `viscache.__all__` besides.
 MODULES = (
     "viscache.correlation", "viscache.correlation.pairs", "viscache.correlation.plots",
-    "viscache.sweeps.designs", "viscache.sweeps.executors", "viscache.figures", "viscache.metrics",
+    "viscache.sweeps.designs", "viscache.workers", "viscache.figures", "viscache.metrics",
     "viscache.notebook", "viscache.plots", "viscache.report", "viscache.scenes",
     "viscache.temporal", "viscache.tiles", "viscache.sweeps.tune", "viscache.variance",
     "viscache.vismap", "viscache.vismap.simulation", "viscache.vlf",

@@ -104,6 +104,10 @@ def test_public_names_have_docstrings() -> None:
     assert undocumented(viscache, list(viscache.__all__)) == []
 
 
+def test_the_package_shows_its_public_names_alone() -> None:
+    assert dir(viscache) == sorted(viscache.__all__)
+
+
 def test_a_missing_docstring_is_found() -> None:
     class Module:
         documented = staticmethod(undocumented)

@@ -17,7 +17,7 @@ MODULES = sorted(
 
 
 def test_there_are_examples() -> None:
-    assert {"viscache.render", "viscache.scene", "viscache.metrics"} <= set(MODULES)
+    assert {"viscache.render", "viscache.scene.scene", "viscache.metrics"} <= set(MODULES)
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -18,8 +18,7 @@ import pytest
 import xarray
 
 import viscache as vc
-from viscache import cli, tiles
-from viscache.sweeps import executors
+from viscache import cli, tiles, workers
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
@@ -98,7 +97,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
 
 @pytest.fixture
 def run(cluster: Cluster, tmp_path: Path) -> Iterator[Logged]:
-    with executors.dask_executor(cluster.address) as executor:
+    with workers.dask_executor(cluster.address) as executor:
         executor._client.wait_for_workers(2, timeout=60)
         yield Logged(executor, tmp_path / "tasks.log")
 
@@ -197,7 +196,7 @@ def test_the_command_line_sweeps_on_a_scheduler(
 def test_an_address_where_nobody_answers_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(executors, "DASK_TIMEOUT", "1s")
+    monkeypatch.setattr(workers, "DASK_TIMEOUT", "1s")
     file = tmp_path / "a.toml"
     file.write_text('scene = "room"\n[over]\nc_e = [4]\n')
     words = ["sweep", str(file), "-o", str(tmp_path / "out"), "--dask", "tcp://127.0.0.1:9"]

@@ -9,13 +9,11 @@ import pytest
 from figures.every_band import all_bands
 from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
-from viscache.figures import aqvc_quality_bands as quality
-from viscache.figures import aqvc_temporal_bands as temporal
 
 
 def test_bands_are_not_empty_and_name_their_source() -> None:
     assert {"SAMPLES_PER_CELL", "REFINEMENT_GAIN[paper]", "H8_FLICKER"} <= set(all_bands(bands))
-    for name, band in (all_bands(bands) | all_bands(quality) | all_bands(temporal)).items():
+    for name, band in all_bands(bands).items():
         assert band.low <= band.high, name
         assert math.isfinite(band.low) or math.isfinite(band.high), name
         assert band.source.startswith(("Eq. ", "Fig. ", "Sec. ", "expected: ")), name

@@ -49,7 +49,6 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
     monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
     monkeypatch.setitem(figures.FIGURES, "varies", FigureInfo(description="two", function=varies))
-    monkeypatch.setitem(figures.FIGURES, "later", FigureInfo(description="not there"))
     return state
 
 

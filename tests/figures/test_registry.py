@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from viscache import cli, figures
+from viscache.figures import registry
 from viscache.figures.outcome import Band, Outcome, Row, text
 from viscache.figures.registry import FigureInfo
 
@@ -32,17 +33,42 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> list[Row]:
     return rows
 
 
-def test_every_figure_of_the_interface_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    expected = {f"aqvc-fig{n}" for n in range(2, 9)} | {f"vlf-fig{n}" for n in range(1, 9)}
-    expected |= {f"vlf-x{n}" for n in range(1, 6)} | {"vlf-tab1", "aqvc-claims", "aqvc-quality"}
-    expected |= {"aqvc-nee"}
-    expected |= {f"vismap-fig{n}" for n in (1, 3, 4, 5, 8, 10, 11, 12, 13)}
-    expected |= {"vismap-tab2", "vismap-tab3", "vismap-sweep", "vismap-temporal"}
-    expected |= {"aqvc-temporal"}
-    assert set(figures.FIGURES) == expected
+def test_every_figure_is_listed_in_the_order_of_the_papers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert cli.main(["reproduce", "list", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["figures"]
-    assert [row["figure"] for row in listed] == list(figures.FIGURES)
+    assert listed == [{"figure": name} for name in figures.FIGURES]
+    names = list(figures.FIGURES)
+    assert names[:7] == [f"aqvc-fig{n}" for n in range(2, 9)]
+    assert names[11:20] == [*(f"vlf-fig{n}" for n in range(1, 9)), "vlf-tab1"]
+    assert names[-5:] == [*(f"vismap-{n}" for n in ("fig13", "tab2", "tab3", "sweep", "temporal"))]
+    assert cli.main(["reproduce", "list"]) == 0
+    assert "aqvc-fig6 (fine geometry)\n" in capsys.readouterr().out
+
+
+def test_a_decorated_function_is_a_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "FIGURES", {})
+
+    @registry.figure("vlf-x9", "made up")
+    def sized(folder: Path, quick: bool, progress: bool, size: Any = None) -> Outcome:
+        return Outcome()
+
+    @registry.figure("vlf-fig10", "made up")
+    @registry.figure("aqvc-x1", "made up")
+    def fixed(folder: Path, quick: bool, progress: bool) -> Outcome:
+        return Outcome()
+
+    registry.arrange()
+    assert list(registry.FIGURES) == ["aqvc-x1", "vlf-fig10", "vlf-x9"]
+    assert registry.FIGURES["vlf-x9"] == FigureInfo(
+        description="made up", function=sized, sized=True
+    )
+    assert not registry.FIGURES["vlf-fig10"].sized
+    with pytest.raises(ValueError, match="name must be its own, got 'vlf-x9'"):
+        registry.figure("vlf-x9", "twice")
+    with pytest.raises(ValueError, match=r"paper must be one of .*got 'fig1'"):
+        registry.figure("fig1", "of no paper")
 
 
 def test_the_json_has_the_rows_and_the_files_that_were_written(
@@ -84,10 +110,9 @@ def test_the_table_says_what_was_printed_and_what_was_measured() -> None:
     assert "| speed | 2 | 3 | 1.5 | 0.8 … ∞ | yes | the paper says so |" in table
 
 
-def test_an_unknown_figure_is_refused_with_the_nearest_name(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.main(["reproduce", "vismap-fig33", "-o", str(tmp_path / "none")]) == 2
+def test_unknown_figures_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = ["-o", str(tmp_path / "none")]
+    assert cli.main(["reproduce", "vismap-fig33", *out]) == 2
     assert "did you mean 'vismap-fig3'" in capsys.readouterr().err
     assert not (tmp_path / "none").exists()
 

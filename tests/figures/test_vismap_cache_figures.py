@@ -12,11 +12,11 @@ import pytest
 
 import viscache as vc
 from viscache import cli
+from viscache.figures.drawing import project
 from viscache.figures.outcome import Outcome
 from viscache.figures.vismap_animation import Frame, _rows, crate_and_garage, swinging_camera
 from viscache.figures.vismap_equal_time import noisiest_windows, samples_in
 from viscache.figures.vismap_living_room import living_rooms, variance_rows
-from viscache.figures.vismap_pictures import project
 from viscache.figures.vismap_table3 import Times
 
 

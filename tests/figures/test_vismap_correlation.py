@@ -11,6 +11,7 @@ import xarray
 from viscache.correlation import correlate
 from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_correlation as figure
+from viscache.sources import SCENES_VARIABLE
 
 
 def slices(over_theta: np.ndarray, over_d: np.ndarray) -> xarray.Dataset:
@@ -59,11 +60,11 @@ def test_lines_of_flat_faces_are_found_and_smooth_bodies_have_none() -> None:
 def test_scenes_that_are_absent_are_skipped_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(figure.SCENES_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(SCENES_VARIABLE, str(tmp_path))
     assert [view.find() for view in figure.OTHERS] == [None, None]
     (tmp_path / "living-room").mkdir()
     (tmp_path / "living-room" / "scene.xml").touch()
     assert figure.OTHERS[0].find() == str(tmp_path / "living-room" / "scene.xml")
-    monkeypatch.delenv(figure.SCENES_VARIABLE)
+    monkeypatch.delenv(SCENES_VARIABLE)
     assert figure.OTHERS[0].find() is None
     assert all(view.find() == view.scene for view in figure.PAPER)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures.vismap_density import (
     equal_cells,
     per_cell_angle,

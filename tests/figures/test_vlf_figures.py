@@ -11,11 +11,12 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_drawings, vlf_tracers
 from viscache.figures.vlf_frames import local_shading
 from viscache.figures.vlf_objects import ball
 from viscache.figures.vlf_occlusion import place
-from viscache.figures.vlf_tracers import Beams, camera_rays, first_hits, write_csv
+from viscache.figures.vlf_tracers import camera_rays, first_hits, write_csv
 
 
 def test_tiles_of_an_edge_by_every_way() -> None:

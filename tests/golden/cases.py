@@ -1,7 +1,7 @@
 """Frames, caches and statistics whose bytes must not change, and how each is made.
 
-Rays go through the package's own BSP: Embree's answers within rounding of an edge depend on its version and on
-the instruction set, the BSP's do not.
+Rays go through the package's own BSP: Embree's answers within rounding of an edge depend on its
+version and on the instruction set, the BSP's do not.
 """
 
 import hashlib
@@ -30,8 +30,8 @@ def frame(
     """A frame's colour, counted rays and queries."""
 
     def make() -> str:
-        made = vc.render(vc.load_scene(scene) if "." in scene else vc.scenes.build(scene), integrator,
-                         size=size, rays=vc.Bsp(), **options)  # fmt: skip
+        built = vc.scenes.build(scene)
+        made = vc.render(built, integrator, size=size, rays=vc.Bsp(), **options)
         counts = [made.counters["queries"], made.counters["rays"], made.counters["camera_rays"]]
         return digest(made.image, np.array(counts, dtype=np.int64))
 
@@ -74,8 +74,11 @@ def map_records() -> str:
 
 def swept() -> str:
     """Errors and rays of a small sweep."""
-    table = vc.sweep(vc.scenes.build(ROOM), vc.Whitted(n_vpls=16), over={"visibility.c_e": [4.0, 16.0]},
-                     visibility=vc.Aqvc(), rays=vc.Bsp(), size=SIZE)  # fmt: skip
+    over = {"visibility.c_e": [4.0, 16.0]}
+    table = vc.sweep(
+        vc.scenes.build(ROOM), vc.Whitted(n_vpls=16), over=over, visibility=vc.Aqvc(),
+        rays=vc.Bsp(), size=SIZE,
+    )  # fmt: skip
     return digest(table["rel_l1"].values, np.asarray(table["rays"].values, dtype=np.int64))
 
 

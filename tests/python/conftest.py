@@ -14,13 +14,13 @@ import fake_renderer as fake
 
 @pytest.fixture
 def fake_vc(monkeypatch: pytest.MonkeyPatch) -> Iterator[object]:
-    """`viscache` with the stand-in's settings and renderer; yields the stand-in's module."""
-    import viscache
+    """viscache with the stand-in's settings and renderer; yields the stand-in's module."""
     from viscache import sources
+    from viscache.settings import by_name
     from viscache.sweeps import work
 
-    for name in ("Whitted", "Embree", "Exact", "Aqvc"):
-        monkeypatch.setattr(viscache, name, getattr(fake, name), raising=False)
+    for role, name, settings in fake.NAMES:
+        monkeypatch.setitem(by_name.NAMES[role], name, settings)
     monkeypatch.setattr(work, "render_function", fake.fake_render)
     monkeypatch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
     fake.CALLS.clear()

@@ -45,6 +45,15 @@ class Aqvc:
             raise ValueError(f"c_e must be > 0, got {self.c_e}")
 
 
+#: Name of each of the settings above, as `viscache.settings.by_name.NAMES` has them.
+NAMES: tuple[tuple[str, str, type], ...] = (
+    ("integrator", "whitted", Whitted),
+    ("rays", "embree", Embree),
+    ("visibility", "exact", Exact),
+    ("visibility", "aqvc", Aqvc),
+)
+
+
 @dataclass(frozen=True)
 class FakeScene:
     name: str = "fake"

@@ -13,8 +13,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from viscache import labels, plots
-from viscache.drawing import new_figure
+from viscache import plots
+from viscache.plots import labels
+from viscache.plots.drawing import new_figure
 from viscache.sweeps import designs
 from viscache.sweeps.designs import Range
 from viscache.sweeps.sweep import sweep

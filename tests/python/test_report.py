@@ -11,7 +11,7 @@ import pytest
 
 from reference import report_pictures as pictures
 from viscache import report
-from viscache.labels import number
+from viscache.plots.labels import number
 from viscache.report.svg import Axis
 from viscache.sweeps import designs
 from viscache.sweeps.designs import Range

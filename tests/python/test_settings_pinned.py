@@ -36,7 +36,8 @@ def test_every_field_of_the_integrator_struct_is_a_parameter_in_python() -> None
         for cls in (vc.Direct, vc.Whitted, vc.AmbientOcclusion)
         for f in dataclasses.fields(cls)
     }
-    assert named == set(values(_core.IntegratorSettings())) - {
+    # Lights of the caller's own are arrays, handed over by set_vpls
+    assert named - {"vpls"} == set(values(_core.IntegratorSettings())) - {
         "direct",
         "ambient",
         "shade_after_specular",

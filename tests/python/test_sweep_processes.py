@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from viscache.sweeps import executors, work
+from viscache import workers
+from viscache.sweeps import work
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep
 
@@ -28,13 +29,13 @@ SWEEP = """
 import os, sys, time
 sys.path.insert(0, sys.argv[4])
 import fake_renderer as fake
-import viscache
 from viscache import sources
+from viscache.settings import by_name
 from viscache.sweeps import work
 from viscache.sweeps.sweep import sweep
 
-for name in ("Whitted", "Embree", "Exact", "Aqvc"):
-    setattr(viscache, name, getattr(fake, name))
+for role, name, settings in fake.NAMES:
+    by_name.NAMES[role][name] = settings
 sources.open_scene = lambda spec, **_: fake.FakeScene(name=spec)
 log = os.open(sys.argv[2], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
@@ -46,7 +47,7 @@ def render(scene, integrator, **options):
     os.write(log, f"end {setting} {os.getpid()}\\n".encode())
     return frame
 
-sweep_work.render_function = render
+work.render_function = render
 apart = {"yes": True, "no": False}[sys.argv[5]]
 sweep("room", "whitted", over={"c_e": list(range(1, 1 + int(sys.argv[3])))}, size=(32, 24),
       metrics=["rel_l1"], directory=sys.argv[1], apart=apart)
@@ -154,7 +155,7 @@ def test_an_executor_renders_side_by_side_unless_told_otherwise(
 
 def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
     code = (
-        "import os, time\nfrom viscache.sweeps.executors import process_pool\n"
+        "import os, time\nfrom viscache.workers import process_pool\n"
         "if __name__ == '__main__':\n"
         "    with process_pool(2) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
@@ -183,7 +184,7 @@ def test_workers_end_when_the_process_that_made_them_is_killed() -> None:
 
 def test_the_window_is_two_tasks_per_worker() -> None:
     with ThreadPoolExecutor(3) as pool:
-        assert executors.window(pool) == 6
+        assert workers.window(pool) == 6
 
 
 def test_references_are_shared_between_sweeps_by_content(fake_vc: Any, tmp_path: Path) -> None:

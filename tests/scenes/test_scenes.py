@@ -10,8 +10,8 @@ import numpy.typing as npt
 import pytest
 
 from viscache import _core, scenes
+from viscache.scene.coplanar import coplanar_share
 from viscache.scenes.builder import Builder
-from viscache.scenes.coplanar import coplanar_share
 from viscache.scenes.room import light_spots
 
 SCALED = {

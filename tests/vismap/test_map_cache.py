@@ -13,12 +13,12 @@ from correlation.scenes import above, convex, unpacked
 from reference import vismap_records as reference
 from render.test_interrupt import LIMIT, quickest_stop
 from viscache import _core
-from viscache.vismap.orders import pixel_order
-from viscache.vismap.settings import (
+from viscache.settings.maps import (
     EXPECTED_RECORDS,
     automatic_thresholds,
     expected_records,
 )
+from viscache.vismap.orders import pixel_order
 from vismap.scenes import SIZE, clutter, clutter_arrays, made, pixels, same, view
 
 Array = npt.NDArray[Any]

@@ -56,6 +56,13 @@ public:
             if (wanted_->get(eye, k)) return k;
         return lights_of_[column].front();
     }
+    /// Calls visit(light) for the lights of a column that are wanted at an eye point.
+    template <class Visit>
+    void for_each_light(uint32_t eye, uint32_t column, Visit visit) const {
+        if (!merged_) return visit(column);
+        for (uint32_t k : lights_of_[column])
+            if (wanted_->get(eye, k)) visit(k);
+    }
     /// True if the light has no key: its queries bypass the cache.
     bool bypasses(size_t light) const { return of_light_[light] == kNone; }
     /// Turns answers by column into answers by light.

@@ -10,6 +10,8 @@
 namespace viscache {
 namespace {
 
+constexpr uint64_t kBypassed = uint64_t{1} << 63;  // numbers of logged queries without a cluster
+
 const AqvcParameters& checked(const AqvcParameters& p) {
     p.validate();
     return p;
@@ -100,6 +102,8 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     // Eq. 6 couples the two ends: the key does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
+    if (log_ && (parameters_.form != Form::kWaves || coupled))
+        throw std::invalid_argument("clusters are logged in form waves without res_rule eq6 alone");
     if (parameters_.form == Form::kPairs || coupled)
         block_by_pairs(eyes, lights, wanted, visible, counters);
     else
@@ -129,7 +133,7 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
                      parameters_.level_step);
         const TileCells& cells = cells_of(levels);
         clamps = cells.clamps;
-        rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters);
+        rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters, log_);
         if (columns_.merged()) columns_.spread(by_column_, visible);
     }
     rays += trace_bypassing(eyes, lights, wanted, visible, counters);
@@ -144,6 +148,7 @@ uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& li
         if (columns_.bypasses(k)) keyless.push_back(k);
     const auto ask = [&](uint32_t eye, uint32_t k) {
         ++counters.bypassed;
+        if (log_) log_->answered(eye, k, {kBypassed + eye * uint64_t(lights.count) + k, eye, 0, true});
         if (is_traceable(eyes.origin[eye]) && is_traceable(Vec3{lights.tx[k], lights.ty[k], lights.tz[k]}))
             tracer_.add({eye, eye, k, k});
     };

@@ -37,6 +37,7 @@ public:
 
     void watch(const Control& control) override;
     void weigh(const Contributions* worth) override { contributions_ = worth; }
+    void log(QueryLog* log) override { log_ = log; }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
@@ -79,6 +80,7 @@ private:
     float extent_;
     int spp_;
     const Contributions* contributions_ = nullptr;
+    QueryLog* log_ = nullptr;
     ContributionLevels worth_;
     bool shares_;  ///< the frame's table
     std::array<std::vector<double>, kLightGroups> levels_;

@@ -4,8 +4,28 @@
 
 namespace viscache {
 
+template <class Answer>
+auto Waves::logged(uint32_t eye, uint32_t cell, size_t level, Answer answer) {
+    if (!log_) return answer();
+    before_.assign(active_.row(eye), active_.row(eye) + words_);
+    const auto result = answer();
+    for (size_t w = 0; w < words_; ++w) before_[w] &= ~active_.row(eye)[w];
+    for_each_bit(before_, [&](size_t k) {
+        const uint64_t cluster = uint64_t(cell) * columns_->count() + k;
+        const uint32_t asker = asker_[cluster];
+        columns_->for_each_light(eye, uint32_t(k), [&](uint32_t light) {
+            const bool own = asker == eye && columns_->light(eye, uint32_t(k)) == light;
+            log_->answered(eye, light, {cluster, asker, uint8_t(level), own});
+        });
+    });
+    return result;
+}
+
 uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
-                    ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters) {
+                    ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters,
+                    QueryLog* log) {
+    columns_ = &columns, log_ = log;
+    if (log_) asker_.assign(tile_cells.size() * columns.count(), 0);
     worth_ = &worth, cells_ = &tile_cells;
     eyes_ = tile.size(), levels_ = tile_cells.levels();
     const size_t cells = tile_cells.size();
@@ -45,8 +65,10 @@ uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& c
             active = due_.row(0);
         }
         if (!kernels_.take_misses(need, active, known_.row(c), miss_.row(c), words_)) continue;
-        for_each_bit(std::span<const Word>(miss_.row(c), words_),
-                     [&](size_t k) { tracer.add({eye, c, uint32_t(k), columns.light(eye, uint32_t(k))}); });
+        for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
+            tracer.add({eye, c, uint32_t(k), columns.light(eye, uint32_t(k))});
+            if (log_) asker_[size_t(c) * columns.count() + k] = eye;
+        });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
     }
     return rays + tracer.flush(eyes, columns.lights(), value_);
@@ -56,9 +78,12 @@ void Waves::write_down(size_t level) {
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c)
         for (size_t below = level + 1; below < levels_; ++below) {
             const uint32_t finer = cells_->of(below, cells_->representative(c));
-            if (finer != c)
-                kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer),
-                                    words_);
+            if (finer == c) continue;
+            kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer), words_);
+            if (!log_) continue;
+            for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
+                asker_[size_t(finer) * columns_->count() + k] = cells_->representative(c);
+            });
         }
 }
 
@@ -77,8 +102,11 @@ void Waves::settle_level(size_t level, BitMatrix& visible, Counters& counters) {
         const bool again = c < cells_->begin(level), last_above = level + 2 == levels_;
         const uint32_t next = cells_->of(level + 1, i);
         if (next == c && again) continue;
-        kernels_.settle(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next), words_,
-                        last_above, again ? repeated : counts);
+        logged(uint32_t(i), c, level, [&] {
+            kernels_.settle(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next), words_,
+                            last_above, again ? repeated : counts);
+            return true;
+        });
     }
     counters.lookups += counts.lookups, counters.hits += counts.hits,
         counters.boundary_queries += counts.boundary;
@@ -92,12 +120,15 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
     std::vector<uint32_t> left;
     for (uint32_t i = 0; i < eyes_; ++i) {
         const uint32_t c = cells_->of(levels_ - 1, i);
-        if (c == kNoCell || !kernels_.finish(active_.row(i), row(c), visible.row(i), words_, counts))
-            continue;
+        const auto finish_row = [&] {
+            return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, counts);
+        };
+        if (c == kNoCell || !logged(i, c, levels_ - 1, finish_row)) continue;
         left.push_back(i);
         for_each_bit(active_.row_span(i), [&](size_t k) {
             if (miss_.get(c, k)) return;
             miss_.set(c, k);
+            if (log_) asker_[size_t(c) * columns.count() + k] = i;
             tracer.add({i, c, uint32_t(k), columns.light(i, uint32_t(k))});
         });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
@@ -107,7 +138,8 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
     for (const uint32_t i : left) {
         const uint32_t c = cells_->of(levels_ - 1, i);
         for (size_t w = 0; w < words_; ++w) known_.row(c)[w] |= miss_.row(c)[w];
-        kernels_.finish(active_.row(i), row(c), visible.row(i), words_, again);
+        logged(i, c, levels_ - 1,
+               [&] { return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, again); });
     }
     counters.leftover_rays += rays;
     counters.lookups += counts.lookups, counters.hits += counts.hits;

@@ -25,8 +25,10 @@ namespace viscache {
 class Waves {
 public:
     /// Answers the columns' bits into `visible` (eye points × columns, zeroed). Returns the number of rays.
+    /// `log` may be nullptr.
     uint64_t run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
-                 ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters);
+                 ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters,
+                 QueryLog* log);
 
 private:
     uint64_t trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer);
@@ -35,12 +37,20 @@ private:
     uint64_t finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
 
+    /// Runs `answer`, which resolves some of an eye point's bits from a cell, and logs these.
+    template <class Answer>
+    auto logged(uint32_t eye, uint32_t cell, size_t level, Answer answer);
+
     RowPair row(uint32_t cell) const { return {known_.row(cell), value_.row(cell)}; }
 
     const RowKernels& kernels_ = row_kernels(active_isa());
     size_t eyes_ = 0, levels_ = 0, words_ = 0;
     const TileCells* cells_ = nullptr;
     ContributionLevels* worth_ = nullptr;
+    const Columns* columns_ = nullptr;
+    QueryLog* log_ = nullptr;
+    std::vector<uint32_t> asker_;  ///< with a log: the eye point whose ray answered [cell][column]
+    std::vector<Word> before_;     ///< with a log: an eye point's bits before they are resolved
     /// Rows of bits: per cell (one row of zeros at the end), per cell that can be refined, per eye point.
     BitMatrix known_, value_, need_, miss_, disagree_, active_;
     BitMatrix settled_, due_;  ///< by contribution: per cell, and of the cell at hand

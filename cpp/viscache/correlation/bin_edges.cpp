@@ -8,7 +8,7 @@
 namespace viscache {
 namespace {
 
-/// No key comes so far.
+/// Larger than any key.
 constexpr uint32_t kNever = ~0u;
 constexpr size_t kMaxEdges = 8192, kMaxCells = size_t{1} << 20;
 
@@ -59,7 +59,7 @@ void BinEdges::build(const char* name) {
     for (uint32_t k : keys_)
         if (k != 0 && k != kNever) inner.push_back(k);
     const size_t zeros = size_t(std::count(keys_.begin(), keys_.end(), 0u));
-    // The coarsest cells that hold at most one edge each
+    // Find the coarsest cells that hold at most one edge each
     shift_ = 16;
     auto shares_cell = [&](uint32_t a, uint32_t b) { return a >> shift_ == b >> shift_; };
     while (shift_ > 1 && std::adjacent_find(inner.begin(), inner.end(), shares_cell) != inner.end()) --shift_;
@@ -67,7 +67,7 @@ void BinEdges::build(const char* name) {
     if (zeros > 1 || shift_ == 1 || cells > kMaxCells)
         throw std::invalid_argument(std::string(name) +
                                     " must lie further apart than single precision tells");
-    // One cell before the first edge, one past the last
+    // One cell before the first edge, one after the last
     first_cell_ = inner.empty() ? 0 : (inner.front() >> shift_) - 1;
     size_t code = zeros, next = 0;
     for (uint32_t cell = first_cell_; cell < first_cell_ + cells + 2; ++cell) {
@@ -75,7 +75,10 @@ void BinEdges::build(const char* name) {
         const uint32_t edge = holds_edge ? inner[next] - (cell << shift_) : KeyTable::kNoEdge;
         entries_.push_back(uint32_t(code << KeyTable::kCodeShift) + KeyTable::kNoEdge - edge -
                            (cell << shift_));
-        if (holds_edge) ++code, ++next;
+        if (holds_edge) {
+            ++code;
+            ++next;
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Half-open bins over distance and angle, found exactly: the place of a pair is a key of 32 bits that grows
-// with it, an edge is the smallest key that lies at or past it, and a table finds the bin of a key.
+// Exact half-open bins over distance and angle. A distance or angle is mapped to a 32-bit key that increases
+// with it. An edge is the smallest key at or above it. A table gives the bin of a key.
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -8,20 +8,21 @@
 
 namespace viscache {
 
-/// Grows with a squared distance, a float >= 0.
+/// Key that increases with a squared distance, a float >= 0.
 inline uint32_t distance_key(float squared_distance) { return std::bit_cast<uint32_t>(squared_distance); }
-/// Grows with the squared chord |n − n'|² of two unit normals, a float in [0, 4]; as fine near 4 as near 0.
+/// Key that increases with the squared chord |n − n'|² of two unit normals, a float in [0, 4]. Its
+/// resolution near 4 is as fine as near 0.
 inline uint32_t chord_key(float squared_chord) {
     if (squared_chord < 2) return std::bit_cast<uint32_t>(squared_chord);
     return 0x80000000u - std::bit_cast<uint32_t>(4 - (squared_chord < 4 ? squared_chord : 4.f));
 }
 
-/// What a kernel needs to find the code of a key, the number of edges at or below it: 0 lies before the first
-/// edge, the number of edges past the last.
+/// Table that gives the code of a key: the number of edges at or below it. Code 0 lies before the first
+/// edge; the number of edges lies at or past the last.
 ///
-/// Keys are cut into cells that hold one edge at most. With the key's place in its cell, `low`, and that of
-/// the edge, `edge`, the entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low): adding the key leaves
-/// code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 from the edge on.
+/// The keys are divided into cells with at most one edge each. Let `low` be the offset of the key in its
+/// cell and `edge` the offset of the edge. The entry of a cell is code·2¹⁷ + (2¹⁷ − edge) − (key − low).
+/// Adding the key gives code·2¹⁷ + 2¹⁷ + (low − edge), whose upper bits are code + 1 if low >= edge.
 struct KeyTable {
     static constexpr int kCodeShift = 17;
     static constexpr uint32_t kNoEdge = 1u << kCodeShift;
@@ -30,7 +31,7 @@ struct KeyTable {
         const uint32_t k = key < first_key ? first_key : key > last_key ? last_key : key;
         return (entries[(k >> shift) - (first_key >> shift)] + k) >> kCodeShift;
     }
-    /// Where the entry of cell 0 would lie, for gathers by k >> shift.
+    /// Address that the entry of cell 0 would have, for gathers indexed by k >> shift.
     const uint32_t* origin() const {
         return reinterpret_cast<const uint32_t*>(reinterpret_cast<uintptr_t>(entries) -
                                                  sizeof(uint32_t) * (first_key >> shift));
@@ -38,16 +39,17 @@ struct KeyTable {
 
     const uint32_t* entries = nullptr;
     int shift = 0;
-    uint32_t first_key = 0, last_key = 0;  ///< starts of the first and the last cell, which hold no edge
+    uint32_t first_key = 0, last_key = 0;  ///< start of the first and of the last cell, which hold no edge
 };
 
 class BinEdges {
 public:
-    /// Bins of distance: a pair lies at or past an edge if d², in float, is >= the square of the edge, in
-    /// double. The last edge may be infinite.
+    /// Bins of distance. A pair is at or past an edge if d² (in float) is >= the square of the edge (in
+    /// double). The last edge may be infinite.
     static BinEdges distances(std::span<const double> edges);
-    /// Bins of the angle between normals, in degrees in [0, 180]: a pair lies at or past an edge if its
-    /// squared chord, in float, is >= 4 sin²(edge/2), in double. An edge of 180 closes the last bin.
+    /// Bins of the angle between normals; edges in degrees in [0, 180]. A pair is at or past an edge if its
+    /// squared chord (in float) is >= 4 sin²(edge/2) (in double). An edge of 180 includes opposite normals
+    /// in the last bin.
     static BinEdges angles(std::span<const double> edges_deg);
 
     size_t bins() const { return keys_.size() - 1; }

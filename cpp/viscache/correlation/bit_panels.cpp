@@ -8,7 +8,7 @@ BitPanels::BitPanels(const RowSource& source, size_t words, std::span<const uint
       live_words_(words_for(words_ / kUnitWords)) {
     const size_t panels = order.size() / kPanelRows;
     bits_.reset(panels, words_ * kPanelRows * kWordBits);
-    // Units past the last word never count
+    // Units past the last word are never counted
     std::vector<Word> all(live_words_);
     for (size_t u = 0; u < words_ / kUnitWords; ++u) set_bit(all.data(), u);
     for (std::vector<Word>* live : {&live_quads_, &live_panels_}) {

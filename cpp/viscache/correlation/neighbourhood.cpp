@@ -10,17 +10,17 @@
 namespace viscache {
 namespace {
 
-/// Rows as they count, and what the statistics of a pair need beside them.
+/// Rows of bits restricted to the domain, with the per-row values that the statistics of a pair need.
 class NearRows {
 public:
     NearRows(const PairRows& rows, const PairBinning& binning, const PairWork& work, Control& control);
 
-    /// Cell of a pair by its place; settle() counts its bits.
+    /// Cell of a pair by distance and angle. resolve() then adds the result of counting its bits.
     int32_t cell(size_t i, size_t j) const {
         const Vec3 d = rows_.position[j] - rows_.position[i], n = rows_.normal[j] - rows_.normal[i];
         return binning_.cell(squared_length(d.x, d.y, d.z), squared_length(n.x, n.y, n.z));
     }
-    void settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const;
+    void resolve(size_t i, size_t j, int32_t& cell, int32_t& biased) const;
 
 private:
     int32_t both(const Word* a, const Word* b) const { return int32_t(kernel_.dot(a, b, rows_.words)); }
@@ -29,7 +29,7 @@ private:
     const PairRows& rows_;
     PairBinning binning_;
     const PairKernel& kernel_;
-    std::optional<BitMatrix> visible_, above_;  ///< where the domain is not the sphere
+    std::optional<BitMatrix> visible_, above_;  ///< empty if the domain is the sphere
     std::vector<int32_t> n1_, n_above_;
     std::vector<float> inverse_spread_;
     std::vector<RowKind> kind_;
@@ -50,7 +50,8 @@ NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairW
     parallel_for(rows.size(), work.threads, [&](size_t i, int) {
         control.check();
         if (above_) {
-            rows.visible(i, visible_->row(i)), rows.above(i, above_->row(i));
+            rows.visible(i, visible_->row(i));
+            rows.above(i, above_->row(i));
             n_above_[i] = both(above_->row(i), above_->row(i));
         }
         n1_[i] = both(visible(i), visible(i));
@@ -59,10 +60,10 @@ NearRows::NearRows(const PairRows& rows, const PairBinning& binning, const PairW
     });
 }
 
-void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const {
+void NearRows::resolve(size_t i, size_t j, int32_t& cell, int32_t& biased) const {
     if (above_) {
         const Word *ui = above_->row(i), *uj = above_->row(j);
-        settle_counts(
+        resolve_counts(
             rows_, binning_,
             domain_counts(rows_.domain, both(visible(i), visible(j)), both(visible(i), uj),
                           both(ui, visible(j)), both(ui, uj), n1_[i], n1_[j], n_above_[i] + n_above_[j]),
@@ -72,11 +73,11 @@ void NearRows::settle(size_t i, size_t j, int32_t& cell, int32_t& biased) const 
         const int32_t numerator = phi_numerator(n11, n1_[i], n1_[j], rows_.n_directions);
         biased = biased_rho(pearson(float(numerator), inverse_spread_[i], inverse_spread_[j]));
     } else {
-        settle_pair(binning_, kind_[i], kind_[j], cell, biased);
+        resolve_pair(binning_, kind_[i], kind_[j], cell, biased);
     }
 }
 
-/// Runs work(cell of the grid, worker) over all cells.
+/// Runs work(cell, worker) over all cells of the grid.
 template <class Work>
 void over_cells(const PointGrid& grid, int threads, Control& control, Work work) {
     constexpr size_t kChunk = 32;
@@ -104,7 +105,7 @@ PairTable near_pairs(const PairRows& rows, const BinEdges& distances, const BinE
         int32_t cell = near.cell(i, j), biased = 0;
         const size_t d = size_t(cell) % stride, t = size_t(cell) / stride;
         if (d == 0 || d > table.n_distances || t == 0 || t > table.n_angles) return;
-        near.settle(i, j, cell, biased);
+        near.resolve(i, j, cell, biased);
         const auto [g, h] = std::minmax(rows.group[i], rows.group[j]);
         const size_t to = table.cell(group_pair(size_t(g), size_t(h), rows.n_groups), d - 1, t - 1);
         if (size_t(cell) >= cells)
@@ -151,8 +152,11 @@ std::vector<float> spatial_map(const PairRows& rows, double d_max, double theta_
                 for (uint32_t j : others) {
                     int32_t cell = near.cell(i, j), biased = 0;
                     if (i == j || cell != inside) continue;
-                    near.settle(i, j, cell, biased);
-                    if (cell == inside) ++n, sum += biased - kRhoOne;
+                    near.resolve(i, j, cell, biased);
+                    if (cell == inside) {
+                        ++n;
+                        sum += biased - kRhoOne;
+                    }
                 }
             });
             if (n) mean[i] = float(double(sum) / double(n) / double(kRhoOne));

@@ -86,8 +86,8 @@ BinPanels bin_panels([[maybe_unused]] Isa isa) {
     return portable::bin;
 }
 
-void settle_row(const PairPoints& points, const PairBinning& binning, size_t row, size_t first_column,
-                int32_t* cells, int32_t* biased) {
+void resolve_row(const PairPoints& points, const PairBinning& binning, size_t row, size_t first_column,
+                 int32_t* cells, int32_t* biased) {
     const RowKind a = points.kind[row];
     for (size_t l = 0; l < kPanelRows; ++l) {
         const RowKind b = points.kind[first_column + l];
@@ -95,11 +95,11 @@ void settle_row(const PairPoints& points, const PairBinning& binning, size_t row
         if (a == RowKind::kPadding || b == RowKind::kPadding || (same_panel && first_column + l <= row))
             cells[l] = binning.no_pair();
         else
-            settle_pair(binning, a, b, cells[l], biased[l]);
+            resolve_pair(binning, a, b, cells[l], biased[l]);
     }
 }
 
-void settle_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& biased) {
+void resolve_pair(const PairBinning& binning, RowKind a, RowKind b, int32_t& cell, int32_t& biased) {
     if (a == RowKind::kDefined && b == RowKind::kDefined) return;
     if (binning.one_if_both && a == b)
         biased = int32_t(2 * kRhoOne);
@@ -118,7 +118,7 @@ void TileBins::flush(PairTable& table, size_t group_pair) {
             table.n_undefined[cell] += int64_t(undefined.count_and_sum >> PackedSums::kCountShift);
             const uint64_t n = s.count_and_sum >> PackedSums::kCountShift, sum = s.count_and_sum & kSumMask;
             if (!n) continue;
-            // p = q + 2²⁰, so Σq² = Σp² − 2²¹·Σp + n·2⁴⁰; what overflows on the way cancels
+            // p = q + 2²⁰, so Σq² = Σp² − 2²¹·Σp + n·2⁴⁰. Unsigned overflow in between cancels
             const uint64_t squares = s.squares - (sum << (kRhoBits + 1)) + (n << (2 * kRhoBits));
             table.add(cell, int64_t(n), int64_t(sum) - int64_t(n << kRhoBits), squares);
         }

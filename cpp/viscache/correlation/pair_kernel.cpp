@@ -5,7 +5,7 @@
 namespace viscache {
 namespace {
 
-/// Calls visit(k) for the first word of every live unit.
+/// Calls visit(k) with the first word k of every live unit.
 template <class Visit>
 inline __attribute__((always_inline)) void for_each_unit(const Word* live, size_t live_words, Visit visit) {
     for (size_t m = 0; m < live_words; ++m)
@@ -35,7 +35,7 @@ struct Portable {
 #if VISCACHE_X86
 
 struct Avx2 {
-    /// Set bits of every byte, from a table of nibbles.
+    /// Number of set bits in every byte, from a table over nibbles.
     VISCACHE_TARGET_AVX2 static inline __m256i bytes(__m256i v) {
         const __m256i table = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1,
                                                2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
@@ -44,10 +44,10 @@ struct Avx2 {
         const __m256i high = _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(v, 4), nibble));
         return _mm256_add_epi8(low, high);
     }
-    /// Two rows and four columns; `units` lists the first words of the live units.
+    /// Two rows and four columns; `units` lists the first word of each live unit.
     VISCACHE_TARGET_AVX2 static void two_by_four(const Word* rows, const Word* columns, const uint32_t* units,
                                                  size_t n, int32_t* counts) {
-        // A byte holds the counts of 15 units of two words: 15 · 2 · 8 = 240
+        // A byte holds the counts of up to 15 units of two words: 15 · 2 · 8 = 240
         constexpr size_t kUnitsPerByte = 15;
         const __m256i zero = _mm256_setzero_si256();
         __m256i sum[2] = {zero, zero};
@@ -87,10 +87,9 @@ struct Avx2 {
 };
 
 struct Avx512 {
-    /// Two words at a time by a carry-save adder: with o the running bits of weight 1, s = o ^ a₀b₀ and
-    /// t = s ^ a₁b₁ are the new ones, and what carries, maj(o, a₀b₀, a₁b₁), is a function of (o, s, t) alone.
-    /// Three ternary operations, a popcount and an add do for two words what takes and + popcount + add
-    /// twice.
+    /// Adds two words at a time with a carry-save adder. Let o be the running bits of weight 1. Then s = o ^
+    /// a₀b₀ and t = s ^ a₁b₁ are the next ones, and the carry maj(o, a₀b₀, a₁b₁) is a function of (o, s, t)
+    /// alone. Three ternary operations, a popcount and an add replace two times and + popcount + add.
     VISCACHE_TARGET_AVX512 static void quad(const Word* rows, const Word* columns, const Word* live,
                                             size_t live_words, int32_t* counts) {
         constexpr int kXorAnd = 0x78, kCarry = 0x74;
@@ -145,7 +144,7 @@ VISCACHE_TARGET_AVX512 uint64_t and_popcount_add_avx512(size_t steps) {
     for (size_t i = 0; i < steps; i += kSums)
 #pragma GCC unroll 16
         for (size_t j = 0; j < kSums; ++j) {
-            // The compiler must not know that the operands stay the same
+            // Keep the compiler from assuming that the operands stay the same
             __asm__("" : "+v"(a), "+v"(b));
             sum[j] = _mm512_add_epi64(sum[j], _mm512_popcnt_epi64(_mm512_and_si512(a, b)));
         }

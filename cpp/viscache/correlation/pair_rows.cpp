@@ -80,20 +80,20 @@ PairBinning binning_of(const PairRows& rows, const BinEdges& distances, const Bi
 
 DomainCounts domain_counts(PairDomain domain, int32_t vv, int32_t vu, int32_t uv, int32_t uu, int32_t v1,
                            int32_t v2, int32_t u1_and_u2) {
-    // What a point sees lies above its plane, so within either's plane it is all there
+    // All directions that a point sees are above its own plane, so the union contains all of them
     if (domain == PairDomain::kUnion) return {u1_and_u2 - uu, v1, v2, vv};
     return {uu, vu, uv, vv};
 }
 
-void settle_counts(const PairRows& rows, const PairBinning& binning, const DomainCounts& c, int32_t& cell,
-                   int32_t& biased) {
+void resolve_counts(const PairRows& rows, const PairBinning& binning, const DomainCounts& c, int32_t& cell,
+                    int32_t& biased) {
     const RowKind kind1 = rows.kind(c.n1, c.of), kind2 = rows.kind(c.n2, c.of);
     if (kind1 == RowKind::kDefined && kind2 == RowKind::kDefined) {
         const auto of = int64_t(c.of), n1 = int64_t(c.n1), n2 = int64_t(c.n2);
         const double spread = std::sqrt(double(n1 * (of - n1))) * std::sqrt(double(n2 * (of - n2)));
         biased = biased_rho(float(double(of * c.n11 - n1 * n2) / spread));
     } else {
-        settle_pair(binning, kind1, kind2, cell, biased);
+        resolve_pair(binning, kind1, kind2, cell, biased);
     }
 }
 

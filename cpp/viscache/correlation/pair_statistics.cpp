@@ -11,11 +11,11 @@
 namespace viscache {
 namespace {
 
-/// Rows of a block that stay in the second-level cache while the columns pass by.
+/// Panels of rows that stay in the L2 cache while the columns are processed.
 constexpr size_t kStripPanels = 16;
 
-/// Calls visit(pa, pb) for the panels [a0, a1) × [b0, b1), strip by strip; of a block with itself those with
-/// pa <= pb.
+/// Calls visit(pa, pb) for the panels [a0, a1) × [b0, b1), strip by strip. For a block with itself only
+/// those with pa <= pb.
 template <class Visit>
 void for_each_panel_pair(size_t a0, size_t a1, size_t b0, size_t b1, Visit visit) {
     for (size_t strip = a0; strip < a1; strip += kStripPanels) {
@@ -25,12 +25,12 @@ void for_each_panel_pair(size_t a0, size_t a1, size_t b0, size_t b1, Visit visit
     }
 }
 
-/// The points of the blocks that are needed, each block padded to whole panels and ordered by normal.
+/// The points of the required blocks. Each block is padded to whole panels and sorted by normal.
 struct Packed {
     Packed(const PairRows& rows, const PairTiles& tiles, std::span<const uint64_t> chosen);
 
     std::vector<uint32_t> order;
-    std::vector<size_t> first_panel;  ///< of every block, and the end
+    std::vector<size_t> first_panel;  ///< first panel of every block, and the end
     PairPoints points;
 };
 
@@ -54,8 +54,12 @@ Packed::Packed(const PairRows& rows, const PairTiles& tiles, std::span<const uin
             continue;
         }
         const Vec3 p = rows.position[order[k]], n = rows.normal[order[k]];
-        points.x[k] = p.x, points.y[k] = p.y, points.z[k] = p.z;
-        points.nx[k] = n.x, points.ny[k] = n.y, points.nz[k] = n.z;
+        points.x[k] = p.x;
+        points.y[k] = p.y;
+        points.z[k] = p.z;
+        points.nx[k] = n.x;
+        points.ny[k] = n.y;
+        points.nz[k] = n.z;
     }
 }
 
@@ -89,7 +93,7 @@ public:
                             [&](size_t pa, size_t pb) {
                                 control_.check();
                                 if (bins.is_full(kPairs)) flush();
-                                bins.note(kPairs);
+                                bins.count(kPairs);
                                 panels(pa, pb, bins);
                             });
         flush();
@@ -154,15 +158,15 @@ void PairRun::domain_panels(size_t pa, size_t pb, const int32_t* vv, TileBins& b
         int32_t biased = 0;
         int32_t cell = binning_.cell(squared_length(p.x[j] - p.x[i], p.y[j] - p.y[i], p.z[j] - p.z[i]),
                                      squared_length(p.nx[j] - p.nx[i], p.ny[j] - p.ny[i], p.nz[j] - p.nz[i]));
-        settle_counts(rows_, binning_,
-                      domain_counts(rows_.domain, vv[c], vu[c], uv[c], uu[c], p.n1[i], p.n1[j],
-                                    n_above_[i] + n_above_[j]),
-                      cell, biased);
+        resolve_counts(rows_, binning_,
+                       domain_counts(rows_.domain, vv[c], vu[c], uv[c], uu[c], p.n1[i], p.n1[j],
+                                     n_above_[i] + n_above_[j]),
+                       cell, biased);
         bins.sums()[cell].add(biased);
     }
 }
 
-/// The rows of an array in their order, padded.
+/// Panels of the rows of an array in their order, padded.
 BitPanels plain_panels(const Word* bits, size_t n, size_t words, const PairWork& work, Control& control) {
     std::vector<uint32_t> order((n + kPanelRows - 1) / kPanelRows * kPanelRows, kNoPoint);
     std::iota(order.begin(), order.begin() + int64_t(n), 0u);

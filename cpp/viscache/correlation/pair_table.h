@@ -1,5 +1,5 @@
 #pragma once
-// Sums over pairs, in integers: they add up to the same bytes in any order.
+// Integer sums over pairs: they give the same bytes in any order of addition.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,11 +10,11 @@ namespace viscache {
 constexpr int kRhoBits = 20;
 constexpr int64_t kRhoOne = int64_t{1} << kRhoBits;
 
-/// Number of a pair of groups g <= h among all of them, row by row.
+/// Index of a pair of groups g <= h among all such pairs, row by row.
 inline size_t group_pair(size_t g, size_t h, size_t n_groups) { return g * n_groups - g * (g + 1) / 2 + h; }
 inline size_t group_pairs(size_t n_groups) { return n_groups * (n_groups + 1) / 2; }
 
-/// Cells are [pair of groups][distance][angle].
+/// The cells are indexed [pair of groups][distance][angle].
 struct PairTable {
     PairTable() = default;
     PairTable(size_t n_groups, size_t n_distances, size_t n_angles)
@@ -25,9 +25,10 @@ struct PairTable {
     size_t cell(size_t pair, size_t distance, size_t angle) const {
         return (pair * n_distances + distance) * n_angles + angle;
     }
-    /// `count` pairs with Σq and Σq².
+    /// Adds `count` pairs with the sums Σq and Σq².
     void add(size_t cell, int64_t count, int64_t sum, uint64_t squares) {
-        n[cell] += count, sum_q[cell] += sum;
+        n[cell] += count;
+        sum_q[cell] += sum;
         const uint64_t low = uint64_t(sum_q2_low[cell]) + (squares & 0xffffffffu);
         sum_q2_low[cell] = int64_t(low & 0xffffffffu);
         sum_q2_high[cell] += int64_t((squares >> 32) + (low >> 32));
@@ -35,12 +36,13 @@ struct PairTable {
     void add(const PairTable& other) {
         for (size_t c = 0; c < n.size(); ++c) {
             add(c, other.n[c], other.sum_q[c], uint64_t(other.sum_q2_low[c]));
-            sum_q2_high[c] += other.sum_q2_high[c], n_undefined[c] += other.n_undefined[c];
+            sum_q2_high[c] += other.sum_q2_high[c];
+            n_undefined[c] += other.n_undefined[c];
         }
     }
 
     size_t n_pairs = 0, n_distances = 0, n_angles = 0;
-    /// Pairs with a ρ, pairs without; Σq and Σq² = high·2³² + low, low < 2³², over those with one.
+    /// Number of pairs with ρ and without; Σq and Σq² = high·2³² + low, low < 2³², over those with ρ.
     std::vector<int64_t> n, n_undefined, sum_q, sum_q2_high, sum_q2_low;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// A uniform grid over points: who is near whom.
+// A uniform grid over points, for neighbour searches.
 #include <algorithm>
 #include <numeric>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace viscache {
 
-/// Points in cells at least `size` wide, so that whoever is nearer than `size` lies in one of 27 cells.
+/// Points in cells at least `size` wide: all points nearer than `size` lie in the 27 cells around a point.
 class PointGrid {
 public:
     PointGrid(std::span<const Vec3> points, double size);
@@ -18,12 +18,12 @@ public:
     std::span<const uint32_t> members(size_t cell) const {
         return {order_.data() + first_[cell], first_[cell + 1] - first_[cell]};
     }
-    /// Calls visit(members) for runs of cells that hold all points in the 27 cells around a cell.
+    /// Calls visit(members) for runs of cells that together hold all points in the 27 cells around a cell.
     template <class Visit>
     void around(size_t cell, Visit visit) const {
         for (uint64_t dz : {0, 1, 2})
             for (uint64_t dy : {0, 1, 2}) {
-                // Three cells along x have neighbouring keys; coordinates start at 1, so none wraps
+                // Three cells along x have consecutive keys. Coordinates start at 1, so no key wraps around
                 const uint64_t middle = keys_[cell] + ((dz - 1) << (2 * kAxisBits)) + ((dy - 1) << kAxisBits);
                 const auto lo = std::lower_bound(keys_.begin(), keys_.end(), middle - 1),
                            hi = std::upper_bound(lo, keys_.end(), middle + 1);
@@ -35,9 +35,9 @@ public:
 private:
     static constexpr int kAxisBits = 21;
 
-    std::vector<uint32_t> order_;  ///< points, cell by cell
-    std::vector<uint64_t> keys_;   ///< of the cells that hold points, increasing
-    std::vector<size_t> first_;    ///< of every cell in order_, and the end
+    std::vector<uint32_t> order_;  ///< indices of the points, cell by cell
+    std::vector<uint64_t> keys_;   ///< keys of the non-empty cells, in increasing order
+    std::vector<size_t> first_;    ///< first entry of every cell in order_, and the end
 };
 
 inline PointGrid::PointGrid(std::span<const Vec3> points, double size) {
@@ -46,7 +46,8 @@ inline PointGrid::PointGrid(std::span<const Vec3> points, double size) {
         for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], double(p[k]));
     for (const Vec3& p : points)
         for (int k = 0; k < 3; ++k) extent = std::max(extent, p[k] - low[k]);
-    // A little wider, for the rounding of coordinates; and not more cells than an axis has numbers
+    // Slightly wider, to allow for the rounding of coordinates; and at most as many cells as an axis has
+    // numbers
     const double width = std::max(size * (1 + 1e-5), extent / double((1 << kAxisBits) - 4));
     auto key = [&](Vec3 p) {
         uint64_t k = 0;
@@ -64,8 +65,10 @@ inline PointGrid::PointGrid(std::span<const Vec3> points, double size) {
         return point_keys[a] != point_keys[b] ? point_keys[a] < point_keys[b] : a < b;
     });
     for (size_t k = 0; k < order_.size(); ++k)
-        if (!k || point_keys[order_[k]] != point_keys[order_[k - 1]])
-            keys_.push_back(point_keys[order_[k]]), first_.push_back(k);
+        if (!k || point_keys[order_[k]] != point_keys[order_[k - 1]]) {
+            keys_.push_back(point_keys[order_[k]]);
+            first_.push_back(k);
+        }
     first_.push_back(order_.size());
 }
 

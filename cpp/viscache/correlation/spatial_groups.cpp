@@ -15,7 +15,7 @@ int longest_axis(const Bounds& b) {
     return size.y >= size.z ? 1 : 2;
 }
 
-/// Gives `members` the groups [first, first + count), count a power of two.
+/// Assigns the groups [first, first + count) to `members`; count is a power of two.
 void halve(std::span<uint32_t> members, int first, int count, std::span<const Vec3> points,
            std::vector<int32_t>& group) {
     if (count == 1) {

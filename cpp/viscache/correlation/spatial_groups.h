@@ -1,5 +1,5 @@
 #pragma once
-// Blocks of space: the groups over which correlation statistics are resampled.
+// Spatial groups of points, over which correlation statistics are resampled.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,9 +10,9 @@ namespace viscache {
 
 constexpr int kSpatialGroups = 16;
 
-/// Group of every point, in [0, kSpatialGroups): halved four times at the median of the longest axis, so
-/// that groups are compact and their sizes differ by one at most. Points of equal coordinates are told
-/// apart by their number.
+/// Group of every point, in [0, kSpatialGroups). The points are split four times at the median of the
+/// longest axis, so that groups are compact and their sizes differ by at most one. Ties in a coordinate are
+/// broken by the index of the point.
 std::vector<int32_t> spatial_groups(std::span<const Vec3> points);
 
 }  // namespace viscache

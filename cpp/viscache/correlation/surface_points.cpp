@@ -16,9 +16,9 @@ namespace viscache {
 namespace {
 
 constexpr size_t kRaysPerChunk = 4096;
-constexpr double kLeastShare = 1.0 / 1024;  // of the strata must hold a point
+constexpr double kLeastShare = 1.0 / 1024;  // smallest fraction of strata that must hold a point
 
-/// What the passes of Purpose::kSurfacePoint are for.
+/// Passes of Purpose::kSurfacePoint.
 enum Pass : uint64_t { kPlace, kThin, kShuffle };
 
 struct Candidate {
@@ -26,7 +26,7 @@ struct Candidate {
     uint32_t stratum;
 };
 
-/// One candidate per stratum that has a good one, in the order of the strata.
+/// One candidate for each stratum that has a valid one, in the order of the strata.
 struct Candidates {
     std::vector<Candidate> points;
     uint32_t width = 0, height = 0;
@@ -35,9 +35,10 @@ struct Candidates {
     size_t strata() const { return size_t(width) * height; }
     void append(const Candidates& more) {
         points.insert(points.end(), more.points.begin(), more.points.end());
-        bad_normals += more.bad_normals, misses += more.misses;
+        bad_normals += more.bad_normals;
+        misses += more.misses;
     }
-    /// Takes a hit whose normal is to be turned to `side`; without a side the winding decides.
+    /// Adds a hit. The normal is turned to `side`; without a side it follows the winding.
     void add(const SurfacePoint& s, uint32_t stratum, std::optional<Vec3> side) {
         if (!(length2(s.ng) > 0) || !is_finite(s.position)) {
             ++bad_normals;
@@ -48,7 +49,7 @@ struct Candidates {
     }
 };
 
-/// Makes candidates on more and more strata until there are n: propose(strata) → Candidates.
+/// Increases the number of strata until there are n candidates: propose(strata) → Candidates.
 template <class Propose>
 Candidates at_least(size_t n, const char* what, Propose propose) {
     const double most = double(n) / kLeastShare;
@@ -70,7 +71,7 @@ uint64_t random_key(uint64_t seed, uint32_t stratum, Pass pass) {
     return high << 32 | rng.next_u32();
 }
 
-/// Keeps n candidates chosen at random, and their order.
+/// Keeps n randomly chosen candidates, in their order.
 void thin(std::vector<Candidate>& points, size_t n, uint64_t seed) {
     using Keyed = std::pair<uint64_t, uint32_t>;
     std::vector<Keyed> keys(points.size());
@@ -82,7 +83,7 @@ void thin(std::vector<Candidate>& points, size_t n, uint64_t seed) {
     points.resize(n);
 }
 
-/// n of the candidates by group, at random inside a group.
+/// Sorts n of the candidates by group; the order within a group is random.
 SurfacePoints arrange(Candidates found, size_t n, uint64_t seed) {
     std::vector<Candidate>& points = found.points;
     thin(points, n, seed);
@@ -94,18 +95,22 @@ SurfacePoints arrange(Candidates found, size_t n, uint64_t seed) {
     std::sort(order.begin(), order.end());
 
     SurfacePoints out;
-    out.width = found.width, out.height = found.height;
-    out.bad_normals = found.bad_normals, out.misses = found.misses;
+    out.width = found.width;
+    out.height = found.height;
+    out.bad_normals = found.bad_normals;
+    out.misses = found.misses;
     for (const auto& [g, key, i] : order) {
         const Candidate& c = points[i];
-        out.position.push_back(c.position), out.normal.push_back(c.normal);
+        out.position.push_back(c.position);
+        out.normal.push_back(c.normal);
         out.shading_normal.push_back(c.shading_normal);
-        out.group.push_back(g), out.stratum.push_back(c.stratum);
+        out.group.push_back(g);
+        out.stratum.push_back(c.stratum);
     }
     return out;
 }
 
-/// Primary rays of a camera through an image of square-ish pixels.
+/// Primary rays of a camera through an image of approximately square pixels.
 class CameraStrata {
 public:
     CameraStrata(const Scene& scene, const RayCaster& caster, const Camera& camera, uint64_t seed)
@@ -119,7 +124,8 @@ public:
         std::vector<Candidates> part(chunks);
         parallel_for(chunks, threads, [&](size_t c, int) {
             control.check();
-            part[c].width = all.width, part[c].height = all.height;
+            part[c].width = all.width;
+            part[c].height = all.height;
             trace(c * kRaysPerChunk, std::min(n, (c + 1) * kRaysPerChunk), part[c]);
         });
         for (const Candidates& p : part) all.append(p);
@@ -156,7 +162,7 @@ private:
     uint64_t seed_;
 };
 
-/// All placed triangles one after another, as a line of which every point is a point of a surface.
+/// All placed triangles in sequence, as a line along which every position is a surface point.
 class AreaStrata {
 public:
     AreaStrata(const Scene& scene, uint64_t seed, const Control& control)
@@ -169,7 +175,8 @@ public:
 
     Candidates points(size_t strata) const {
         Candidates out;
-        out.width = uint32_t(strata), out.height = 1;
+        out.width = uint32_t(strata);
+        out.height = 1;
         double before = 0;
         uint32_t next = 0;
         Rng rng = random(next);
@@ -193,7 +200,7 @@ private:
     double place(uint32_t stratum, size_t strata, Rng& rng) const {
         return (stratum + double(rng.next())) / double(strata) * total_;
     }
-    /// visit(area, mesh, triangle, instance or −1) in one fixed order.
+    /// Calls visit(area, mesh, triangle, instance or −1) in a fixed order.
     template <class Visit>
     void for_each_triangle(Visit visit) const {
         for (uint32_t m = 0; m < scene_.described_meshes(); ++m)

@@ -1,5 +1,5 @@
 #pragma once
-// Points on the surfaces of a scene, between which visibility is correlated.
+// Points on the surfaces of a scene, for correlating visibility between them.
 #include <vector>
 
 #include "viscache/math/parallel.h"
@@ -9,29 +9,29 @@
 
 namespace viscache {
 
-/// Points in order of their spatial group and at random inside one; index i is the same point everywhere.
-/// Geometry alone decides what is a surface: mirrors and glass are, cut-out holes and the spheres of sphere
-/// lights are not.
+/// Points sorted by spatial group, in random order within a group. The same index is the same point in all
+/// arrays. Geometry alone defines a surface: mirrors and glass are included; cut-out holes and the spheres
+/// of sphere lights are not.
 struct SurfacePoints {
     std::vector<Vec3> position;
-    std::vector<Vec3> normal;          ///< unit geometric normal; its hemisphere is what the point can see
-    std::vector<Vec3> shading_normal;  ///< unit, turned as `normal` is
+    std::vector<Vec3> normal;          ///< unit geometric normal; the point sees the hemisphere around it
+    std::vector<Vec3> shading_normal;  ///< unit vector on the same side as `normal`
     std::vector<int32_t> group;        ///< see spatial_groups.h
-    std::vector<uint32_t> stratum;     ///< camera: pixel, row-major; area: number along the surfaces
+    std::vector<uint32_t> stratum;  ///< camera: pixel, row-major; area: position in the sequence of surfaces
     uint32_t width = 0,
-             height = 0;       ///< strata: columns and rows of the camera's image; area: their number, 1
-    uint64_t bad_normals = 0;  ///< strata left out because the triangle there has no normal
-    uint64_t misses = 0;       ///< strata left out because no surface is there
+             height = 0;       ///< strata. Camera: columns and rows of the image; area: their number, 1
+    uint64_t bad_normals = 0;  ///< strata skipped because their triangle has no normal
+    uint64_t misses = 0;       ///< strata skipped because there is no surface
 };
 
-/// Where a camera sees the scene: primary hits, one at a random place of each pixel of an image just fine
-/// enough for n of them; which pixels are left out is random. The normal is turned to the camera. Throws
-/// std::invalid_argument when surfaces fill less than a thousandth of the image.
+/// Points that a camera sees: one primary hit at a random position in each pixel of an image that is just
+/// fine enough for n points. The pixels that are left out are chosen at random. Normals face the camera.
+/// Throws std::invalid_argument if surfaces fill less than a thousandth of the image.
 SurfacePoints camera_points(const Scene& scene, const RayCaster& caster, const Camera& camera, size_t n,
                             uint64_t seed, int threads, const Control& control);
 
-/// Uniform over the area of all placed triangles, stratified along their sequence; the normal is that of
-/// the triangle's winding. Throws std::invalid_argument when less than a thousandth of the area is solid.
+/// Points uniform over the area of all placed triangles, stratified along their sequence. The normal follows
+/// the triangle's winding. Throws std::invalid_argument if less than a thousandth of the area is solid.
 SurfacePoints area_points(const Scene& scene, size_t n, uint64_t seed, const Control& control);
 
 }  // namespace viscache

@@ -1,5 +1,5 @@
 #pragma once
-// Affine transforms: three rows of four, applied to column vectors.
+// Affine transforms: three rows of four numbers, applied to column vectors.
 #include <array>
 
 #include "viscache/math/vec.h"
@@ -12,15 +12,15 @@ struct Affine {
 
     Vec3 point(Vec3 p) const { return apply(p, 1.0); }
     Vec3 vector(Vec3 v) const { return apply(v, 0.0); }
-    /// Normals transform by the inverse transpose = cofactors / determinant; not normalised.
+    /// Normals transform by the inverse transpose = cofactors / determinant. The result is not normalised.
     Vec3 normal(Vec3 n) const;
     double determinant() const {
         return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
                m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     }
-    /// Bounds of how much lengths grow, from below and above, each right up to a factor of √3: 1 / |M⁻¹| and
-    /// |M| by the Frobenius norm. The lower is 0 for a singular transform.
+    /// Lower and upper bounds on how much the transform stretches lengths: 1 / |M⁻¹| and |M| by the
+    /// Frobenius norm, each tight up to a factor of √3. The lower bound is 0 for a singular transform.
     double least_stretch() const;
     double most_stretch() const {
         double sum = 0;
@@ -29,7 +29,7 @@ struct Affine {
     }
 
 private:
-    /// Row i of the matrix of cofactors.
+    /// Row i of the cofactor matrix.
     std::array<double, 3> cofactors(int i) const {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         return {m[j][1] * m[k][2] - m[j][2] * m[k][1], m[j][2] * m[k][0] - m[j][0] * m[k][2],

@@ -13,7 +13,7 @@ uint16_t column16(const BitMatrix& m, size_t first_row, size_t k) {
 
 namespace {
 
-/// Transposes an 8×8 bit block held in a word, byte i = row i (Hacker's Delight, 7-3).
+/// Transposes an 8×8 bit block stored in one word; byte i is row i (Hacker's Delight, 7-3).
 Word transpose8(Word x) {
     Word t = (x ^ (x >> 7)) & 0x00AA00AA00AA00AAull;
     x ^= t ^ (t << 7);
@@ -35,7 +35,8 @@ void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[
             low |= (rows[i] >> (8 * byte) & 0xff) << (8 * i);
             high |= (rows[8 + i] >> (8 * byte) & 0xff) << (8 * i);
         }
-        low = transpose8(low), high = transpose8(high);
+        low = transpose8(low);
+        high = transpose8(high);
         for (size_t j = 0; j < 8; ++j)
             columns[8 * byte + j] = uint16_t((low >> (8 * j) & 0xff) | (high >> (8 * j) & 0xff) << 8);
     }
@@ -50,7 +51,8 @@ void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t colum
             low |= Word(columns[8 * byte + j] & 0xff) << (8 * j);
             high |= Word(columns[8 * byte + j] >> 8) << (8 * j);
         }
-        low = transpose8(low), high = transpose8(high);
+        low = transpose8(low);
+        high = transpose8(high);
         for (size_t i = 0; i < 8; ++i) {
             rows[i] |= (low >> (8 * i) & 0xff) << (8 * byte);
             rows[8 + i] |= (high >> (8 * i) & 0xff) << (8 * byte);

@@ -1,9 +1,9 @@
 #pragma once
-// Bits in words: single bits, spans of bits, and the bit matrix that carries visibility.
+// Bits in words: single bits, spans of bits, and the bit matrix that holds visibility.
 //
-// Visibility is bits: rows are eye points, columns are far ends (lights, VPLs, sky directions);
-// 1 = visible. Column k is bit k % 64 of word k / 64. Rows are padded to 512 bits and 64-byte
-// aligned; padding bits are always 0.
+// Visibility is stored as bits. Rows are eye points; columns are far ends (lights, VPLs, sky directions);
+// 1 = visible. Column k is bit k % 64 of word k / 64. Rows are padded to 512 bits and aligned to 64 bytes;
+// padding bits are always 0.
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -22,11 +22,11 @@ inline bool get_bit(const Word* words, size_t k) { return words[k / kWordBits] >
 inline void set_bit(Word* words, size_t k) { words[k / kWordBits] |= Word{1} << (k % kWordBits); }
 inline void clear_bit(Word* words, size_t k) { words[k / kWordBits] &= ~(Word{1} << (k % kWordBits)); }
 inline size_t words_for(size_t bits) { return (bits + kWordBits - 1) / kWordBits; }
-/// Words of one padded row that holds `columns` bits.
+/// Number of words in one padded row of `columns` bits.
 inline size_t row_words_for(size_t columns) {
     return (words_for(columns) + kRowAlignmentWords - 1) / kRowAlignmentWords * kRowAlignmentWords;
 }
-/// Calls visit(k) for every set bit, lowest first.
+/// Calls visit(k) for every set bit, in increasing order of k.
 template <class Visit>
 void for_each_bit(std::span<const Word> words, Visit visit) {
     for (size_t w = 0; w < words.size(); ++w)
@@ -34,15 +34,17 @@ void for_each_bit(std::span<const Word> words, Visit visit) {
             visit(w * kWordBits + size_t(std::countr_zero(rest)));
 }
 
-/// Rows × columns bits; see the head of this file.
+/// A matrix of bits; the layout is described at the top of this file.
 class BitMatrix {
 public:
     BitMatrix() = default;
     BitMatrix(size_t rows, size_t columns) { reset(rows, columns); }
 
-    /// Takes the new size; every bit becomes 0. Memory is kept when it suffices.
+    /// Resizes the matrix and clears every bit. Memory is reused when it suffices.
     void reset(size_t rows, size_t columns) {
-        rows_ = rows, columns_ = columns, row_words_ = row_words_for(columns);
+        rows_ = rows;
+        columns_ = columns;
+        row_words_ = row_words_for(columns);
         const size_t words = rows_ * row_words_;
         if (words > capacity_) {
             data_.reset(static_cast<Word*>(::operator new[](words * sizeof(Word), std::align_val_t{64})));
@@ -68,12 +70,12 @@ private:
     size_t rows_ = 0, columns_ = 0, row_words_ = 0, capacity_ = 0;
 };
 
-/// Column view of 16 rows: bit i of the answer is bit k of row first + i. Rows past the end count as 0.
+/// One column of 16 rows: bit i of the result is bit k of row first_row + i. Rows past the end count as 0.
 uint16_t column16(const BitMatrix& m, size_t first_row, size_t k);
-/// Transposes words: for the 16 rows from `first_row` and the 64 columns of word w, columns[j] holds column
-/// 64·w + j.
+/// Transposes a block of 16 rows × 64 columns: columns[j] receives column 64·w + j of the 16 rows that start
+/// at `first_row`.
 void columns16(const BitMatrix& m, size_t first_row, size_t w, uint16_t columns[64]);
-/// The inverse: ors 64 columns of 16 bits into the rows.
+/// The inverse: ORs 64 columns of 16 bits into the rows.
 void or_columns16(BitMatrix& m, size_t first_row, size_t w, const uint16_t columns[64]);
 
 }  // namespace viscache

@@ -1,5 +1,5 @@
 #pragma once
-// Axis-aligned boxes and the sphere around one.
+// Axis-aligned bounding boxes.
 #include "viscache/math/vec.h"
 
 namespace viscache {
@@ -9,11 +9,17 @@ struct Bounds {
     Vec3 hi{-kInfinity, -kInfinity, -kInfinity};
 
     bool empty() const { return lo.x > hi.x; }
-    void add(Vec3 p) { lo = min(lo, p), hi = max(hi, p); }
-    void add(const Bounds& b) { lo = min(lo, b.lo), hi = max(hi, b.hi); }
+    void add(Vec3 p) {
+        lo = min(lo, p);
+        hi = max(hi, p);
+    }
+    void add(const Bounds& b) {
+        lo = min(lo, b.lo);
+        hi = max(hi, b.hi);
+    }
     Vec3 center() const { return (lo + hi) * 0.5f; }
     float diagonal() const { return empty() ? 0.f : length(hi - lo); }
-    /// Largest absolute coordinate: what float rounding of points inside the box scales with.
+    /// Largest absolute coordinate; the rounding error of points in the box is proportional to it.
     float magnitude() const {
         return empty() ? 0.f : std::max(max_component(max(lo, -lo)), max_component(max(hi, -hi)));
     }

@@ -1,21 +1,22 @@
 #pragma once
-// Which variant of the hand-dispatched kernels runs. All variants give the same bits.
+// Selects the instruction set of the hand-dispatched kernels. All variants give the same bits.
 #include <string_view>
 
 namespace viscache {
 
 enum class Isa { kPortable, kAvx2, kAvx512 };
 
-/// Best variant this CPU has (AVX-512 F, BW, DQ, VL and VPOPCNTDQ; or AVX2, FMA, BMI2).
+/// Best variant that this CPU supports. AVX-512 needs F, BW, DQ, VL and VPOPCNTDQ; AVX2 also needs FMA and
+/// BMI2.
 Isa best_isa();
-/// The variant in use: `best_isa`, or the lower one named by VISCACHE_ISA = portable | avx2 | avx512
-/// (read once; an unknown or unsupported name is a std::invalid_argument).
+/// The variant in use: `best_isa`, or a lower one set by VISCACHE_ISA = portable | avx2 | avx512. The
+/// variable is read once; an unknown or unsupported name throws std::invalid_argument.
 Isa active_isa();
 std::string_view isa_name(Isa isa);
 
 }  // namespace viscache
 
-// Marks the per-ISA copies of a kernel. Their bodies are always_inline templates, so that no
+// Attributes for the per-ISA copies of a kernel. Kernel bodies are always_inline templates, so that no
 // instruction of a higher ISA can leak into shared inline functions.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define VISCACHE_X86 1

@@ -1,5 +1,5 @@
 #pragma once
-// Points along a Morton curve: near in number, near in space.
+// Morton (Z-order) codes: points with close codes are close in space.
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -21,11 +21,13 @@ inline uint32_t spread3(uint32_t v) {
 
 /// Spreads 32 bits to every second bit.
 inline uint64_t spread2(uint64_t v) {
-    v = (v | v << 16) & 0x0000ffff0000ffffull, v = (v | v << 8) & 0x00ff00ff00ff00ffull;
-    v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full, v = (v | v << 2) & 0x3333333333333333ull;
+    v = (v | v << 16) & 0x0000ffff0000ffffull;
+    v = (v | v << 8) & 0x00ff00ff00ff00ffull;
+    v = (v | v << 4) & 0x0f0f0f0f0f0f0f0full;
+    v = (v | v << 2) & 0x3333333333333333ull;
     return (v | v << 1) & 0x5555555555555555ull;
 }
-/// Gathers the bits on even places again, of 16 spread ones.
+/// Inverse of spreading 16 bits: collects the even bits.
 inline uint32_t gather2(uint32_t v) {
     v &= 0x55555555u;
     v = (v | v >> 1) & 0x33333333u;
@@ -34,18 +36,19 @@ inline uint32_t gather2(uint32_t v) {
     return (v | v >> 8) & 0xffffu;
 }
 
-/// [VisMap Eq. 10] Z-order number of a cell of a square map: x on the even bits, y on the odd ones. The cells
-/// of a quadtree's node are consecutive. `gather2` of the number and of half of it are x and y again.
+/// [VisMap Eq. 10] Z-order index of a cell of a square map: x on the even bits, y on the odd bits. The cells
+/// of a quadtree node are consecutive. `gather2(code)` gives x and `gather2(code >> 1)` gives y.
 inline uint32_t morton2(uint32_t x, uint32_t y) { return uint32_t(spread2(x) | spread2(y) << 1); }
 /// The same for coordinates of more than 16 bits.
 inline uint64_t morton2_wide(uint32_t x, uint32_t y) { return spread2(x) | spread2(y) << 1; }
 
-/// Code of a cell in a grid of 1024³; x on the lowest bit.
+/// Code of a cell in a grid of 1024³ cells; x is on the lowest bit.
 inline uint32_t morton3(uint32_t x, uint32_t y, uint32_t z) {
     return spread3(x) | spread3(y) << 1 | spread3(z) << 2;
 }
 
-/// Numbers of the points along the Morton curve of their bounding box; points of one cell keep their order.
+/// Indices of the points sorted along the Morton curve of their bounding box. The sort is stable: points in
+/// the same cell keep their order.
 inline std::vector<uint32_t> morton_order(std::span<const Vec3> points) {
     Vec3 lo{kInfinity, kInfinity, kInfinity}, hi{-kInfinity, -kInfinity, -kInfinity};
     for (const Vec3& p : points) {

@@ -1,5 +1,6 @@
 #pragma once
-// Work shared by threads: chunks are handed out by a counter, results must not depend on who ran them.
+// Parallel loops. Threads take chunks from a shared counter, so results must not depend on which thread ran
+// a chunk.
 #include <atomic>
 #include <cstddef>
 #include <exception>
@@ -9,13 +10,13 @@
 
 namespace viscache {
 
-/// Raised inside a long call after `Control::cancel`; the caller reports it as an interruption.
+/// Thrown inside a long call after `Control::cancel` is set. The caller reports it as an interruption.
 class Cancelled : public std::exception {
 public:
     const char* what() const noexcept override { return "cancelled"; }
 };
 
-/// How a long call tells its progress and is told to stop. All members may be used from any thread.
+/// Progress and cancellation of a long call. All members may be used from any thread.
 struct Control {
     std::atomic<bool> cancel{false};
     std::atomic<uint64_t> done{0}, total{0};
@@ -26,11 +27,11 @@ struct Control {
 };
 
 inline int hardware_threads() { return std::max(1u, std::thread::hardware_concurrency()); }
-/// The number of threads to use: `wish`, or all of the machine's when it is 0 or less.
+/// Number of threads to use: `wish`, or all hardware threads when `wish` is 0 or less.
 inline int resolve_threads(int wish) { return wish > 0 ? wish : hardware_threads(); }
 
-/// Calls work(chunk, worker) for every chunk in [0, chunks); worker < threads names the thread.
-/// The first exception stops the handing out of chunks and is rethrown here.
+/// Calls work(chunk, worker) for every chunk in [0, chunks). `worker` < threads identifies the thread. After
+/// the first exception no more chunks start; the exception is rethrown here.
 template <class Work>
 void parallel_for(size_t chunks, int threads, Work work) {
     threads = int(std::min<size_t>(size_t(resolve_threads(threads)), std::max<size_t>(1, chunks)));

@@ -15,12 +15,14 @@ struct Vec3 {
 
     float operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
     Vec3& operator+=(Vec3 b) {
-        x += b.x, y += b.y, z += b.z;
+        x += b.x;
+        y += b.y;
+        z += b.z;
         return *this;
     }
 };
 
-/// Linear RGB; the same type, a different meaning.
+/// Linear RGB: the same type with a different meaning.
 using Rgb = Vec3;
 
 struct Vec3u {
@@ -56,7 +58,7 @@ inline float max_component(Vec3 a) { return std::max({a.x, a.y, a.z}); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 /// Rec. 709 luminance of linear RGB.
 inline float luminance(Rgb c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
-/// The same in double, for sums over lights of very different strength.
+/// The same in double, for sums over lights of very different power.
 inline double luminance_in_double(Rgb c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 }  // namespace viscache

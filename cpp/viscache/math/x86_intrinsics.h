@@ -1,6 +1,5 @@
 #pragma once
-// The intrinsics of x86, without g++ 12's false alarms: it takes the undefined operands in its own header for
-// mistakes.
+// x86 intrinsics without g++ 12's false warnings about the undefined operands in its own headers.
 #include "viscache/math/isa.h"
 
 #if VISCACHE_X86

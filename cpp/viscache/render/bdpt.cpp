@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "viscache/math/wall_clock.h"
 #include "viscache/render/connections.h"
 #include "viscache/render/stage_clock.h"
 #include "viscache/scene/check.h"
@@ -137,10 +138,31 @@ SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
     return {tiles[number % tiles.size() * step % tiles.size()], uint32_t(number / tiles.size())};
 }
 
+/// What a source may ask of a bidirectional frame, which has no shared lights.
+class PathsStart final : public FrameStart {
+public:
+    PathsStart(const BdptContext& context, const Camera& camera, FrameResult& out)
+        : c_(context), camera_(camera), out_(out) {}
+    std::span<const FarEnds* const> lights() const override { return {}; }
+    int threads() const override { return c_.frame.threads; }
+    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
+        const FrameResult asked = render_bdpt(c_.scene, c_.caster, camera_, c_.settings,
+                                              small_frame(c_.frame, pixels), source, control);
+        out_.take_small(asked);
+        control.done = 0;
+        return asked.counters;
+    }
+
+private:
+    const BdptContext& c_;
+    const Camera& camera_;
+    FrameResult& out_;
+};
+
 }  // namespace
 
 FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camera& camera,
-                        const BdptSettings& settings, const FrameSettings& frame, const RoundOracles& oracles,
+                        const BdptSettings& settings, const FrameSettings& frame, OracleSource& source,
                         Control& control) {
     check_camera(camera);
     const double start = wall_seconds();
@@ -154,27 +176,31 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::min(items, kItemsPerRound)));
     std::vector<std::unique_ptr<ItemWorker>> workers(size_t(out.threads));
     std::vector<ItemResult> results(kItemsPerRound);
-    control.total = items;
     out.lights_s = wall_seconds() - start;
+    PathsStart begin(context, camera, out);
+    source.prepare(begin, control);
+    out.prepare_s = wall_seconds() - start - out.lights_s;
+    control.total = items;
 
     size_t first = 0;
     for (size_t size = kFirstRound; first < items; first += size, size += size / 2) {
         size = std::min({size, kItemsPerRound, items - first});
-        oracles.begin_round(size);
+        source.begin_round(size);
         parallel_for(size, out.threads, [&](size_t i, int worker) {
             control.check();
             auto& mine = workers[size_t(worker)];
-            if (!mine) mine = std::make_unique<ItemWorker>(context, oracles.make(), control);
+            if (!mine) mine = std::make_unique<ItemWorker>(context, source.make(), control);
             mine->run(item_at(first + i, tiles), out, results[i], control);
-            oracles.end_item(mine->oracle(), i);
+            source.end_item(mine->oracle(), i);
             control.done.fetch_add(1);
         });
         // In order of the items, whoever worked on them
-        oracles.end_round(out.counters);
+        source.end_round(out.counters);
         for (size_t i = 0; i < size; ++i) merge(results[i], item_at(first + i, tiles).tile, out);
     }
     finish(out);
-    out.tiles_s = wall_seconds() - start - out.lights_s;
+    source.report(out.counters, out.source);
+    out.tiles_s = wall_seconds() - start - out.lights_s - out.prepare_s;
     return out;
 }
 

@@ -232,8 +232,7 @@ private:
 
 }  // namespace
 
-Forecast forecast(const ProductContext& c, const EyePathTracer& tracer,
-                  const std::function<std::unique_ptr<VisibilityOracle>()>& make_oracle, int threads,
+Forecast forecast(const ProductContext& c, const EyePathTracer& tracer, OracleSource& source, int threads,
                   Counters& counters, const Control& control) {
     const size_t pixels = size_t(tracer.frame.width) * size_t(tracer.frame.height);
     const size_t tried = std::min(pixels, kPilotPixels), chunks = (tried + kPilotChunk - 1) / kPilotChunk;
@@ -243,7 +242,7 @@ Forecast forecast(const ProductContext& c, const EyePathTracer& tracer,
     parallel_for(chunks, threads, [&](size_t chunk, int worker) {
         control.check();
         auto& pilot = pilots[size_t(worker)];
-        if (!pilot) pilot = std::make_unique<Pilot>(c, tracer, make_oracle());
+        if (!pilot) pilot = std::make_unique<Pilot>(c, tracer, source.make());
         for (size_t i = chunk * kPilotChunk; i < std::min(tried, (chunk + 1) * kPilotChunk); ++i) {
             // One pixel of every equal part of the frame, at random
             Rng rng(c.seed, Purpose::kProduct, i, kPilotPass - 1);

@@ -1,10 +1,10 @@
 #pragma once
 // The environment's light on a tile's eye points by product sampling, with visibility maps as control
 // variate where there are any.
-#include <functional>
 #include <optional>
 
 #include "viscache/render/eye_paths.h"
+#include "viscache/visibility/oracle_source.h"
 #include "viscache/vismap/map_source.h"
 #include "viscache/vismap/point_estimate.h"
 #include "viscache/vismap/temporal.h"
@@ -92,9 +92,8 @@ struct Forecast {
     bool guided = false;
 };
 
-/// 16 product samples on up to 1024 pixels. `make_oracle` makes the oracle of one thread.
-Forecast forecast(const ProductContext& context, const EyePathTracer& tracer,
-                  const std::function<std::unique_ptr<VisibilityOracle>()>& make_oracle, int threads,
-                  Counters& counters, const Control& control);
+/// 16 product samples on up to 1024 pixels.
+Forecast forecast(const ProductContext& context, const EyePathTracer& tracer, OracleSource& source,
+                  int threads, Counters& counters, const Control& control);
 
 }  // namespace viscache

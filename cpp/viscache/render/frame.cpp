@@ -1,6 +1,7 @@
 #include "viscache/render/frame.h"
 
 #include "viscache/math/morton.h"
+#include "viscache/math/wall_clock.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/shared_sky.h"
@@ -8,6 +9,7 @@
 #include "viscache/render/vpl.h"
 #include "viscache/render/weighted_lights.h"
 #include "viscache/scene/check.h"
+#include "viscache/visibility/ask.h"
 
 namespace viscache {
 
@@ -16,12 +18,20 @@ namespace {
 constexpr int kTileSamples = 128;           // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr int kPaperTile = 32;              // edge in pixels of a tile on the CPU (AQVC Sec. 4.4)
-constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
-constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
-constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
+constexpr size_t kRowsPerCheck = 256;  // eye points between looks at the wish to stop
 
 }  // namespace
+
+/// The frame's own virtual point lights.
+static std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
+                                  const IntegratorSettings& integrator, const FrameSettings& frame,
+                                  Control& control, Counters& counters) {
+    const size_t n = size_t(integrator.n_vpls);
+    const auto candidates =
+        trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth, frame.seed,
+                   frame.threads, control, counters);
+    return resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
+}
 
 std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster,
                                              const FilmCamera& film, const IntegratorSettings& integrator,
@@ -53,12 +63,10 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
             keep(sky, Semantic::kDirection, LightGroup::kEnvironment);
         }
     }
-    if (integrator.n_vpls > 0) {
-        const size_t n = size_t(integrator.n_vpls);
-        auto candidates = trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates),
-                                     integrator.vpl_max_depth, frame.seed, frame.threads, control, counters);
-        const auto vpls =
-            resample_vpls(candidates, n, scene, caster, film, integrator, frame, control, counters);
+    if (integrator.vpls || integrator.n_vpls > 0) {
+        const auto vpls = integrator.vpls
+                              ? *integrator.vpls
+                              : make_vpls(scene, caster, film, integrator, frame, control, counters);
         const auto density = vpl_densities(vpls, frame.threads, control);
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
@@ -98,6 +106,22 @@ public:
         const ShadingPoint& sp = eyes_.shading[eye];
         at_most_rows(lights_, {eyes_.block.position[eye], sp.ng, sp.ns}, shares, rows, scratch_);
     }
+    void values(uint32_t eye, std::span<Rgb> columns) const override {
+        const ShadingPoint& sp = eyes_.shading[eye];
+        if (is_black(sp)) return;
+        const EyeShade shade{eyes_.block.position[eye], sp.ng, sp.ns};
+        std::vector<Word> wanted(row_words_for(lights_.ends.count)), one(wanted.size());
+        wanted_row(lights_, shade, wanted.data());
+        for_each_bit(wanted, [&](size_t k) {
+            if (k >= columns.size()) return;
+            set_bit(one.data(), k);
+            const Rgb value = sp.kind == MaterialKind::kGlossy
+                                  ? sum_row_glossy(lights_, shade, sp, one.data())
+                                  : sum_row(lights_, shade, one.data()) * (sp.base * (1 / kPi));
+            columns[k] = eyes_.throughput[eye] * value;
+            clear_bit(one.data(), k);
+        });
+    }
 
 private:
     const SharedLights& lights_;
@@ -121,6 +145,7 @@ public:
         clock.lap(stages.eye_paths);
         for (int g = 0; g < kLightGroups; ++g)
             sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
+        eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
         clock.lap(stages.visibility);
         for (const SharedLights& lights : c_.shared) {
@@ -208,7 +233,7 @@ private:
                      MakeSamples make_samples) {
         const PairOrder order = oracle_->sample_order(eyes_.block, int(group));
         std::vector<Rgb>& sum = sums_[size_t(group)];
-        const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
+        const size_t eyes = eyes_per_batch(size_t(samples));
         size_t run = 0;
         for (size_t first = 0; first < eyes_.size();) {
             control.check();
@@ -219,6 +244,7 @@ private:
                 make_samples(order.eye.empty() ? uint32_t(i) : order.eye[i]);
             clock.lap(stages.contributions);
             answer_.assign(words_for(local_.at.size()), 0);
+            oracle_->weigh_samples(local_.contribution);
             oracle_->samples(eyes_.block, local_.at, answer_, counters);
             clock.lap(stages.visibility);
             add_seen(sum);
@@ -297,24 +323,63 @@ FrameResult empty_result(const FrameContext& c) {
 }
 
 /// Runs the trial where something depends on it, and takes what it says into the context.
-void make_forecast(ProductContext& product, const EyePathTracer& tracer, const OracleFactory& make_oracle,
+void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleSource& source,
                    Counters& counters, const Control& control, FrameResult& out) {
     VisMapSettings& s = product.settings;
     const bool for_alpha = s.alpha.mode == AlphaMode::kPreviousPass && s.pilot_alpha;
     if (s.replace || !(for_alpha || s.sampling == DensityChoice::kAuto)) return;
     const double start = wall_seconds();
-    out.forecast = forecast(product, tracer, make_oracle, tracer.frame.threads, counters, control);
+    out.forecast = forecast(product, tracer, source, tracer.frame.threads, counters, control);
     product.guided = out.forecast->guided;
     if (for_alpha) s.alpha.value = out.forecast->alpha;
     out.pilot_s = wall_seconds() - start;
 }
 
+/// What a source may ask of a frame of tiles.
+class TilesStart final : public FrameStart {
+public:
+    TilesStart(const FrameContext& context, const Camera& camera, FrameResult& out)
+        : c_(context), camera_(camera), out_(out) {
+        for (const SharedLights& s : c_.shared) lights_.push_back(&s.ends);
+    }
+    std::span<const FarEnds* const> lights() const override { return lights_; }
+    int threads() const override { return c_.frame.threads; }
+    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
+        const FrameResult asked = render_frame(c_.scene, c_.caster, camera_, c_.integrator,
+                                               small_frame(c_.frame, pixels), source, control);
+        out_.take_small(asked);
+        control.done = 0;
+        return asked.counters;
+    }
+
+private:
+    const FrameContext& c_;
+    const Camera& camera_;
+    FrameResult& out_;
+    std::vector<const FarEnds*> lights_;
+};
+
 }  // namespace
+
+FrameSettings small_frame(FrameSettings frame, size_t pixels) {
+    const double scale = std::min(1.0, std::sqrt(double(pixels) / (double(frame.width) * frame.height)));
+    frame.width = int(std::ceil(frame.width * scale));
+    frame.height = int(std::ceil(frame.height * scale));
+    frame.spp = 1;
+    return frame;
+}
+
+void FrameResult::take_small(const FrameResult& small) {
+    for (int g = 0; g < kLightGroups; ++g) counters.group(g).rays += small.counters.groups[size_t(g)].rays;
+    counters.light_rays += small.counters.light_rays;
+    counters.camera_rays += small.counters.camera_rays;
+    stages.merge(small.stages);
+}
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
-                         const OracleFactory& make_oracle, Control& control, const EnvironmentMaps* maps,
-                         const AlignedEngines* aligned, const TileDone& tile_done) {
+                         OracleSource& source, Control& control, const EnvironmentMaps* maps,
+                         const AlignedEngines* aligned) {
     check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
@@ -336,7 +401,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     }
     FrameResult out = empty_result(context);
     out.lights_s = wall_seconds() - start;
-    if (product && maps) make_forecast(*product, context.tracer, make_oracle, counters, control, out);
+    TilesStart begin(context, camera, out);
+    const double preparing = wall_seconds();
+    source.prepare(begin, control);
+    out.prepare_s = wall_seconds() - preparing;
+    if (product && maps) make_forecast(*product, context.tracer, source, counters, control, out);
 
     size_t largest = 0;
     for (const SharedLights& s : context.shared) {
@@ -344,10 +413,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         if (s.ends.group == int(LightGroup::kVpl)) out.n_vpls = s.ends.count;
     }
     out.tile_edge_px = tile_edge(largest <= kFewLights ? kTileSamplesFewLights : kTileSamples, frame.spp);
-    if (frame.paper_tiles) out.tile_edge_px = kPaperTile;
+    const int dealt = source.dealt_tile_edge();
+    if (dealt) out.tile_edge_px = dealt;
     const auto tiles =
         tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
-    if (frame.part > 0) counters = {};  // the first part counts what all of them do
+    if (frame.part > 0) counters = out.counters = {};  // the first part counts what all of them do
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;
     if (integrator.ambient && integrator.ambient_aligned) {
@@ -368,12 +438,13 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     const auto render_tile = [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
-        if (!mine) mine = std::make_unique<TileWorker>(context, make_oracle(), control);
+        if (!mine) mine = std::make_unique<TileWorker>(context, source.make(), control);
         mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
-        if (tile_done) tile_done(mine->oracle(), i);
+        source.end_item(mine->oracle(), i);
         control.done.fetch_add(1);
     };
-    if (frame.paper_tiles)
+    source.begin_round(tiles.size());
+    if (dealt)
         parallel_for(size_t(out.threads), out.threads, [&](size_t share, int) {
             for (size_t i = share; i < tiles.size(); i += size_t(out.threads)) render_tile(i, int(share));
         });
@@ -388,8 +459,10 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         for (const auto& worker : workers)
             if (worker) out.tally->merge(*worker->tally());
     }
-    out.counters = counters;
-    out.tiles_s = wall_seconds() - start - out.lights_s - out.pilot_s;
+    source.end_round(counters);
+    out.counters.merge(counters);
+    source.report(out.counters, out.source);
+    out.tiles_s = wall_seconds() - start - out.lights_s - out.prepare_s - out.pilot_s;
     return out;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 // Rendering one frame: tiles through eye paths, light groups and a visibility oracle.
-#include <functional>
 #include <memory>
 
 #include "viscache/math/parallel.h"
@@ -8,23 +7,10 @@
 #include "viscache/render/environment_product.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/shared_lights.h"
+#include "viscache/render/stage_clock.h"
+#include "viscache/visibility/oracle_source.h"
 
 namespace viscache {
-
-/// Makes the oracle of one worker thread.
-using OracleFactory = std::function<std::unique_ptr<VisibilityOracle>()>;
-
-/// Called after each tile, from its thread, with the tile's oracle and number.
-using TileDone = std::function<void(VisibilityOracle&, size_t)>;
-
-/// CPU seconds of the stages, summed over threads.
-struct StageSeconds {
-    double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
-    void merge(const StageSeconds& b) {
-        eye_paths += b.eye_paths, contributions += b.contributions, visibility += b.visibility,
-            shading += b.shading;
-    }
-};
 
 struct FrameResult {
     int width = 0, height = 0, spp = 1;
@@ -38,6 +24,7 @@ struct FrameResult {
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
+    SourceReport source;  ///< what the oracles' source says of itself
     StageSeconds stages;
     ProductSeconds product;               ///< of the environment by product sampling; in `stages` too
     std::optional<Forecast> forecast;     ///< of frames with maps
@@ -46,10 +33,14 @@ struct FrameResult {
     std::optional<EngineChoice> aligned;  ///< of ambient occlusion along shared directions
     double aligned_s = 0;                 ///< wall seconds of its rays and sums
     double lights_s = 0, tiles_s = 0;     ///< wall seconds: making VPLs and groups; all tiles
+    double prepare_s = 0;                 ///< wall seconds of the source's preparation
     size_t n_vpls = 0;
     int tile_edge_px = 0;
     std::vector<std::array<double, 2>> tile_sums;  ///< of a part: lost throughput and false hits of each tile
     int threads = 0;
+
+    /// Adds the rays and the time of a small frame that was rendered in preparation.
+    void take_small(const FrameResult& small);
 };
 
 /// The shared light groups of a frame: point, directional, VPL.
@@ -64,11 +55,14 @@ struct EnvironmentMaps {
     VisMapSettings settings;
 };
 
-/// `aligned` must be there if the integrator asks for shared directions.
+/// The settings of a frame of about `pixels` pixels, at most those of `frame`, with one sample each.
+FrameSettings small_frame(FrameSettings frame, size_t pixels);
+
+/// `source` must be new: it serves one frame. `aligned` must be there if the integrator asks for shared
+/// directions.
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
-                         const OracleFactory& make_oracle, Control& control,
-                         const EnvironmentMaps* maps = nullptr, const AlignedEngines* aligned = nullptr,
-                         const TileDone& tile_done = {});
+                         OracleSource& source, Control& control, const EnvironmentMaps* maps = nullptr,
+                         const AlignedEngines* aligned = nullptr);
 
 }  // namespace viscache

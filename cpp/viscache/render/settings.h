@@ -2,6 +2,8 @@
 // What a frame is asked to be. The same names and defaults as the Python dataclasses; a test pins them
 // together.
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "viscache/sampling/zero_two.h"
 
@@ -28,6 +30,8 @@ enum class AmbientEngine {
     kField,
 };
 
+struct Vpl;
+
 struct IntegratorSettings {
     // Which parts are on
     bool direct = true;    ///< point, directional, area and environment light
@@ -52,6 +56,7 @@ struct IntegratorSettings {
     AmbientEngine ambient_engine = AmbientEngine::kAuto;
 
     // Virtual point lights
+    std::shared_ptr<const std::vector<Vpl>> vpls;  ///< the caller's own, taken as they are; else traced
     int vpl_max_depth = 4;    ///< bounces after the light
     int vpl_candidates = 4;   ///< candidates per VPL that is kept
     int vpl_eye_points = 64;  ///< camera points that judge the candidates
@@ -70,9 +75,6 @@ struct FrameSettings {
     /// tiles depend on nothing but themselves and the lights: not for visibility maps, aligned rays or
     /// bidirectional paths.
     int part = 0, parts = 1;
-    /// AQVC Sec. 4.4, for oracles that remember beyond a tile: tiles of 32² pixels, tile i on thread i mod
-    /// threads. The same bytes for the same number of threads.
-    bool paper_tiles = false;
 };
 
 }  // namespace viscache

@@ -1,14 +1,19 @@
 #pragma once
-// Time of a frame's stages.
-#include <chrono>
-
+// CPU time of a frame's stages.
 #include "viscache/visibility/coherence_trial.h"
 
 namespace viscache {
 
-inline double wall_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+/// CPU seconds of the stages, summed over threads.
+struct StageSeconds {
+    double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
+    void merge(const StageSeconds& b) {
+        eye_paths += b.eye_paths;
+        contributions += b.contributions;
+        visibility += b.visibility;
+        shading += b.shading;
+    }
+};
 
 /// Adds the CPU time since the last call to one stage after another.
 class StageClock {

@@ -12,12 +12,13 @@ namespace viscache {
 namespace {
 
 constexpr int kIterations = 20;
-constexpr int kSubCells = 8;                        // along a cell's edge
-constexpr size_t kSamples = kSubCells * kSubCells;  // that stand for a cell's area
-constexpr int kReach = 2;         // cells around one's own in which the nearest direction is looked for
-constexpr float kMargin = 1e-3f;  // of a cell: rounding moves no direction into the next one
+constexpr int kSubCells = 8;                        // sub-cells along the edge of a cell
+constexpr size_t kSamples = kSubCells * kSubCells;  // samples that represent the area of a cell
+constexpr int kReach = 2;  // radius, in cells, of the search for the nearest direction
+constexpr float kMargin =
+    1e-3f;  // margin in cells, so that rounding cannot move a direction into the next cell
 
-/// Of the places that stand for the same direction across the borders, the one nearest to `to`.
+/// Several places represent the same direction across the borders; returns the one nearest to `to`.
 Vec2 unfolded(Vec2 p, Vec2 to) {
     const std::array<Vec2, 5> places{p, Vec2{-p.x, 1 - p.y}, Vec2{2 - p.x, 1 - p.y}, Vec2{1 - p.x, -p.y},
                                      Vec2{1 - p.x, 2 - p.y}};
@@ -47,7 +48,7 @@ public:
     }
 
 private:
-    /// Moves every direction towards the middle of what is nearest to it.
+    /// One Lloyd step: moves every direction towards the centroid of the samples nearest to it.
     void iterate() {
         sum_.assign(directions_.size(), {});
         for (int y = 0; y < size_; ++y)
@@ -69,7 +70,10 @@ private:
             int best = near[0];
             float best_cos = -2;
             for (int i : near)
-                if (const float c = dot(d, directions_[size_t(i)]); c > best_cos) best_cos = c, best = i;
+                if (const float c = dot(d, directions_[size_t(i)]); c > best_cos) {
+                    best_cos = c;
+                    best = i;
+                }
             sum_[size_t(best)] += d;
         }
     }
@@ -87,7 +91,7 @@ private:
     }
 
     int size_;
-    std::vector<Vec3> samples_;  // kSamples a cell
+    std::vector<Vec3> samples_;  // kSamples per cell
     std::vector<Vec3> directions_, sum_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Choosing an index with given probabilities.
+// Discrete distributions: choosing an index with given probabilities.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,29 +15,31 @@ namespace viscache {
 struct Pick {
     size_t index;
     double pmf;
-    float u;  ///< the random number, stretched back over [0, 1) for reuse
+    float u;  ///< the random number, rescaled to [0, 1) for reuse
 };
 
-/// Weights summed up, with a guide into the sums. A view: tables of many rows keep theirs side by side.
+/// Running sums of weights, with a guide table into them. This is a view: tables of many rows store their
+/// rows side by side.
 struct SummedWeights {
-    std::span<const double> sums;     ///< n + 1 running sums from 0
-    std::span<const uint32_t> guide;  ///< n + 1 entries: first index whose sum exceeds j/n of the total
+    std::span<const double> sums;  ///< n + 1 running sums from 0
+    std::span<const uint32_t>
+        guide;  ///< n + 1 entries; entry j is the first index whose sum exceeds j/n of the total
 
     size_t size() const { return sums.size() - 1; }
     double total() const { return sums.back(); }
-    /// Where `sample(u)` begins to read.
+    /// First guide entry that `sample(u)` reads.
     size_t guide_cell(double u) const { return std::min(size_t(u * double(size())), size() - 1); }
-    /// Index with probability pmf, for u in [0, 1); never one of weight zero.
+    /// Samples an index with probability pmf, for u in [0, 1). Indices of weight zero are never returned.
     Pick sample(double u) const {
         const double x = u * total();
-        // The guide narrows the search to a few entries: one jump instead of a walk through a large table
+        // The guide narrows the search to a few entries: one lookup replaces a walk through a large table
         const size_t cell = guide_cell(u);
         auto first = sums.begin() + 1 + guide[cell];
-        while (first[-1] > x) --first;  // u·n rounded up into the next cell
+        while (first[-1] > x) --first;  // for u·n that was rounded up into the next cell
         const auto last = sums.begin() + 1 + std::min<size_t>(guide[cell + 1] + 1, size());
         auto above = std::upper_bound(first, last, x);
         if (above == last) above = std::upper_bound(last, sums.end(), x);
-        // u·total rounded up to the total: the last index with weight
+        // u·total was rounded up to the total: take the last index with positive weight
         if (above == sums.end()) above = std::lower_bound(sums.begin() + 1, sums.end(), total());
         const size_t i = size_t(above - sums.begin()) - 1;
         const double width = sums[i + 1] - sums[i];
@@ -45,8 +47,9 @@ struct SummedWeights {
     }
 };
 
-/// Sums up weights into sums[1 … n], and fills the guide (both n + 1 long). Weights must be finite and >= 0;
-/// else std::invalid_argument. A total of zero leaves the guide unfilled.
+/// Stores the running sums of the weights in sums[1 … n] and fills the guide; both are n + 1 long. Throws
+/// std::invalid_argument unless the weights are finite and >= 0. The guide stays unfilled when the total is
+/// zero.
 inline void sum_weights(std::span<const double> weights, std::span<double> sums, std::span<uint32_t> guide) {
     const size_t n = weights.size();
     sums[0] = 0;
@@ -62,11 +65,11 @@ inline void sum_weights(std::span<const double> weights, std::span<double> sums,
     }
 }
 
-/// Piecewise constant over indices.
+/// A distribution that is piecewise constant over indices.
 class Distribution1D {
 public:
     Distribution1D() = default;
-    /// Weights must be finite and >= 0 with a positive sum; else std::invalid_argument.
+    /// Throws std::invalid_argument unless the weights are finite and >= 0 with a positive sum.
     explicit Distribution1D(std::span<const double> weights)
         : sums_(weights.size() + 1), guide_(weights.size() + 1) {
         sum_weights(weights, sums_, guide_);
@@ -77,7 +80,7 @@ public:
     size_t size() const { return sums_.empty() ? 0 : sums_.size() - 1; }
     double total() const { return sums_.empty() ? 0 : sums_.back(); }
     double pmf(size_t i) const { return (sums_[i + 1] - sums_[i]) / total(); }
-    /// Index with probability pmf, for u in [0, 1); never one of weight zero.
+    /// Samples an index with probability pmf, for u in [0, 1). Indices of weight zero are never returned.
     Pick sample(double u) const { return SummedWeights{sums_, guide_}.sample(u); }
 
 private:

@@ -4,18 +4,18 @@
 
 namespace viscache {
 
-/// Piecewise constant over the cells of a grid. Its tables are far larger than the caches: `sample` takes
-/// many random numbers at once and fetches ahead what they will read.
+/// A distribution that is piecewise constant over the cells of a grid. Its tables are far larger than the
+/// CPU caches, so `sample` takes many random numbers at once and prefetches the entries they read.
 class Distribution2D {
 public:
     struct Cell {
         size_t row, column;
-        float u_row, u_column;  ///< the random numbers, stretched back over [0, 1) for reuse
+        float u_row, u_column;  ///< the random numbers, rescaled to [0, 1) for reuse
     };
 
     Distribution2D() = default;
-    /// `weight(row, column)` for rows × columns cells, finite and >= 0 with a positive sum; else
-    /// std::invalid_argument.
+    /// `weight(row, column)` gives the weights of rows × columns cells. Throws std::invalid_argument unless
+    /// they are finite and >= 0 with a positive sum.
     template <class Weight>
     Distribution2D(size_t rows, size_t columns, Weight weight)
         : stride_(columns + 1), sums_(rows * stride_), guide_(rows * stride_) {
@@ -28,14 +28,17 @@ public:
         rows_ = Distribution1D(totals);
     }
     bool empty() const { return sums_.empty(); }
-    /// Cells for pairs (row, column) of random numbers in [0, 1); at most kBatch, never one of weight zero.
+    /// Samples cells from pairs (row, column) of random numbers in [0, 1), at most kBatch of them. Cells of
+    /// weight zero are never returned.
     template <class Numbers>
     void sample(size_t n, Numbers numbers, Cell* cells) const {
         double second[kBatch];
         for (size_t i = 0; i < n; ++i) {
             const auto [first, u] = numbers(i);
             const Pick row = rows_.sample(first);
-            cells[i].row = row.index, cells[i].u_row = row.u, second[i] = u;
+            cells[i].row = row.index;
+            cells[i].u_row = row.u;
+            second[i] = u;
             __builtin_prefetch(&guide_[row.index * stride_ + line(row.index).guide_cell(u)]);
             __builtin_prefetch(&sums_[(row.index + 1) * stride_ - 1]);
         }
@@ -45,7 +48,8 @@ public:
         }
         for (size_t i = 0; i < n; ++i) {
             const Pick column = line(cells[i].row).sample(second[i]);
-            cells[i].column = column.index, cells[i].u_column = column.u;
+            cells[i].column = column.index;
+            cells[i].u_column = column.u;
         }
     }
     static constexpr size_t kBatch = 32;

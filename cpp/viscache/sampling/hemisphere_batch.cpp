@@ -12,7 +12,10 @@ inline __attribute__((always_inline)) void fill(const HemisphereSequence& s, uin
     for (uint32_t i = 0; i < HemisphereBatch::kSize; ++i) {
         const Vec3 local = warp(sobol02(first + i, s.scramble_x, s.scramble_y));
         const Vec3 w = s.frame.to_world(local);
-        out.x[i] = w.x, out.y[i] = w.y, out.z[i] = w.z, out.cosine[i] = local.z;
+        out.x[i] = w.x;
+        out.y[i] = w.y;
+        out.z[i] = w.z;
+        out.cosine[i] = local.z;
     }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Directions of a hemisphere by the batch: the loop runs in SIMD, the variant chosen at run time.
+// Batches of hemisphere directions. The loop is vectorised; the variant is chosen at run time.
 #include <cstdint>
 
 #include "viscache/math/frame.h"
@@ -7,20 +7,20 @@
 
 namespace viscache {
 
-/// A randomised (0,2)-sequence on the hemisphere around a frame's z axis.
+/// A randomised (0,2)-sequence mapped to the hemisphere around a frame's z axis.
 struct HemisphereSequence {
-    uint32_t scramble_x, scramble_y;  ///< of `sobol02`
+    uint32_t scramble_x, scramble_y;  ///< scrambles of `sobol02`
     Frame3 frame;
-    bool cosine = true;  ///< weighted by the cosine; false: uniform
+    bool cosine = true;  ///< true: cosine-weighted; false: uniform
 };
 
 struct HemisphereBatch {
     static constexpr uint32_t kSize = 32;
     alignas(64) float x[kSize], y[kSize], z[kSize];
-    alignas(64) float cosine[kSize];  ///< to the axis, >= 0
+    alignas(64) float cosine[kSize];  ///< cosine to the frame's axis, >= 0
 };
 
-/// Points first … first + kSize − 1 of the sequence; the same bits from every variant.
+/// Points first … first + kSize − 1 of the sequence. All variants give the same bits.
 void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, HemisphereBatch& out,
                       Isa isa = active_isa());
 

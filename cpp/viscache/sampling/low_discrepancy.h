@@ -14,7 +14,7 @@ inline uint32_t reverse_bits(uint32_t x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Owen scrambling of a number whose bits are given in reverse, by a hash (Laine and Karras 2011, as improved
+/// Hash-based Owen scrambling of a number with its bits in reversed order (Laine and Karras 2011, improved
 /// by Vegdahl 2021).
 inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
     x ^= x * 0x3d20adeau;
@@ -25,7 +25,7 @@ inline uint32_t owen_scramble_reversed(uint32_t x, uint32_t seed) {
     return reverse_bits(x);
 }
 
-/// The same for bits in their own order.
+/// The same for bits in their usual order.
 inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
     return owen_scramble_reversed(reverse_bits(x), seed);
 }
@@ -33,8 +33,8 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
 /// The upper 24 bits as a number in [0, 1).
 inline float to_unit_float(uint32_t x) { return float(x >> 8) * 0x1p-24f; }
 
-/// Second dimension of Sobol' at `index`, bits reversed: its matrix is Pascal's triangle mod 2, the fifth
-/// Kronecker power of a 2×2 block, so five steps without a branch apply it.
+/// Second dimension of the Sobol' sequence at `index`, with its bits reversed. Its matrix is Pascal's
+/// triangle mod 2, the fifth Kronecker power of a 2×2 block; five branch-free steps apply it.
 inline uint32_t sobol2_reversed(uint32_t index) {
     index ^= (index & 0xaaaaaaaau) >> 1;
     index ^= (index & 0xccccccccu) >> 2;
@@ -43,14 +43,14 @@ inline uint32_t sobol2_reversed(uint32_t index) {
     return index ^ (index & 0xffff0000u) >> 16;
 }
 
-/// Point `index` of the (0,2)-sequence (van der Corput and the second dimension of Sobol'), Owen-scrambled
-/// per dimension by two seeds; in [0, 1)².
+/// Point `index` of the (0,2)-sequence (van der Corput and the second Sobol' dimension) in [0, 1)². Each
+/// dimension is Owen-scrambled by its own seed.
 inline Vec2 sobol02(uint32_t index, uint32_t scramble_x, uint32_t scramble_y) {
     return {to_unit_float(owen_scramble_reversed(index, scramble_x)),
             to_unit_float(owen_scramble_reversed(sobol2_reversed(index), scramble_y))};
 }
 
-/// Digits of i in `base` >= 2, mirrored at the radix point; in [0, 1).
+/// Radical inverse: the digits of i in `base` >= 2, mirrored at the radix point; in [0, 1).
 inline double radical_inverse(uint32_t base, uint64_t i) {
     double result = 0, digit = 1.0 / base;
     for (; i; i /= base, digit /= base) result += double(i % base) * digit;

@@ -1,16 +1,17 @@
 #pragma once
-// Where the samples of a pixel lie: all methods look through the same places.
+// Sample positions within a pixel. All rendering methods use the same positions.
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
 
 namespace viscache {
 
-/// Places of the samples in one pixel, in [0, 1)²: an Owen-scrambled (0, 2)-sequence of every pixel's own.
+/// Sample positions within one pixel, in [0, 1)². Each pixel has its own Owen-scrambled (0, 2)-sequence.
 class PixelPlaces {
 public:
     PixelPlaces(uint64_t seed, uint64_t pixel) {
         Rng rng(seed, Purpose::kPixel, pixel, 0);
-        scramble_x_ = rng.next_u32(), scramble_y_ = rng.next_u32();
+        scramble_x_ = rng.next_u32();
+        scramble_y_ = rng.next_u32();
     }
     Vec2 operator[](uint32_t sample) const { return sobol02(sample, scramble_x_, scramble_y_); }
 
@@ -18,7 +19,7 @@ private:
     uint32_t scramble_x_, scramble_y_;
 };
 
-/// Place of one sample.
+/// Position of one sample.
 inline Vec2 pixel_place(uint64_t seed, uint64_t pixel, uint32_t sample) {
     return PixelPlaces(seed, pixel)[sample];
 }

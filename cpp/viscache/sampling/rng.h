@@ -6,7 +6,7 @@
 
 namespace viscache {
 
-/// What random numbers are used for; streams of different purposes are independent.
+/// What the random numbers are used for. Streams of different purposes are independent.
 enum class Purpose : uint32_t {
     kPixel,
     kAreaLight,
@@ -25,18 +25,19 @@ enum class Purpose : uint32_t {
     kMapStartup,
     kEyeSubpath,
     kLightSubpath,
-    kRoulette
+    kRoulette,
+    kResidual
 };
 
-/// Bijective 64-bit mixer (Stafford's variant 13 of the murmur finaliser).
+/// Bijective 64-bit mixer (variant 13 of Stafford's murmur finalisers).
 inline uint64_t mix64(uint64_t x) {
     x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
     x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
     return x ^ (x >> 31);
 }
 
-/// Stream keyed by (seed, purpose, pixel, pass): a Weyl sequence through `mix64`, start and step from the
-/// key.
+/// Stream keyed by (seed, purpose, pixel, pass): a Weyl sequence passed through `mix64`. The key determines
+/// its start and its step.
 class Rng {
 public:
     Rng(uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) {
@@ -47,7 +48,7 @@ public:
         step_ = mix64(state_ ^ 0x2545F4914F6CDD1Dull) | 1;
     }
     uint32_t next_u32() { return uint32_t(mix64(state_ += step_) >> 32); }
-    /// In [0, 1), 24 bits.
+    /// Uniform in [0, 1), with 24 bits.
     float next() { return float(next_u32() >> 8) * 0x1p-24f; }
     Vec2 next2() {
         const float x = next();

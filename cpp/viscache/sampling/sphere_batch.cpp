@@ -12,7 +12,9 @@ inline __attribute__((always_inline)) void fill(uint32_t sx, uint32_t sy, uint32
         const Vec2 u = sobol02(first + uint32_t(i), sx, sy);
         const bool below = u.x >= 0.5f;
         const Vec3 w = square_to_uniform_hemisphere({below ? 2 * u.x - 1 : 2 * u.x, u.y});
-        x[i] = w.x, y[i] = w.y, z[i] = below ? -w.z : w.z;
+        x[i] = w.x;
+        y[i] = w.y;
+        z[i] = below ? -w.z : w.z;
     }
 }
 

@@ -1,13 +1,13 @@
 #pragma once
-// Samplers beside their densities. Local frames have z along the normal.
+// Samplers and their densities. Local frames have z along the normal.
 #include <optional>
 
 #include "viscache/math/frame.h"
 
 namespace viscache {
 
-/// Sine and cosine of a in [−π/4, π/4] to two units in the last place (Cephes' polynomials): arithmetic
-/// alone, so that loops over it run in SIMD.
+/// Sine and cosine of a in [−π/4, π/4], accurate to two units in the last place (the polynomials of Cephes).
+/// Only arithmetic, so that loops over them vectorise.
 inline float sin_eighth(float a) {
     const float s = a * a;
     return a + a * s * (-1.6666654611e-1f + s * (8.3321608736e-3f - s * 1.9515295891e-4f));
@@ -17,8 +17,8 @@ inline float cos_eighth(float a) {
     return 1 - 0.5f * s + s * s * (4.166664568e-2f + s * (-1.388731625e-3f + s * 2.443315712e-5f));
 }
 
-/// Uniform on the unit disk, concentric (Shirley and Chiu 1997); density 1/π per area. Without branches,
-/// which random numbers would mispredict.
+/// Uniform on the unit disk, concentric (Shirley and Chiu 1997); density 1/π per area. Branch-free, because
+/// random numbers would mispredict branches.
 inline Vec2 square_to_disk_concentric(Vec2 u) {
     const float x = 2 * u.x - 1, y = 2 * u.y - 1;
     const bool wide = std::fabs(x) > std::fabs(y);
@@ -34,7 +34,7 @@ inline Vec3 square_to_cosine_hemisphere(Vec2 u) {
 }
 inline float pdf_cosine_hemisphere(Vec3 w) { return std::max(0.f, w.z) / kPi; }
 
-/// Uniform on the hemisphere around +z; density 1/(2π) per solid angle. Equal areas of the disk are equal
+/// Uniform on the hemisphere around +z; density 1/(2π) per solid angle. Equal areas of the disk become equal
 /// solid angles.
 inline Vec3 square_to_uniform_hemisphere(Vec2 u) {
     const Vec2 d = square_to_disk_concentric(u);
@@ -50,37 +50,39 @@ inline Vec3 square_to_uniform_sphere(Vec2 u) {
 }
 inline float pdf_uniform_sphere() { return 1 / (4 * kPi); }
 
-/// Uniform in a triangle: weights of vertices 1 and 2 (vertex 0 has the rest); density 1/area per area.
+/// Uniform in a triangle: barycentric weights of vertices 1 and 2; vertex 0 has the rest. Density 1/area per
+/// area.
 inline Vec2 square_to_triangle(Vec2 u) {
     const float s = std::sqrt(1 - u.x);
     return {1 - s, u.y * s};
 }
 
-/// Uniform in the cone around +z with cosine ≥ cos_max < 1; density `pdf_uniform_cone` per solid angle.
+/// Uniform in the cone of cosine ≥ cos_max < 1 around +z; density `pdf_uniform_cone` per solid angle.
 inline Vec3 square_to_uniform_cone(Vec2 u, float cos_max) {
-    // With t = 1 − cosθ the sine keeps its digits in narrow cones
+    // t = 1 − cosθ keeps the sine accurate in narrow cones
     const float t = u.x * (1 - cos_max), r = std::sqrt(t * (2 - t)), phi = 2 * kPi * u.y;
     return {r * std::cos(phi), r * std::sin(phi), 1 - t};
 }
 inline float pdf_uniform_cone(float cos_max) { return 1 / (2 * kPi * (1 - cos_max)); }
 
 struct SphereLightSample {
-    Vec3 p, n;              ///< point of the sphere and its outward normal
-    float pdf_solid_angle;  ///< per solid angle at `from`
+    Vec3 p, n;              ///< point on the sphere and its outward normal
+    float pdf_solid_angle;  ///< density per solid angle at `from`
     float pdf_area;         ///< the same density per area of the sphere
 };
-/// A point of the part of a sphere that `from` sees, uniform in the solid angle it spans; empty unless
-/// `from` is outside. In double: stable for spheres far away and for points just above the surface.
+/// Samples the part of a sphere that is visible from `from`, uniformly in its solid angle. Empty unless
+/// `from` is outside the sphere. Computed in double: stable for distant spheres and for points just above
+/// the surface.
 inline std::optional<SphereLightSample> sample_sphere_light(Vec3 center, float radius, Vec3 from, Vec2 u) {
     const double x = double(center.x) - from.x, y = double(center.y) - from.y, z = double(center.z) - from.z;
     const double d = std::sqrt(x * x + y * y + z * z), r = radius;
     if (!(r > 0 && d > r)) return std::nullopt;
-    // 1 − cosθ of the cone and of the sample, without cancellation
+    // 1 − cosθ of the cone and of the sample, computed without cancellation
     const double sin_max = r / d, sin2_max = sin_max * sin_max;
     const double cone = sin2_max / (1 + std::sqrt(1 - sin2_max)), t = u.x * cone;
     const double cos_theta = 1 - t, sin2_theta = t * (2 - t);
-    // Angle γ at the sphere between its normal and the way back; α at the centre between the axis and the
-    // point
+    // γ is the angle at the sphere between its normal and the direction back; α is the angle at the centre
+    // between the axis and the point
     const double cos_gamma = std::sqrt(std::max(0.0, 1 - sin2_theta / sin2_max));
     const double cos_alpha = std::min(1.0, sin2_theta / sin_max + cos_theta * cos_gamma);
     const double sin_alpha = std::sqrt(1 - cos_alpha * cos_alpha), phi = 2 * M_PI * u.y;
@@ -95,14 +97,14 @@ inline std::optional<SphereLightSample> sample_sphere_light(Vec3 center, float r
 
 // Microfacets (GGX, isotropic; Walter et al. 2007). alpha is in [1e-3, 1].
 
-/// Density of the microfacet normal h (local frame): its integral of D·cos over the hemisphere is 1.
-/// By tangent and not by cosine, so that alpha = 1e-3 keeps its digits.
+/// Density of the microfacet normal h (local frame); D·cos integrates to 1 over the hemisphere. Computed
+/// from the tangent rather than the cosine, which stays accurate down to alpha = 1e-3.
 inline float ggx_d(Vec3 h, float alpha) {
     if (!(h.z > 0)) return 0;
     const float a2 = alpha * alpha, t = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
     return 1 / (kPi * a2 * t * t);
 }
-/// Share of the microfacets seen from a direction at cosine cos_w; 0 from below.
+/// Fraction of the microfacets visible from a direction with cosine cos_w; 0 from below.
 inline float smith_g1(float cos_w, float alpha) {
     if (!(cos_w > 0)) return 0;
     const float c2 = cos_w * cos_w, tan2 = std::max(0.f, 1 - c2) / c2;
@@ -127,13 +129,13 @@ inline float pdf_ggx_vndf(Vec3 wo, Vec3 h, float alpha) {
     return wo.z > 0 ? smith_g1(wo.z, alpha) * ggx_d(h, alpha) * std::max(0.f, dot(wo, h)) / wo.z : 0.f;
 }
 
-/// Schlick's approximation of Fresnel reflectance from that at normal incidence.
+/// Schlick's approximation of the Fresnel reflectance, from the reflectance at normal incidence.
 inline Rgb schlick(Rgb f0, float cos) {
     const float m = std::clamp(1 - cos, 0.f, 1.f), m5 = m * m * m * m * m;
     return f0 + (Rgb{1, 1, 1} - f0) * m5;
 }
-/// Unpolarised reflectance of a smooth dielectric; 1 at total reflection. cos_i > 0: from outside, < 0: from
-/// inside. eta = interior over exterior index of refraction.
+/// Unpolarised reflectance of a smooth dielectric; 1 at total internal reflection. cos_i > 0 is outside,
+/// cos_i < 0 is inside. eta = interior index of refraction over exterior index.
 inline float fresnel_dielectric(float cos_i, float eta) {
     const float n = cos_i >= 0 ? eta : 1 / eta, c = std::min(1.f, std::fabs(cos_i));
     const float sin2_t = (1 - c * c) / (n * n);
@@ -142,8 +144,8 @@ inline float fresnel_dielectric(float cos_i, float eta) {
     const float s = (c - n * t) / (c + n * t), p = (n * c - t) / (n * c + t);
     return 0.5f * (s * s + p * p);
 }
-/// Direction through the surface for `wo` on the side of `n`. eta_ratio = index on wo's side over the index
-/// beyond: 1/eta from outside, eta from inside. Empty: total reflection.
+/// Refracted direction for `wo` on the side of `n`. eta_ratio = index on wo's side over the index on the
+/// other side: 1/eta from outside, eta from inside. Empty at total internal reflection.
 inline std::optional<Vec3> refract(Vec3 wo, Vec3 n, float eta_ratio) {
     const float cos_i = dot(wo, n), sin2_t = eta_ratio * eta_ratio * std::max(0.f, 1 - cos_i * cos_i);
     if (sin2_t >= 1) return std::nullopt;

@@ -1,26 +1,27 @@
 #pragma once
-// Points of the unit square for warps through deep trees: to the last bit of a double, so that even a cell
-// of probability 1e-12 is drawn as often as it should.
+// Points of the unit square for warps through deep trees. They have the full precision of a double, so that
+// even a cell of probability 1e-12 is drawn with the right frequency.
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/rng.h"
 
 namespace viscache {
 
 enum class PointSet {
-    kIndependent,  ///< uniform, every point by itself
-    kZeroTwo,      ///< (0,2)-sequence, Owen-scrambled; the digits past the 32nd are random
+    kIndependent,  ///< independent uniform points
+    kZeroTwo,      ///< Owen-scrambled (0,2)-sequence; digits past the 32nd are random
 };
 
 struct Point2 {
     double x, y;  ///< in [0, 1)
 };
 
-/// The points of one pixel and pass.
+/// The point stream of one pixel and pass.
 class PointStream {
 public:
     PointStream(PointSet set, uint64_t seed, Purpose purpose, uint64_t pixel, uint64_t pass) : set_(set) {
         Rng rng(seed, purpose, pixel, pass);
-        scramble_x_ = rng.next_u32(), scramble_y_ = rng.next_u32();
+        scramble_x_ = rng.next_u32();
+        scramble_y_ = rng.next_u32();
         key_ = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
     }
     Point2 at(uint32_t i) const {

@@ -11,17 +11,19 @@ bool reflects(const ShadingPoint& sp, Vec3 wi) {
            above(sp, sp.wo);
 }
 
-/// What the glossy lobe's Fresnel term leaves to the diffuse part towards an eye at cosine cos_o.
+/// Fraction of the light that the Fresnel term of the glossy lobe leaves to the diffuse part, towards an eye
+/// at cosine cos_o.
 Rgb under_lobe(const ShadingPoint& sp, float cos_o) {
     if (sp.kind != MaterialKind::kGlossy) return sp.base;
     return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
 }
 
-constexpr float kEntry = 1.047f;  // of the diffuse part under a lobe; its mean albedo is 20/21 of this
+constexpr float kEntry =
+    1.047f;  // entry factor of the diffuse part under a lobe; its mean albedo is 20/21 of this
 
-/// ∝ 1 − F(cos_i). The factor 21/20 would make its cosine-weighted mean one; 0.3 % less, because the albedo
-/// of the lobe exceeds F(cos_o) by up to 0.26 % (F0 = 0, roughness 0.15, cos_o = 0.63), keeps the sum below
-/// one.
+/// Proportional to 1 − F(cos_i). A factor of 21/20 would make its cosine-weighted mean one. The factor is
+/// 0.3 % smaller, because the albedo of the lobe exceeds F(cos_o) by up to 0.26 % (F0 = 0, roughness 0.15,
+/// cos_o = 0.63); this keeps the sum of both parts below one.
 float diffuse_entry(const ShadingPoint& sp, float cos_i) {
     if (sp.kind != MaterialKind::kGlossy) return 1;
     return kEntry * (1 - schlick(Rgb{}, cos_i).x);
@@ -43,7 +45,8 @@ struct Reflection {
     float pdf = 0;
 };
 
-/// f and density of one direction; both come from the same numbers, so that their quotient is smooth.
+/// f and density of one direction. Both are computed from the same numbers, so that their quotient is
+/// smooth.
 Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
     if (!reflects(sp, wi)) return {};
     const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo), share = glossy_share(sp);
@@ -53,7 +56,7 @@ Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
         const float d = ggx_d(frame_around(sp.ns).to_local(h), sp.roughness);
         const float shadowed = d / (4 * cos_i * cos_o) * smith_g2(cos_i, cos_o, sp.roughness);
         r.f += schlick(sp.specular, dot(wi, h)) * shadowed;
-        // Density of the visible normal h over dω_i/dω_h = 4 cos(wo, h)
+        // Density of the visible normal h times dω_h/dω_i = 1 / (4 cos(wo, h))
         r.pdf += share * d * smith_g1(cos_o, sp.roughness) / (4 * cos_o);
     }
     return r;

@@ -10,13 +10,14 @@ struct Camera {
     std::string name = "camera";
     Vec3 origin{0, 0, 0};
     Vec3 right{1, 0, 0}, up{0, 1, 0},
-        forward{0, 0, -1};           ///< orthonormal; image x grows along right, y against up
+        forward{0, 0, -1};           ///< orthonormal; image x grows along right, image y against up
     float fov_y_rad = 0.8f;          ///< full vertical angle of view
-    int width = 640, height = 400;   ///< what the file asks for; render's size wins
+    int width = 640, height = 400;   ///< size given by the file; the size passed to render takes precedence
     bool fov_is_horizontal = false;  ///< true: `fov_y_rad` is the angle across the width instead
 };
 
-/// Camera at `origin` looking at `target`. Falls back to another up vector when `up` is parallel to the view.
+/// Camera at `origin` looking at `target`. Uses another up vector when `up` is parallel to the view
+/// direction.
 inline Camera look_at(Vec3 origin, Vec3 target, Vec3 up, float fov_y_rad) {
     Camera c;
     c.origin = origin;

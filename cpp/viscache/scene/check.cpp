@@ -7,8 +7,8 @@ namespace viscache {
 
 namespace {
 
-constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // of instances
-constexpr float kMaxVertex = 1e16f;  // beyond it ray tracing cannot work (visibility/query.h)
+constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // for the transforms of instances
+constexpr float kMaxVertex = 1e16f;  // ray tracing fails for larger coordinates (visibility/query.h)
 
 template <class... Parts>
 [[noreturn]] void fail(const Parts&... parts) {
@@ -109,7 +109,7 @@ void check_description(const SceneDescription& d) {
         const double least = d.instances[i].to_world.least_stretch(),
                      ratio = d.instances[i].to_world.most_stretch() / least;
         if (least == 0) fail("instance ", i, ": to_world must be invertible");
-        // Beyond, single precision can no longer invert it
+        // Single precision can no longer invert a smaller transform
         if (!(least >= kLeastStretch))
             fail("instance ", i, ": to_world must stretch by ", kLeastStretch, " or more, got ", least);
         if (!(ratio <= kMostUneven))

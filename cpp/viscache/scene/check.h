@@ -4,8 +4,8 @@
 
 namespace viscache {
 
-/// Throws SceneError for the first thing that cannot be used: it says which part, what must hold and what was
-/// given.
+/// Throws SceneError for the first unusable part. The message names the part, the requirement and the given
+/// value.
 void check_description(const SceneDescription& d);
 /// The same for a camera.
 void check_camera(const Camera& c);

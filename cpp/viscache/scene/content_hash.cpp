@@ -10,8 +10,10 @@ namespace {
 class Hasher {
 public:
     void word(uint64_t w) {
-        a_ = (a_ ^ w) * 0x9E3779B97F4A7C15ull, a_ ^= a_ >> 29;
-        b_ = (b_ + w) * 0xC2B2AE3D27D4EB4Full, b_ ^= b_ >> 32;
+        a_ = (a_ ^ w) * 0x9E3779B97F4A7C15ull;
+        a_ ^= a_ >> 29;
+        b_ = (b_ + w) * 0xC2B2AE3D27D4EB4Full;
+        b_ ^= b_ >> 32;
     }
     void bytes(const void* data, size_t n) {
         const char* p = static_cast<const char*>(data);
@@ -26,7 +28,8 @@ public:
     }
     template <class T>
     void array(const std::vector<T>& v) {
-        word(v.size()), bytes(v.data(), v.size() * sizeof(T));
+        word(v.size());
+        bytes(v.data(), v.size() * sizeof(T));
     }
     void floats(std::initializer_list<float> v) { bytes(v.begin(), v.size() * sizeof(float)); }
     void vec(Vec3 v) { floats({v.x, v.y, v.z}); }
@@ -45,47 +48,83 @@ private:
 std::string content_hash(const SceneDescription& d) {
     Hasher h;
     for (const Mesh& m : d.meshes) {
-        h.array(m.vertices), h.array(m.triangles), h.array(m.normals), h.array(m.uvs);
+        h.array(m.vertices);
+        h.array(m.triangles);
+        h.array(m.normals);
+        h.array(m.uvs);
         h.word(uint64_t(m.material) << 2 | uint64_t(m.emits_two_sided) << 1 | uint64_t(m.in_world));
         h.vec(m.emission);
     }
     h.word(d.instances.size());
-    for (const Instance& i : d.instances)
-        h.array(i.meshes), h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
+    for (const Instance& i : d.instances) {
+        h.array(i.meshes);
+        h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
+    }
     for (const Material& m : d.materials) {
         h.word(uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
-        h.vec(m.base_color), h.vec(m.specular);
+        h.vec(m.base_color);
+        h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
     }
-    for (const Image& i : d.images) h.word(uint64_t(i.width) << 32 | uint64_t(i.channels)), h.array(i.pixels);
-    for (const PointLight& l : d.point_lights) h.word(1), h.vec(l.position), h.vec(l.intensity);
-    for (const DirectionalLight& l : d.directional_lights) h.word(2), h.vec(l.direction), h.vec(l.irradiance);
-    for (const SphereLight& l : d.sphere_lights)
-        h.word(3), h.vec(l.center), h.floats({l.radius}), h.vec(l.radiance);
+    for (const Image& i : d.images) {
+        h.word(uint64_t(i.width) << 32 | uint64_t(i.channels));
+        h.array(i.pixels);
+    }
+    for (const PointLight& l : d.point_lights) {
+        h.word(1);
+        h.vec(l.position);
+        h.vec(l.intensity);
+    }
+    for (const DirectionalLight& l : d.directional_lights) {
+        h.word(2);
+        h.vec(l.direction);
+        h.vec(l.irradiance);
+    }
+    for (const SphereLight& l : d.sphere_lights) {
+        h.word(3);
+        h.vec(l.center);
+        h.floats({l.radius});
+        h.vec(l.radiance);
+    }
     if (d.environment) {
-        h.word(4), h.vec(d.environment->scale), h.word(uint64_t(d.environment->image + 1));
+        h.word(4);
+        h.vec(d.environment->scale);
+        h.word(uint64_t(d.environment->image + 1));
         h.bytes(d.environment->to_world.m.data(), sizeof d.environment->to_world.m);
     }
-    for (const Camera& c : d.cameras)
-        h.vec(c.origin), h.vec(c.right), h.vec(c.up), h.vec(c.forward),
-            h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
+    for (const Camera& c : d.cameras) {
+        h.vec(c.origin);
+        h.vec(c.right);
+        h.vec(c.up);
+        h.vec(c.forward);
+        h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
+    }
     return h.hex();
 }
 
 std::string geometry_hash(const SceneDescription& d) {
     Hasher h;
     for (const Mesh& m : d.meshes) {
-        h.array(m.vertices), h.array(m.triangles), h.word(m.in_world);
+        h.array(m.vertices);
+        h.array(m.triangles);
+        h.word(m.in_world);
         const Material& material = d.materials[size_t(m.material)];
         if (material.alpha_texture < 0) continue;
         const Image& alpha = d.images[size_t(material.alpha_texture)];
-        h.floats({material.alpha_cutoff}), h.array(m.uvs);
-        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.channels)), h.array(alpha.pixels);
+        h.floats({material.alpha_cutoff});
+        h.array(m.uvs);
+        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.channels));
+        h.array(alpha.pixels);
     }
     h.word(d.instances.size());
-    for (const Instance& i : d.instances)
-        h.array(i.meshes), h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
-    for (const SphereLight& l : d.sphere_lights) h.vec(l.center), h.floats({l.radius});
+    for (const Instance& i : d.instances) {
+        h.array(i.meshes);
+        h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
+    }
+    for (const SphereLight& l : d.sphere_lights) {
+        h.vec(l.center);
+        h.floats({l.radius});
+    }
     return h.hex();
 }
 

@@ -1,15 +1,15 @@
 #pragma once
-// Hashes of everything that decides how a scene looks, or what hides what: caches and sweep stores are keyed
-// by them.
+// Hashes of everything that affects the appearance or the occlusion of a scene. They are the keys of caches
+// and sweep stores.
 #include <string>
 
 #include "viscache/scene/description.h"
 
 namespace viscache {
 
-/// 32 hexadecimal digits; equal for equal content, names and file paths not counted.
+/// 32 hexadecimal digits. Equal content gives equal digits; names and file paths do not count.
 std::string content_hash(const SceneDescription& d);
-/// The same of what decides who sees whom alone: shapes, where they are, and holes cut by alpha.
+/// The same for visibility alone: shapes, their placement, and alpha cut-outs.
 std::string geometry_hash(const SceneDescription& d);
 
 }  // namespace viscache

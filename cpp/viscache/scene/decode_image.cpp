@@ -33,7 +33,7 @@ bool is_alpha(int channel, int channels) {
     return (channels == 2 || channels == 4) && channel == channels - 1;
 }
 
-/// 8-bit values to float through a table.
+/// Converts 8-bit values to float with a lookup table.
 void decode_bytes(Image& image, const stbi_uc* data, bool srgb) {
     std::array<float, 256> plain, linear;
     for (int i = 0; i < 256; ++i) {
@@ -52,7 +52,8 @@ Image decode_image(std::string_view bytes, const std::string& where, bool srgb) 
     if (bytes.size() > 0x7fffffff) fail(where, "the image file is larger than 2 GiB");
     const int size = int(bytes.size());
     Image image;
-    image.where = where, image.srgb = srgb;
+    image.where = where;
+    image.srgb = srgb;
     if (!stbi_info_from_memory(data, size, &image.width, &image.height, &image.channels))
         fail(where, std::string("the image cannot be read (PNG, JPEG, HDR, TGA or BMP is expected): ") +
                         stbi_failure_reason());
@@ -63,13 +64,17 @@ Image decode_image(std::string_view bytes, const std::string& where, bool srgb) 
     if (stbi_is_hdr_from_memory(data, size)) {
         std::unique_ptr<float, StbFree> loaded(stbi_loadf_from_memory(data, size, &w, &h, &c, 0));
         if (!loaded) fail(where, std::string("the image is broken: ") + stbi_failure_reason());
-        image.width = w, image.height = h, image.channels = c;
+        image.width = w;
+        image.height = h;
+        image.channels = c;
         image.pixels.assign(loaded.get(), loaded.get() + size_t(w) * size_t(h) * size_t(c));
         return image;
     }
     std::unique_ptr<stbi_uc, StbFree> loaded(stbi_load_from_memory(data, size, &w, &h, &c, 0));
     if (!loaded) fail(where, std::string("the image is broken: ") + stbi_failure_reason());
-    image.width = w, image.height = h, image.channels = c;
+    image.width = w;
+    image.height = h;
+    image.channels = c;
     image.pixels.resize(size_t(w) * size_t(h) * size_t(c));
     decode_bytes(image, loaded.get(), srgb);
     return image;
@@ -77,13 +82,14 @@ Image decode_image(std::string_view bytes, const std::string& where, bool srgb) 
 
 namespace {
 
-/// Decodes image `i` in place; false when the file cannot be used and that is not an error.
+/// Decodes image `i` in place. Returns false if the file is unusable and that is not an error.
 bool decode_pending(Loading& loading, Image& image) {
     try {
         const std::string bytes = read_file(image.path, image.where);
         if (extension_of(image.path) == ".exr") return true;
         Image decoded = decode_image(bytes, image.where + ": " + image.path, image.srgb);
-        decoded.path = image.path, decoded.where = image.where;
+        decoded.path = image.path;
+        decoded.where = image.where;
         image = std::move(decoded);
         return true;
     } catch (const SceneError& error) {
@@ -106,7 +112,7 @@ void decode_images(Loading& loading) {
         kept.push_back(std::move(image));
     }
     scene.images = std::move(kept);
-    // References follow; a dropped base texture leaves mid grey of its factor.
+    // References come next. A material that loses its base texture keeps half of its base colour.
     for (Material& m : scene.materials) {
         if (m.base_texture >= 0 && moved_to[size_t(m.base_texture)] < 0) m.base_color = m.base_color * 0.5f;
         if (m.base_texture >= 0) m.base_texture = moved_to[size_t(m.base_texture)];

@@ -1,5 +1,5 @@
 #pragma once
-// PNG, JPEG, TGA, BMP and Radiance HDR images to linear float pixels.
+// Decodes PNG, JPEG, TGA, BMP and Radiance HDR images to linear float pixels.
 #include <string>
 #include <string_view>
 
@@ -7,14 +7,15 @@
 
 namespace viscache::loading {
 
-/// Decodes a file in memory: 8- and 16-bit colour to linear when `srgb`, alpha as it is; HDR as it is.
+/// Decodes a file in memory. 8- and 16-bit colour is linearised when `srgb` is set; alpha and HDR values
+/// stay unchanged.
 Image decode_image(std::string_view bytes, const std::string& where, bool srgb);
 
-/// Decodes every pending image of the scene but EXR ones. A missing or unreadable file is an error when
-/// strict; otherwise it is named, and the texture (or the environment) is dropped.
+/// Decodes every pending image of the scene except EXR images. When strict, a missing or unreadable file is
+/// an error. Otherwise it is reported as a warning, and the texture (or the environment) is dropped.
 void decode_images(Loading& loading);
 
-/// Mean over the pixels, channel by channel (alpha included, 1 without).
+/// Mean over the pixels for each channel; alpha is 1 if the image has none.
 struct ImageMean {
     Rgb color;
     float alpha = 1;

@@ -1,5 +1,5 @@
 #pragma once
-// What a loader or a program says about a scene, before it is frozen into the immutable `Scene`.
+// The mutable description of a scene, as loaders and programs fill it before it is frozen into a `Scene`.
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace viscache {
 
-/// A scene file or array that cannot be used; says the file, the place and what was found.
+/// A scene file or array that cannot be used. The message names the file, the place and what was found.
 class SceneError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -20,15 +20,15 @@ struct Mesh {
     std::string name;
     std::vector<Vec3> vertices;
     std::vector<Vec3u> triangles;
-    std::vector<Vec3> normals;  ///< shading normals per vertex; empty = the geometric normal
-    std::vector<Vec2> uvs;      ///< per vertex; empty = (0, 0). v grows upwards: row 0 of an image is v = 1
+    std::vector<Vec3> normals;  ///< shading normals per vertex; empty: the geometric normal
+    std::vector<Vec2> uvs;      ///< per vertex; empty: (0, 0). v grows upwards: row 0 of an image is v = 1
     int material = 0;
-    Rgb emission{};  ///< radiance of an area light; zero = none
+    Rgb emission{};  ///< radiance of an area light; zero: not a light
     bool emits_two_sided = false;
-    bool in_world = true;  ///< false: only seen through instances
+    bool in_world = true;  ///< false: visible only through instances
 };
 
-/// Meshes placed together by one transform. Single level: a group holds no instances.
+/// A group of meshes placed by one transform. Instancing has one level: a group holds no instances.
 struct Instance {
     std::vector<int> meshes;
     Affine to_world;
@@ -44,8 +44,8 @@ struct DirectionalLight {
     Rgb irradiance;  ///< W/m² on a surface that faces it
 };
 
-/// A sphere that emits: sampled analytically, traced tessellated (the tessellation is not counted as
-/// triangles).
+/// A sphere that emits light. It is sampled analytically and traced as a tessellation, whose triangles are
+/// not counted.
 struct SphereLight {
     Vec3 center;
     float radius = 1;
@@ -53,23 +53,24 @@ struct SphereLight {
 };
 
 struct Image {
-    std::string path;                         ///< file the scene asks for; empty for images given as arrays
-    std::string where;                        ///< "file:line" that asks for it
+    std::string path;                         ///< file that the scene names; empty for images given as arrays
+    std::string where;                        ///< "file:line" that names the file
     bool srgb = true;                         ///< 8-bit values are sRGB-encoded colour (false: linear data)
     int width = 0, height = 0, channels = 0;  ///< 0 until decoded
     std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
 };
 
 struct Environment {
-    Rgb scale{1, 1, 1};  ///< constant radiance, or factor on the image
-    int image = -1;      ///< lat-long image; -1 = constant
-    Affine to_world;  ///< rotation from the map's frame. There, direction d is at u = atan2(d.x, -d.z)/2π mod
-                      ///< 1 (column, left to right) and v = acos(d.y)/π (row, top to bottom), as in Mitsuba 3
+    Rgb scale{1, 1, 1};  ///< constant radiance, or a factor on the image
+    int image = -1;      ///< lat-long image; -1: constant radiance
+    Affine to_world;  ///< rotation from the map's frame to the world. In the map's frame, direction d is at u
+                      ///< = atan2(d.x, -d.z)/2π mod 1 (column, left to right) and v = acos(d.y)/π (row, top
+                      ///< to bottom), as in Mitsuba 3
 };
 
 struct Warning {
     std::string where;  ///< "file:line"
-    std::string text;   ///< what is not modelled, and what was done instead
+    std::string text;   ///< what is not modelled, and what replaces it
 };
 
 struct SceneDescription {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPowerTolerance = 0.02;
 constexpr int kMaxResolution = 4096;
-constexpr int kMaxAutomatic = 2048;  // 200 MB of texels and tables at most, unless asked for
+constexpr int kMaxAutomatic = 2048;  // at most 200 MB of texels and tables, unless a larger map is requested
 
 template <class... Parts>
 [[noreturn]] void fail(const Image& image, const Parts&... parts) {
@@ -44,7 +44,7 @@ void check(const Image& image, Rgb scale, const Affine& to_world, int resolution
         (resolution < 2 || resolution > kMaxResolution || !std::has_single_bit(unsigned(resolution))))
         fail(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
              resolution);
-    // A rotation, perhaps with a uniform scale: columns of one length at right angles
+    // A rotation, possibly with a uniform scale: orthogonal columns of equal length
     const auto& m = to_world.m;
     double gram[3][3], size = 0;
     for (int i = 0; i < 3; ++i)
@@ -57,7 +57,7 @@ void check(const Image& image, Rgb scale, const Affine& to_world, int resolution
                      i, ", ", j, ")");
 }
 
-/// From the world to the map's frame: the transpose inverts a rotation; its scale does not matter.
+/// From the world to the map's frame. The transpose inverts a rotation; its scale does not matter.
 Vec3 to_map(const Affine& to_world, Vec3 w) {
     const auto& m = to_world.m;
     return normalize({float(m[0][0] * w.x + m[1][0] * w.y + m[2][0] * w.z),
@@ -65,8 +65,8 @@ Vec3 to_map(const Affine& to_world, Vec3 w) {
                       float(m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z)});
 }
 
-/// Pixel of the lat-long image seen in direction d; bilinear when `smooth`. Columns wrap, rows end at the
-/// poles.
+/// Pixel of the lat-long image in direction d; bilinear when `smooth`. Columns wrap around; rows are clamped
+/// at the poles.
 Rgb lookup(const Image& image, Vec3 d, bool smooth) {
     float u = std::atan2(d.x, -d.z) * (0.5f / kPi);
     u -= std::floor(u);
@@ -83,7 +83,7 @@ Rgb lookup(const Image& image, Vec3 d, bool smooth) {
            (pixel(image, down, left) * (1 - fx) + pixel(image, down, right) * fx) * fy;
 }
 
-/// n × n texels, each the mean of sub × sub look-ups.
+/// n × n texels, each the mean of sub × sub lookups.
 std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world, int n, int sub, bool smooth,
                           int threads) {
     std::vector<Rgb> texels(size_t(n) * n);
@@ -102,7 +102,7 @@ std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world,
     return texels;
 }
 
-/// Integral of the image's luminance over the sphere: rows weighted by their exact solid angle.
+/// Integral of the image's luminance over the sphere, with rows weighted by their exact solid angle.
 double source_power(const Image& image, Rgb scale) {
     double power = 0;
     for (int y = 0; y < image.height; ++y) {
@@ -133,12 +133,12 @@ EnvironmentMap EnvironmentMap::from_latlong(const Image& image, Rgb scale, const
                                             int resolution, int threads) {
     check(image, scale, to_world, resolution);
     EnvironmentMap map;
-    // 4π/N² <= the solid angle of a pixel at the equator
+    // Texels no larger than a pixel at the equator: 4π/N² <= its solid angle
     const double same = std::sqrt(2.0 * image.width * image.height / M_PI);
     map.resolution_ =
         resolution ? resolution : int(std::bit_ceil(unsigned(std::clamp<double>(same, 2, kMaxAutomatic))));
-    // At least two look-ups per pixel's edge; where smoothing moves the power (light in a pole's row),
-    // nearest ones
+    // At least two lookups per pixel edge. Where bilinear filtering changes the power (light in a row at a
+    // pole), use the nearest pixel
     const int sub = std::clamp(int(std::ceil(2 * same / map.resolution_)), 2, 64);
     const double wanted = source_power(image, scale);
     for (const bool smooth : {true, false}) {
@@ -175,7 +175,7 @@ size_t EnvironmentMap::texel(Vec3 wi) const {
     return size_t(y) * n + x;
 }
 
-/// Samples are drawn in proportion to luminance: their density follows from the texel alone.
+/// Directions are sampled in proportion to luminance, so their density follows from the texel alone.
 float EnvironmentMap::density(const Rgb& radiance) const {
     return texels_.empty() ? 1 / (4 * kPi) : float(luminance_in_double(radiance) / total_power_);
 }
@@ -201,8 +201,8 @@ void EnvironmentMap::sample(std::span<const Vec2> u, std::span<Sample> samples) 
         }
         return;
     }
-    // Stay clear of the texel's edges by more than a direction's rounding, so that `eval(wi)` finds this
-    // texel
+    // Stay farther from the texel's edges than the rounding error of a direction, so that `eval(wi)` finds
+    // this texel
     const float n = float(resolution_), margin = n * 0x1p-21f;
     const auto place = [&](size_t index, float jitter) {
         return (float(index) + std::clamp(jitter, margin, 1 - margin)) / n;

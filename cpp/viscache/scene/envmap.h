@@ -1,5 +1,6 @@
 #pragma once
-// Environment light on the equal-area octahedral map: N × N texels of equal solid angle, constant inside.
+// Environment light on the equal-area octahedral map: N × N texels of equal solid angle, each of constant
+// radiance.
 #include <span>
 #include <vector>
 
@@ -16,20 +17,21 @@ public:
         Rgb radiance;
         float pdf;  ///< per solid angle, > 0
     };
-    /// Throws SceneError for radiance that is negative or not finite.
+    /// Throws SceneError if the radiance is negative or not finite.
     static EnvironmentMap constant(Rgb radiance);
-    /// Resamples a lat-long image (convention in description.h), scaled to the power of its pixels.
-    /// `resolution` is a power of two in [2, 4096]; 0 = texels no larger than the source's at its equator.
-    /// The same map for any number of threads. Throws SceneError for an image without pixels, negative or
-    /// non-finite colours, a `to_world` that is no rotation, or when resampling alone changes the power by
-    /// more than 2 %.
+    /// Resamples a lat-long image (convention in description.h) and scales the result to the power of the
+    /// image. `resolution` is a power of two in [2, 4096]; 0 chooses texels no larger than the image's
+    /// pixels at the equator. The map is the same for any number of threads. Throws SceneError for an image
+    /// without pixels, for negative or non-finite colours, for a `to_world` that is not a rotation, or when
+    /// resampling changes the power by more than 2 %.
     static EnvironmentMap from_latlong(const Image& image, Rgb scale, const Affine& to_world,
                                        int resolution = 0, int threads = 0);
 
-    /// Radiance from the unit direction wi: its texel's value, with which `sample` and `pdf` agree.
+    /// Radiance from the unit direction wi: the value of its texel, consistent with `sample` and `pdf`.
     Rgb eval(Vec3 wi) const { return is_constant() ? pixels_[0] : pixels_[texel(wi)]; }
-    /// Directions by luminance, one for each point of [0, 1)²; uniform over the sphere for constant and black
-    /// maps. Many at once, because the tables of a large map lie outside the caches.
+    /// Samples directions in proportion to luminance, one for each point of [0, 1)²; uniformly over the
+    /// sphere for constant and black maps. Takes many points at once, because the tables of a large map
+    /// exceed the CPU caches.
     void sample(std::span<const Vec2> u, std::span<Sample> samples) const;
     Sample sample(Vec2 u) const {
         Sample s;
@@ -38,15 +40,16 @@ public:
     }
     /// Density of `sample` per solid angle.
     float pdf(Vec3 wi) const { return density(eval(wi)); }
-    /// Radiance from unit directions and the density of `sample` there. Many at once, as for `sample`.
+    /// Radiance from unit directions, and the density of `sample` there. Takes many directions at once, like
+    /// `sample`.
     void look_up(std::span<const Vec3> wi, std::span<Sample> found) const;
     /// Integral of luminance over the sphere.
     double total_power() const { return total_power_; }
-    /// Resampled over source power before the correction: how well the resampling kept the light.
+    /// Power of the resampled map before the correction, divided by the power of the image.
     double power_ratio() const { return power_ratio_; }
     bool is_constant() const { return resolution_ == 1; }
     int resolution() const { return resolution_; }
-    /// Row-major over the octahedral square, row = second coordinate.
+    /// Row-major over the octahedral square; the row is the second coordinate.
     const std::vector<Rgb>& pixels() const { return pixels_; }
 
 private:
@@ -58,7 +61,7 @@ private:
     int resolution_ = 1;
     std::vector<Rgb> pixels_;
     float density(const Rgb& radiance) const;
-    Distribution2D texels_;  ///< empty: sampled uniformly
+    Distribution2D texels_;  ///< empty: uniform sampling
     double total_power_ = 0, power_ratio_ = 1;
 };
 

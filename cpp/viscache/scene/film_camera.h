@@ -1,5 +1,5 @@
 #pragma once
-// Primary rays of a pinhole camera at an image size.
+// Primary rays of a pinhole camera for a given image size.
 #include <optional>
 
 #include "viscache/scene/camera.h"
@@ -9,7 +9,7 @@ namespace viscache {
 struct FilmCamera {
     Camera camera;
     int width, height;
-    float half_width, half_height;  ///< of the image plane at distance 1
+    float half_width, half_height;  ///< half extents of the image plane at distance 1
 
     FilmCamera(const Camera& c, int w, int h) : camera(c), width(w), height(h) {
         const float t = std::tan(0.5f * c.fov_y_rad);
@@ -21,7 +21,8 @@ struct FilmCamera {
         return camera.forward + camera.right * ((2 * x / width - 1) * half_width) +
                camera.up * ((1 - 2 * y / height) * half_height);
     }
-    /// Row-major number of the pixel that looks along `d`; empty beside the film or behind the camera.
+    /// Row-major index of the pixel that looks along `d`. Empty if `d` misses the film or points behind the
+    /// camera.
     std::optional<uint32_t> pixel_of(Vec3 d) const {
         const float depth = dot(d, camera.forward);
         if (!(depth > 0)) return std::nullopt;

@@ -1,4 +1,4 @@
-// glTF 2.0: metallic-roughness materials and their images to the nearest material.
+// glTF 2.0: converts metallic-roughness materials and their images to the nearest material.
 #include "viscache/scene/gltf_reader.h"
 
 #include "viscache/scene/decode_image.h"
@@ -14,16 +14,18 @@ int hex_digit(char c) {
     return -1;
 }
 
-/// "%20" to " ".
+/// Decodes URL escapes such as "%20".
 std::string url_decoded(const std::string& uri) {
     std::string out;
     for (size_t i = 0; i < uri.size(); ++i) {
         const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
         const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
-        if (low >= 0)
-            out += char(high * 16 + low), i += 2;
-        else
+        if (low >= 0) {
+            out += char(high * 16 + low);
+            i += 2;
+        } else {
             out += uri[i];
+        }
     }
     return out;
 }
@@ -66,7 +68,8 @@ std::string GltfReader::image_bytes(int source, const std::string& where) const 
             data.begin() + std::ptrdiff_t(view.byteOffset + view.byteLength)};
 }
 
-/// A decoded copy, for means and channels; nothing when it cannot be read and that is not an error.
+/// A decoded copy, for means and single channels. Empty if the image cannot be read and that is not an
+/// error.
 std::optional<viscache::Image> GltfReader::decoded(int texture, bool srgb, const std::string& where) {
     const int source = image_source(texture, where);
     if (source < 0) return {};
@@ -125,7 +128,8 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
     viscache::Material m;
     m.two_sided = in.doubleSided;
     if (extension_number(in, "KHR_materials_transmission", "transmissionFactor", 0) > 0.5) {
-        m.kind = MaterialKind::kDielectric, m.two_sided = true;
+        m.kind = MaterialKind::kDielectric;
+        m.two_sided = true;
         m.eta = float(extension_number(in, "KHR_materials_ior", "ior", 1.5));
         if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
         return m;
@@ -135,7 +139,8 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
         loading_.warn(where, "a metallic-roughness image is not modelled; its means are used");
         if (const auto image = decoded(pbr.metallicRoughnessTexture.index, false, where)) {
             const Rgb mean = mean_of(*image).color;
-            roughness *= mean.y, metallic *= mean.z;
+            roughness *= mean.y;
+            metallic *= mean.z;
         }
     }
     metallic = std::clamp(metallic, 0.0, 1.0);
@@ -143,7 +148,7 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
     Rgb metal = base;
     if (pbr.baseColorTexture.index >= 0) {
         m.base_texture = add_texture(pbr.baseColorTexture.index, where);
-        // A metal's colour is one colour here.
+        // A texture on a metal is replaced by its mean colour.
         if (metallic > 0)
             if (const auto image = decoded(pbr.baseColorTexture.index, true, where))
                 metal = base * mean_of(*image).color;

@@ -1,4 +1,4 @@
-// glTF 2.0: accessors and primitives to meshes.
+// glTF 2.0: converts accessors and primitives to meshes.
 #include "viscache/scene/gltf_reader.h"
 
 #include <cstring>
@@ -53,7 +53,7 @@ GltfReader::Elements GltfReader::elements(int index, const std::string& where) c
         a.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE)
         fail(place, "unknown component type " + std::to_string(a.componentType));
 
-    // Everything must lie inside of the view, and the view inside of its buffer.
+    // All elements must lie inside the view, and the view inside its buffer.
     const size_t element = size_t(n) * size_t(size), stride = view.byteStride ? view.byteStride : element;
     const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
     const bool fits = view_fits && stride >= element && a.count > 0 && a.byteOffset <= view.byteLength &&
@@ -135,7 +135,9 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
     tinygltf::Primitive known = p;
     known.mode = mode;
     add_triangles(mesh, known, where);
-    mesh.material = seen.material, mesh.emission = seen.emission, mesh.emits_two_sided = seen.two_sided;
+    mesh.material = seen.material;
+    mesh.emission = seen.emission;
+    mesh.emits_two_sided = seen.two_sided;
     check_mesh(mesh, where);
     return mesh;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// glTF 2.0 and GLB scenes over tinygltf. Internal to the loader.
+// Reads glTF 2.0 and GLB scenes with tinygltf. Internal to the loader.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
@@ -14,14 +14,14 @@ public:
     void read_scene();
 
 private:
-    /// What a glTF material gives to the meshes that use it.
+    /// What a glTF material contributes to the meshes that use it.
     struct Look {
         int material = -1;
         Rgb emission{};
         bool two_sided = false;
-        int texcoord = 0;  ///< set of texture coordinates
+        int texcoord = 0;  ///< index of the texture coordinate set
     };
-    /// Elements of an accessor, bounds checked.
+    /// Elements of an accessor, with bounds checks.
     struct Elements {
         const unsigned char* data = nullptr;
         size_t count = 0, stride = 0;
@@ -71,7 +71,7 @@ private:
     std::vector<char> visited_;
     std::vector<Placed> placed_;
     std::map<int, Look> looks_;
-    std::map<int, int> embedded_;  ///< scene image of an embedded glTF image
+    std::map<int, int> embedded_;  ///< scene image of each embedded glTF image
 };
 
 }  // namespace viscache::loading

@@ -1,5 +1,5 @@
 #pragma once
-// The lights of a frozen scene, as samplers use them.
+// The lights of a frozen scene, in the form that samplers use.
 #include <vector>
 
 #include "viscache/sampling/distribution.h"

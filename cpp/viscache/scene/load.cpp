@@ -54,8 +54,10 @@ void make_printable(SceneDescription& s) {
     for (Mesh& mesh : s.meshes) mesh.name = loading::printable(std::move(mesh.name));
     for (Camera& camera : s.cameras) camera.name = loading::printable(std::move(camera.name));
     for (Image& image : s.images) image.where = loading::printable(std::move(image.where));
-    for (Warning& w : s.warnings)
-        w.where = loading::printable(std::move(w.where)), w.text = loading::printable(std::move(w.text));
+    for (Warning& w : s.warnings) {
+        w.where = loading::printable(std::move(w.where));
+        w.text = loading::printable(std::move(w.text));
+    }
 }
 
 }  // namespace
@@ -75,7 +77,8 @@ SceneDescription load_scene_file(const std::string& path, bool strict) {
     } catch (const SceneError&) {
         throw;
     } catch (const std::exception& error) {
-        // What a library or a container refuses: a size or an index of the file that nothing above has met.
+        // A library or a container rejected a size or an index of the file that the checks above did not
+        // catch.
         loading::fail(path, std::string("the file is broken (") + error.what() + ")");
     }
     return scene;
@@ -99,7 +102,8 @@ Bounds placed_bounds(const SceneDescription& scene) {
             for (Vec3 p : scene.meshes.at(size_t(i)).vertices) box.add(instance.to_world.point(p));
     for (const SphereLight& light : scene.sphere_lights) {
         const Vec3 r{light.radius, light.radius, light.radius};
-        box.add(light.center - r), box.add(light.center + r);
+        box.add(light.center - r);
+        box.add(light.center + r);
     }
     return box;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Scene files: OBJ, PLY, glTF 2.0 / GLB, Mitsuba XML and pbrt-v3 text, each to a SceneDescription.
+// Loads scene files (OBJ, PLY, glTF 2.0 / GLB, Mitsuba XML, pbrt-v3 text) into a SceneDescription.
 #include <cstdint>
 #include <string>
 
@@ -8,16 +8,16 @@
 
 namespace viscache {
 
-/// Reads the scene in `path`; the extension chooses the format (.obj .ply .gltf .glb .xml .pbrt .serialized).
-/// PNG, JPEG, TGA, BMP and HDR images are decoded; EXR entries stay pending (width 0).
-/// What the file asks for that is not modelled is named in `warnings`; with `strict` it is a SceneError.
-/// Throws SceneError (file, place, what was found) for anything that cannot be used.
+/// Reads the scene file `path`. The extension selects the format (.obj .ply .gltf .glb .xml .pbrt
+/// .serialized). PNG, JPEG, TGA, BMP and HDR images are decoded; EXR images stay pending (width 0). Features
+/// that are not modelled are listed in `warnings`; with `strict` they throw SceneError. Throws SceneError
+/// (file, place, what was found) for unusable content.
 SceneDescription load_scene_file(const std::string& path, bool strict = false);
 
-/// Triangles as placed in the world: instances count once for each placement.
+/// Number of triangles placed in the world; a mesh counts once for each instance.
 uint64_t count_placed_triangles(const SceneDescription& scene);
 
-/// Box around the placed meshes and the sphere lights.
+/// Bounding box of the placed meshes and the sphere lights.
 Bounds placed_bounds(const SceneDescription& scene);
 
 }  // namespace viscache

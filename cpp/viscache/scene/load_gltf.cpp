@@ -1,4 +1,4 @@
-// glTF 2.0: the file, its nodes, cameras, lights, and where the meshes stand.
+// glTF 2.0: the file, its nodes, cameras and lights, and the placement of meshes.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_EXTERNAL_IMAGE
 #define TINYGLTF_NO_INCLUDE_JSON
@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxJsonDepth = 256;
 constexpr float kDefaultHeight = 480;
 
-/// tinygltf walks nested values recursively: refuse files that would exhaust the stack.
+/// tinygltf recurses into nested values; this refuses files that would exhaust the stack.
 void check_depth(std::string_view json, const std::string& path) {
     int depth = 0;
     bool in_string = false;
@@ -52,7 +52,7 @@ tinygltf::FsCallbacks file_callbacks() {
     return fs;
 }
 
-/// Keeps the bytes of data URIs; images in buffers are read later, with checked bounds.
+/// Keeps the bytes of data URIs. Images in buffers are read later, with bounds checks.
 bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                 int size, void*) {
     if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
@@ -196,7 +196,7 @@ void GltfReader::visit(int index, const Affine& parent, int depth) {
 void GltfReader::bake(std::vector<viscache::Mesh> meshes, const Affine& t, const std::string& where) {
     for (viscache::Mesh& mesh : meshes) {
         transform_mesh(mesh, t);
-        // Mirrored nodes reverse the winding, says the specification.
+        // glTF: a mirrored node reverses the winding.
         if (t.determinant() < 0) flip_winding(mesh);
         loading_.add_mesh(std::move(mesh), where);
     }
@@ -230,7 +230,7 @@ void GltfReader::read_scene() {
     check_extensions();
     visited_.assign(model_.nodes.size(), 0);
     if (model_.scenes.empty()) {
-        // Without scenes, every node that is nobody's child is a root.
+        // A file without scenes: every node without a parent is a root.
         std::vector<char> is_child(model_.nodes.size(), 0);
         for (const tinygltf::Node& node : model_.nodes)
             for (int child : node.children)

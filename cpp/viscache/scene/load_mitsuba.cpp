@@ -44,7 +44,7 @@ std::string MitsubaReader::path_of(Node owner) const {
 }
 
 void MitsubaReader::register_ids(Node root) {
-    // In document order without recursion: files may nest as deeply as they like.
+    // Document order without recursion: files may nest to any depth.
     Node node = root;
     for (int depth = 0;;) {
         if (node.attribute("id") && std::string_view(node.name()) != "ref")
@@ -54,7 +54,10 @@ void MitsubaReader::register_ids(Node root) {
             if (++depth > kMaxDepth) fail_at(node, "elements are nested more than 64 deep");
             continue;
         }
-        while (node != root && !node.next_sibling()) node = node.parent(), --depth;
+        while (node != root && !node.next_sibling()) {
+            node = node.parent();
+            --depth;
+        }
         if (node == root) return;
         node = node.next_sibling();
     }

@@ -1,5 +1,5 @@
-// Wavefront OBJ and MTL, tokenised by tinyobjloader; every line is checked before it goes there, because
-// tinyobjloader reads malformed numbers as 0 and drops faces with a wrong index in silence.
+// Wavefront OBJ and MTL, tokenised by tinyobjloader. Every line is checked first, because tinyobjloader
+// reads malformed numbers as 0 and silently drops faces with a wrong index.
 #include <istream>
 #include <streambuf>
 #include <unordered_map>
@@ -16,7 +16,7 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr size_t kMaxCorners = 1 << 20;  ///< of one face
+constexpr size_t kMaxCorners = 1 << 20;  ///< maximum per face
 
 std::string_view next_word(std::string_view& line) {
     const size_t begin = std::min(line.find_first_not_of(" \t\r\n"), line.size());
@@ -72,7 +72,7 @@ void check_mtl_line(std::string_view line, const std::string& where) {
             check_numbers(line, 1, where);
 }
 
-/// Hands a text out line by line: each line is checked first, and its number is known while it is parsed.
+/// Passes a text on line by line. Each line is checked first, and its number is known while it is parsed.
 class CheckedLines : public std::streambuf {
 public:
     using Check = void (*)(std::string_view, const std::string&);
@@ -104,7 +104,7 @@ private:
 
 Rgb rgb(const tinyobj::real_t* c) { return {c[0], c[1], c[2]}; }
 
-/// Nearest material to an MTL one.
+/// Converts an MTL material to the nearest material.
 Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading& loading) {
     Material m;
     m.base_color = clamp01(rgb(in.diffuse));
@@ -133,7 +133,7 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
     return m;
 }
 
-/// Reads the MTL files that an OBJ names.
+/// Reads the MTL files that an OBJ file names.
 class MtlReader : public tinyobj::MaterialReader {
 public:
     MtlReader(const CheckedLines& lines, const std::string& obj, Loading* loading)
@@ -184,7 +184,7 @@ struct Face {
     int material;
 };
 
-/// What the callbacks of tinyobjloader collect.
+/// Data collected by the callbacks of tinyobjloader.
 struct Collected {
     explicit Collected(const CheckedLines& lines) : lines(lines) {}
 
@@ -194,11 +194,13 @@ struct Collected {
     std::vector<Corner> corners;
     std::vector<Face> faces;
     std::vector<tinyobj::material_t> materials;
-    std::vector<std::pair<size_t, std::string>> unknown;  ///< line and name of materials that no MTL has
+    std::vector<std::pair<size_t, std::string>>
+        unknown;  ///< line and name of each material that no MTL file defines
     int material = -1;
 };
 
-/// 1-based or relative to zero-based; -1 = not given. Ranges are checked when the counts are known.
+/// Converts a 1-based or relative index to a zero-based index; -1: not given. Ranges are checked once the
+/// counts are known.
 int64_t absolute(int index, size_t count, const CheckedLines& lines) {
     if (index > 0) return index - 1;
     if (index == 0) return -1;
@@ -249,7 +251,7 @@ void check_corner(const Corner& c, const Collected& all, const std::string& wher
     check(c.n, all.normals.size(), "normal");
 }
 
-/// A mesh under construction: equal (v, vt, vn) corners become one vertex.
+/// A mesh under construction. Equal (v, vt, vn) corners share one vertex.
 struct Part {
     Mesh mesh;
     std::unordered_map<Corner, uint32_t, CornerHash> known;
@@ -261,7 +263,8 @@ struct Part {
         mesh.vertices.push_back(all.positions[size_t(c.v)]);
         mesh.normals.push_back(c.n >= 0 ? all.normals[size_t(c.n)] : Vec3{});
         mesh.uvs.push_back(c.t >= 0 ? all.uvs[size_t(c.t)] : Vec2{});
-        has_normals = has_normals && c.n >= 0, has_uvs = has_uvs && c.t >= 0;
+        has_normals = has_normals && c.n >= 0;
+        has_uvs = has_uvs && c.t >= 0;
         return found->second;
     }
 };
@@ -273,7 +276,9 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
     std::vector<Vec3u> local;
     for (const Face& face : all.faces) {
         Part& part = parts[split ? face.material : -1];
-        polygon.clear(), ids.clear(), local.clear();
+        polygon.clear();
+        ids.clear();
+        local.clear();
         for (size_t i = face.first; i < face.first + face.count; ++i) {
             check_corner(all.corners[i], all, at_line(path, face.line));
             ids.push_back(part.vertex(all.corners[i], all));
@@ -310,9 +315,10 @@ std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const st
             mesh.material = materials->add_material(
                 known ? convert(all.materials[size_t(id)], mtl.files.at(size_t(id)), *materials)
                       : Material{});
-            if (known)
-                mesh.name = all.materials[size_t(id)].name,
+            if (known) {
+                mesh.name = all.materials[size_t(id)].name;
                 mesh.emission = rgb(all.materials[size_t(id)].emission);
+            }
         }
         check_mesh(mesh, path);
         meshes.push_back(std::move(mesh));

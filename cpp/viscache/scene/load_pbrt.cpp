@@ -6,8 +6,8 @@
 namespace viscache::loading {
 
 std::string PbrtReader::path_named(const std::string& name, const std::string& asked_at) const {
-    // pbrt-v3 looks from the folder of the main file; files that were moved together are found from their
-    // own.
+    // pbrt-v3 resolves names from the folder of the main file. Files that were moved together are found from
+    // their own folder.
     const std::string from_main = resolve(main_path_, name);
     const std::string from_here = resolve(asked_at.substr(0, asked_at.rfind(':')), name);
     std::error_code error;
@@ -36,7 +36,7 @@ Affine PbrtReader::read_matrix(const PbrtToken& token) {
     double v[16];
     for (double& x : v) x = tokens_.expect_number();
     tokens_.expect(PbrtToken::kClose, "']'");
-    // The file lists columns.
+    // The file lists the matrix by columns.
     if (v[3] != 0 || v[7] != 0 || v[11] != 0 || v[15] != 1)
         fail(token.where(), "only affine matrices are read");
     Affine t;
@@ -75,11 +75,14 @@ bool PbrtReader::transform_directive(const PbrtToken& token) {
     if (name == "Identity") {
         now_.ctm = Affine{};
     } else if (name == "Translate") {
-        read(3), multiply(translation(v[0], v[1], v[2]), token);
+        read(3);
+        multiply(translation(v[0], v[1], v[2]), token);
     } else if (name == "Scale") {
-        read(3), multiply(scaling(v[0], v[1], v[2]), token);
+        read(3);
+        multiply(scaling(v[0], v[1], v[2]), token);
     } else if (name == "Rotate") {
-        read(4), multiply(rotation(v[0], v[1], v[2], v[3]), token);
+        read(4);
+        multiply(rotation(v[0], v[1], v[2], v[3]), token);
     } else if (name == "LookAt") {
         multiply(read_look_at(token), token);
     } else if (name == "Transform") {
@@ -99,7 +102,8 @@ bool PbrtReader::transform_directive(const PbrtToken& token) {
         if (which.text != "All")
             loading_.warn(token.where(), "moving transforms are not modelled; all of them apply");
     } else if (name == "TransformTimes") {
-        read(2), loading_.warn(token.where(), "moving transforms are not modelled");
+        read(2);
+        loading_.warn(token.where(), "moving transforms are not modelled");
     } else {
         return false;
     }
@@ -118,7 +122,8 @@ bool PbrtReader::block_directive(const PbrtToken& token) {
     const std::string_view name = token.text;
     if (name == "WorldBegin") {
         if (in_world_) fail(token.where(), "WorldBegin stands twice");
-        in_world_ = true, now_.ctm = Affine{};
+        in_world_ = true;
+        now_.ctm = Affine{};
         coordinate_systems_["world"] = now_.ctm;
     } else if (name == "WorldEnd") {
         if (!in_world_) fail(token.where(), "WorldEnd without WorldBegin");
@@ -173,9 +178,12 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
         film(where);
     } else if (name == "Integrator" || name == "Sampler" || name == "PixelFilter" || name == "Accelerator" ||
                name == "SurfaceIntegrator" || name == "VolumeIntegrator" || name == "Renderer") {
-        name_argument(), PbrtParams::read(tokens_);  // how to render is not the scene's to say
+        name_argument();
+        PbrtParams::read(tokens_);  // rendering settings do not belong to the scene
     } else if (name == "MakeNamedMedium") {
-        name_argument(), PbrtParams::read(tokens_), loading_.warn(where, "media are not modelled; skipped");
+        name_argument();
+        PbrtParams::read(tokens_);
+        loading_.warn(where, "media are not modelled; skipped");
     } else if (name == "MediumInterface") {
         name_argument();
         if (tokens_.peek().kind == PbrtToken::kString) name_argument();

@@ -25,8 +25,8 @@ struct Element {
 struct Header {
     bool ascii = false;
     std::vector<Element> elements;
-    size_t end = 0;    ///< byte where the data starts
-    size_t lines = 0;  ///< lines of the header
+    size_t end = 0;    ///< byte offset of the data
+    size_t lines = 0;  ///< number of header lines
 };
 
 std::optional<Type> type_named(std::string_view s) {
@@ -74,7 +74,8 @@ void read_property(Header& h, const std::vector<std::string>& w, const std::stri
     if (!p.is_list && w.size() != 3) fail(where, "a property must be 'property <type> <name>' or a list");
     const auto type = type_named(w[p.is_list ? 3 : 1]);
     if (!type) fail(where, "unknown property type '" + w[p.is_list ? 3 : 1] + "'");
-    p.type = *type, p.name = w.back();
+    p.type = *type;
+    p.name = w.back();
     if (p.is_list) {
         const auto count_type = type_named(w[2]);
         if (!count_type || *count_type == Type::kFloat || *count_type == Type::kDouble)
@@ -84,7 +85,7 @@ void read_property(Header& h, const std::vector<std::string>& w, const std::stri
     h.elements.back().properties.push_back(p);
 }
 
-/// One header line; true at end_header.
+/// Reads one header line; returns true at end_header.
 bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_format,
                       const std::string& where) {
     if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return false;
@@ -92,7 +93,8 @@ bool read_header_line(Header& h, const std::vector<std::string>& w, bool& has_fo
         if (w.size() != 3 || (w[1] != "ascii" && w[1] != "binary_little_endian"))
             fail(where,
                  "format '" + (w.size() > 1 ? w[1] : "") + "'; ascii and binary_little_endian are read");
-        h.ascii = w[1] == "ascii", has_format = true;
+        h.ascii = w[1] == "ascii";
+        has_format = true;
     } else if (w[0] == "element") {
         const auto count = w.size() == 3 ? parse_integer(w[2]) : std::nullopt;
         if (!count || *count < 0) fail(where, "an element must be 'element <name> <count>'");
@@ -128,7 +130,7 @@ Header read_header(std::string_view text, const std::string& path) {
     }
 }
 
-/// Values one after the other, from text or bytes.
+/// Reads values one after the other, from text or bytes.
 class Values {
 public:
     Values(std::string_view data, const Header& h, const std::string& path)
@@ -158,7 +160,7 @@ public:
         return 0;
     }
 
-    /// Entries of a list: refused when the rest of the file cannot hold them.
+    /// Length of a list. Refused if the rest of the file cannot hold that many entries.
     uint64_t next_count(const Property& p) {
         const double n = next(p.count_type);
         const uint64_t room = left() / (ascii_ ? 1 : size_of(p.type)) + 1;
@@ -195,7 +197,7 @@ private:
     const std::string& path_;
 };
 
-/// The smallest number of bytes that a row of the element can take.
+/// Smallest possible size of a row of the element, in bytes.
 uint64_t least_row_bytes(const Element& e, bool ascii) {
     uint64_t bytes = 0;
     for (const Property& p : e.properties) bytes += ascii ? 2 : size_of(p.is_list ? p.count_type : p.type);
@@ -210,7 +212,7 @@ void check_count(const Element& e, const Values& values, bool ascii, const std::
                        " rows, the file cannot hold them");
 }
 
-/// Where a vertex property goes: 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere.
+/// Slot of a vertex property: 0-2 position, 3-5 normal, 6-7 uv, -1 ignored.
 int slot_of(const std::string& name) {
     const char* const names[8][4] = {{"x", "", "", ""},
                                      {"y", "", "", ""},

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kHasNormals = 0x0001, kHasUvs = 0x0002, kHasColors = 0x0008, kFaceNormals = 0x0010;
 constexpr uint32_t kDoublePrecision = 0x2000;
-constexpr uint64_t kMostDeflateRatio = 1040;  ///< zlib cannot pack better
+constexpr uint64_t kMostDeflateRatio = 1040;  ///< upper bound of zlib's compression ratio
 
 template <class T>
 T get(std::string_view bytes, size_t at) {
@@ -32,7 +32,7 @@ uint16_t check_magic(const std::string& path, std::string_view bytes, size_t at)
     return version;
 }
 
-/// A zlib stream that is read in pieces.
+/// A zlib stream that is decompressed in pieces.
 class Inflate {
 public:
     Inflate(std::string_view packed, const std::string& where) : where_(where), packed_size_(packed.size()) {
@@ -49,10 +49,12 @@ public:
         auto* out = static_cast<Bytef*>(to);
         while (bytes > 0) {
             const auto piece = uInt(std::min<uint64_t>(bytes, 1u << 30));
-            stream_.next_out = out, stream_.avail_out = piece;
+            stream_.next_out = out;
+            stream_.avail_out = piece;
             const int status = inflate(&stream_, Z_SYNC_FLUSH);
             const uInt done = piece - stream_.avail_out;
-            out += done, bytes -= done;
+            out += done;
+            bytes -= done;
             if (bytes > 0 && (status != Z_OK || done == 0))
                 fail(where_,
                      "the packed data is broken or ends early (zlib status " + std::to_string(status) + ")");
@@ -66,7 +68,7 @@ public:
         return v;
     }
 
-    /// `count` triples or pairs of float or double as floats.
+    /// Reads `count` pairs or triples of float or double as floats.
     template <class V>
     std::vector<V> vectors(uint64_t count, bool is_double) {
         constexpr size_t n = sizeof(V) / sizeof(float);
@@ -80,7 +82,7 @@ public:
         return out;
     }
 
-    /// Refuses counts that the packed bytes cannot unpack to.
+    /// Refuses counts larger than the packed bytes can decompress to.
     void check_room(uint64_t count, uint64_t each, const char* what) const {
         const uint64_t most = packed_size_ * kMostDeflateRatio + 1024;
         if (count > most / each)
@@ -94,7 +96,7 @@ private:
     uint64_t packed_size_;
 };
 
-/// Byte where each shape starts.
+/// Byte offset of each shape.
 std::vector<uint64_t> offsets_of(const std::string& path, std::string_view bytes) {
     const uint16_t version = check_magic(path, bytes, 0);
     const uint64_t count = get<uint32_t>(bytes, bytes.size() - 4);
@@ -129,7 +131,7 @@ Mesh read_serialized(const std::string& path, std::string_view bytes, size_t ind
     const uint64_t begin = offsets[index];
     const std::string where = path + ": shape " + std::to_string(index);
     const uint16_t version = check_magic(path, bytes, begin);
-    // A shape ends where the next one in the file starts, whatever the order of the dictionary.
+    // A shape ends where the next one in the file starts; the dictionary may be in any order.
     uint64_t end = offsets.back();
     for (uint64_t other : offsets)
         if (other > begin) end = std::min(end, other);

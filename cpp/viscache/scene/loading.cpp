@@ -12,7 +12,7 @@ void fail(const std::string& where, const std::string& what) {
 
 namespace {
 
-/// Bytes of the UTF-8 character at `i`; 0 when there is none.
+/// Length in bytes of the UTF-8 character at `i`; 0 if there is no valid one.
 size_t character_length(std::string_view text, size_t i) {
     const auto byte = [&](size_t k) { return static_cast<unsigned char>(text[k]); };
     const unsigned char first = byte(i);
@@ -24,7 +24,7 @@ size_t character_length(std::string_view text, size_t i) {
     if (n == 0 || i + n > text.size()) return 0;
     for (size_t k = 1; k < n; ++k)
         if ((byte(i + k) & 0xc0) != 0x80) return 0;
-    // No overlong forms, no surrogates, nothing beyond U+10FFFF.
+    // Reject overlong forms, surrogates and code points beyond U+10FFFF.
     const unsigned char second = byte(i + 1);
     if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) ||
         (first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90))
@@ -119,7 +119,9 @@ int Loading::add_image(const std::string& path, const std::string& where, bool s
     const auto [found, is_new] = images_.try_emplace({path, srgb}, int(scene.images.size()));
     if (is_new) {
         Image image;
-        image.path = path, image.where = where, image.srgb = srgb;
+        image.path = path;
+        image.where = where;
+        image.srgb = srgb;
         scene.images.push_back(std::move(image));
     }
     return found->second;
@@ -134,7 +136,7 @@ int Loading::add_mesh(Mesh mesh, const std::string& where) {
 void Loading::set_environment(const Environment& environment, const std::string& where) {
     if (scene.environment) return warn(where, "a second environment light is skipped; the first one is kept");
     scene.environment = environment;
-    // Directions only: no translation, no scale.
+    // Keep the rotation: remove translation and scale.
     auto& m = scene.environment->to_world.m;
     for (int j = 0; j < 3; ++j) {
         const double l = std::sqrt(m[0][j] * m[0][j] + m[1][j] * m[1][j] + m[2][j] * m[2][j]);
@@ -236,13 +238,17 @@ std::optional<Affine> inverse_of(const Affine& t) {
 
 Affine translation(double x, double y, double z) {
     Affine t;
-    t.m[0][3] = x, t.m[1][3] = y, t.m[2][3] = z;
+    t.m[0][3] = x;
+    t.m[1][3] = y;
+    t.m[2][3] = z;
     return t;
 }
 
 Affine scaling(double x, double y, double z) {
     Affine t;
-    t.m[0][0] = x, t.m[1][1] = y, t.m[2][2] = z;
+    t.m[0][0] = x;
+    t.m[1][1] = y;
+    t.m[2][2] = z;
     return t;
 }
 
@@ -253,7 +259,7 @@ Affine rotation(double degrees, double x, double y, double z) {
     const double a[3] = {x / length, y / length, z / length};
     const double angle = degrees * (3.14159265358979323846 / 180.0);
     const double c = std::cos(angle), s = std::sin(angle);
-    // Rodrigues: c I + s [a]x + (1 - c) a aᵀ.
+    // Rodrigues' formula: c I + s [a]x + (1 - c) a aᵀ.
     const double cross[3][3] = {{0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) t.m[i][j] = (i == j ? c : 0) + s * cross[i][j] + (1 - c) * a[i] * a[j];

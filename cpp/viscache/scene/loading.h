@@ -1,5 +1,5 @@
 #pragma once
-// What the scene loaders share: places in files, limits, checked meshes. Internal to the loaders.
+// Code shared by the scene loaders: file positions, limits, checked meshes. Internal to the loaders.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -14,27 +14,28 @@ namespace viscache::loading {
 
 constexpr uint64_t kMaxFileBytes = uint64_t(8) << 30;
 constexpr float kMaxCoordinate = 1e16f;
-constexpr int kMaxDepth = 64;  ///< of nested elements, includes and nodes
+constexpr int kMaxDepth = 64;  ///< maximum nesting of elements, includes and nodes
 
-/// Throws SceneError "where: what".
+/// Throws SceneError with the message "where: what".
 [[noreturn]] void fail(const std::string& where, const std::string& what);
 
-/// `text` with what is not UTF-8, and control characters, replaced by '?': names in files may hold anything.
+/// `text` with control characters and invalid UTF-8 replaced by '?', because names in files may contain any
+/// bytes.
 std::string printable(std::string text);
 
 /// "file:line".
 std::string at_line(const std::string& file, size_t line);
 
-/// Whole content of a file; a missing, unreadable, empty or huge one is a SceneError.
+/// Content of a file. Throws SceneError if it is missing, unreadable, empty or too large.
 std::string read_file(const std::string& path, const std::string& asked_at = "");
 
-/// `name` as seen from the folder of `base_file`.
+/// Path of `name` relative to the folder of `base_file`.
 std::string resolve(const std::string& base_file, const std::string& name);
 
 std::string lower(std::string_view text);
 std::string extension_of(const std::string& path);  ///< lower case, with the dot
 
-/// The number that `token` spells in full, or nothing. Accepts a leading '+'.
+/// The number that `token` spells; empty unless the whole token is a number. Accepts a leading '+'.
 std::optional<double> parse_number(std::string_view token);
 std::optional<int64_t> parse_integer(std::string_view token);
 
@@ -48,7 +49,7 @@ private:
     std::vector<size_t> starts_;
 };
 
-/// The scene being filled, with the rules that hold for every format.
+/// The scene under construction, with the rules that apply to every format.
 class Loading {
 public:
     Loading(SceneDescription& scene, bool strict) : scene(scene), strict(strict) {}
@@ -56,12 +57,12 @@ public:
     SceneDescription& scene;
     const bool strict;
 
-    /// Names something that is not modelled; an error when strict.
+    /// Reports something that is not modelled; an error when strict.
     void warn(const std::string& where, const std::string& text);
     int add_material(const Material& material);
-    /// Index of the image `path`, added when it is new.
+    /// Index of the image `path`; adds the image if it is new.
     int add_image(const std::string& path, const std::string& where, bool srgb);
-    /// Checks and adds a mesh; the error starts with `where`.
+    /// Checks and adds a mesh. Error messages start with `where`.
     int add_mesh(Mesh mesh, const std::string& where);
     void set_environment(const Environment& environment, const std::string& where);
 
@@ -69,27 +70,29 @@ private:
     std::map<std::pair<std::string, bool>, int> images_;
 };
 
-/// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not fit, no triangles.
+/// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not match, and meshes
+/// without triangles.
 void check_mesh(const Mesh& mesh, const std::string& where);
 
 /// Applies a transform to vertices and normals.
 void transform_mesh(Mesh& mesh, const Affine& t);
 void flip_winding(Mesh& mesh);
 void flip_normals(Mesh& mesh);
-/// Appends `b`; missing normals or uvs on either side drop them.
+/// Appends `b` to `a`. Normals and uvs are dropped unless both have them.
 void append_mesh(Mesh& a, const Mesh& b);
 
-/// Triangles over the corners of a simple polygon (ear clipping; convex ones as a fan from corner 0).
+/// Triangulates a simple polygon: convex ones as a fan from corner 0, others by ear clipping.
 void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles);
 
-/// The inverse; nothing when `t` is singular or not finite.
+/// The inverse; empty if `t` is singular or not finite.
 std::optional<Affine> inverse_of(const Affine& t);
 Affine translation(double x, double y, double z);
 Affine scaling(double x, double y, double z);
 Affine rotation(double degrees, double x, double y, double z);
 bool is_finite(const Affine& t);
 
-/// Radius factor of a transform that keeps spheres round (rotation, reflection, uniform scale); else nothing.
+/// Radius factor of a transform that maps spheres to spheres (rotation, reflection, uniform scale);
+/// otherwise empty.
 std::optional<double> uniform_scale(const Affine& t);
 
 Mesh rectangle_mesh();  ///< [-1, 1]² at z = 0, facing +z
@@ -97,18 +100,18 @@ Mesh cube_mesh();       ///< [-1, 1]³, 12 triangles facing out
 Mesh sphere_mesh(Vec3 center, float radius);
 Mesh disk_mesh();  ///< unit disk at z = 0, facing +z
 
-/// Reflectance at 0° of a conductor and of a dielectric.
+/// Reflectance at normal incidence of a conductor and of a dielectric.
 float conductor_f0(float eta, float k);
 float dielectric_f0(float eta);
 float clamp_roughness(float alpha);
 Rgb clamp01(Rgb c);
 
-// Mesh files. `asked_at` is the place that names the file, for the error when it is missing.
+// Mesh files. `asked_at` is the place that names the file; the error for a missing file reports it.
 Mesh read_ply(const std::string& path, const std::string& asked_at = "");
-/// One mesh of everything (`materials` null), or one per material, with the MTL's materials added to
-/// `materials`.
+/// Returns one mesh if `materials` is null, otherwise one mesh per material, and adds the materials of the
+/// MTL files to `materials`.
 std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at = "");
-/// Shape `index` of a Mitsuba .serialized file whose content is `bytes`.
+/// Shape `index` of the Mitsuba .serialized file with the content `bytes`.
 Mesh read_serialized(const std::string& path, std::string_view bytes, size_t index);
 size_t serialized_count(const std::string& path, std::string_view bytes);
 

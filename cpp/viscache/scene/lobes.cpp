@@ -10,10 +10,15 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
     const bool reflects = k.glossy || p.kind == MaterialKind::kDiffuse;
     const float cos_o = dot(p.ns, p.wo);
     k.black = !reflects || !(cos_o > 0 && dot(p.ng, p.wo) > 0) || is_black(p);
-    k.ns = p.ns, k.ng = p.ng, k.wo = p.wo;
-    // Under a lobe `diffuse_albedo` is the mean over cosines of what grows with 1 − (1 − cos)⁵, 20/21 of it
+    k.ns = p.ns;
+    k.ng = p.ng;
+    k.wo = p.wo;
+    // Under a lobe, `diffuse_albedo` is a mean over cosines of a term proportional to 1 − (1 − cos)⁵, whose
+    // mean is 20/21
     k.diffuse = diffuse_albedo(p) * ((k.glossy ? 21.f / 20 : 1.f) / kPi);
-    k.f0 = p.specular, k.cos_o = cos_o, k.alpha2 = p.roughness * p.roughness;
+    k.f0 = p.specular;
+    k.cos_o = cos_o;
+    k.alpha2 = p.roughness * p.roughness;
     k.outgoing = k.black ? 0.f : smith_g1(cos_o, p.roughness) / (4 * cos_o);
     k.share = k.black ? 0.f : glossy_share(p);
     return k;
@@ -36,7 +41,8 @@ inline __attribute__((always_inline)) void reflect_body(const LobeConstants& k, 
                 d.pdf[i + j] = c > 0 && g > 0 ? c * (1 / kPi) : 0.f;
             }
         }
-        std::memcpy(d.r + i, block.r, sizeof block.r), std::memcpy(d.g + i, block.g, sizeof block.g);
+        std::memcpy(d.r + i, block.r, sizeof block.r);
+        std::memcpy(d.g + i, block.g, sizeof block.g);
         std::memcpy(d.b + i, block.b, sizeof block.b);
     }
 }

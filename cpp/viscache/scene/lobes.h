@@ -1,6 +1,6 @@
 #pragma once
-// Reflection sixteen directions at a time: `eval_bsdf`·cos and `pdf_bsdf` up to float rounding, without
-// branches. Kernels of any instruction set inline the bodies.
+// Reflection for sixteen directions at a time: `eval_bsdf`·cos and `pdf_bsdf` up to float rounding, without
+// branches. Kernels of every instruction set inline these bodies.
 #include <cstddef>
 
 #include "viscache/math/isa.h"
@@ -15,16 +15,16 @@ struct RgbBlock {
     alignas(64) float b[16];
 };
 
-/// Reflection at one point with everything that no incoming direction changes.
+/// Reflection at one point: all terms that do not depend on the incoming direction.
 struct LobeConstants {
     Vec3 ns, ng, wo;
-    Rgb diffuse;  ///< diffuse part of f, under a lobe without its factor 1 − (1 − cos_i)⁵
-    Rgb f0;       ///< of the lobe
+    Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵
+    Rgb f0;       ///< F0 of the lobe
     float cos_o = 0, alpha2 = 1;
     float outgoing = 0;  ///< G1(cos_o)/(4 cos_o)
     float share = 0;     ///< probability of sampling the lobe
     bool glossy = false;
-    bool black = true;  ///< nothing is reflected, whatever arrives
+    bool black = true;  ///< the surface reflects no light
 };
 
 LobeConstants lobe_constants(const ShadingPoint& point);
@@ -36,12 +36,14 @@ inline __attribute__((always_inline)) void diffuse16(const LobeConstants& k, con
         const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
         const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
         const float cos = c > 0 && g > 0 ? c : 0.f;
-        out.r[i] = k.diffuse.x * cos, out.g[i] = k.diffuse.y * cos, out.b[i] = k.diffuse.z * cos;
+        out.r[i] = k.diffuse.x * cos;
+        out.g[i] = k.diffuse.y * cos;
+        out.b[i] = k.diffuse.z * cos;
     }
 }
 
-/// GGX's D at the half vector of two directions on one side of a surface, and |w + o| = 2 w·h. The sine comes
-/// from what is left of the half vector beside the normal: so it keeps its digits on sharp lobes.
+/// GGX's D at the half vector of two directions on one side of a surface, and |w + o| = 2 w·h. The sine
+/// comes from the tangential part of the half vector, which keeps it accurate for sharp lobes.
 struct HalfVector {
     float d, sum;
 };
@@ -61,7 +63,7 @@ inline __attribute__((always_inline)) void glossy16(const LobeConstants& k, cons
         const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
         const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
         const bool above = c > 0 && g > 0;
-        const float cos = above ? c : 1.f;  // anything harmless
+        const float cos = above ? c : 1.f;  // an arbitrary value that avoids division by zero
         const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
         const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
         const float lobe = h.d * k.outgoing * (2 * cos / (cos + root));
@@ -87,7 +89,7 @@ inline __attribute__((always_inline)) void density16(const LobeConstants& k, con
     }
 }
 
-/// f·cos and densities of n directions, n a multiple of 16; the same bits from every variant.
+/// f·cos and densities of n directions; n is a multiple of 16. All variants give the same bits.
 struct ReflectedDirections {
     const float *x, *y, *z;
     float *r, *g, *b, *pdf;

@@ -1,5 +1,6 @@
 #pragma once
-// The few materials a visibility study needs. File formats map theirs to the nearest of these.
+// The few materials that a study of visibility needs. Loaders map the materials of a file to the nearest of
+// these.
 #include "viscache/math/vec.h"
 
 namespace viscache {
@@ -18,9 +19,9 @@ struct Material {
     float roughness = 0.1f;            ///< GGX alpha, in [1e-3, 1]
     float eta = 1.5f;                  ///< interior over exterior index of refraction
     bool two_sided = true;             ///< false: the back side is black
-    int base_texture = -1;             ///< image that multiplies `base_color`; -1 = none
-    int alpha_texture = -1;            ///< image whose alpha (or value) cuts holes; -1 = none
-    float alpha_cutoff = 0.5f;         ///< below: there is no surface
+    int base_texture = -1;             ///< image that multiplies `base_color`; -1: none
+    int alpha_texture = -1;            ///< image whose alpha (or value) cuts holes; -1: none
+    float alpha_cutoff = 0.5f;         ///< the surface is absent where alpha is below this value
 };
 
 }  // namespace viscache

@@ -1,4 +1,4 @@
-// Polygons to triangles, and the analytic shapes that scene files name.
+// Triangulates polygons and builds the analytic shapes of scene files.
 #include "viscache/scene/loading.h"
 
 namespace viscache::loading {
@@ -23,8 +23,7 @@ bool is_convex(const std::vector<Vec3>& p, Vec3 n) {
     return true;
 }
 
-/// True when corner `i` of the ring can be cut off: it turns inwards and no other corner lies in its
-/// triangle.
+/// True if corner `i` of the ring is an ear: it is convex and no other corner lies in its triangle.
 bool is_ear(const std::vector<Vec3>& p, const std::vector<uint32_t>& ring, size_t i, Vec3 n) {
     const size_t m = ring.size(), before = (i + m - 1) % m, after = (i + 1) % m;
     const Vec3 a = p[ring[before]], b = p[ring[i]], c = p[ring[after]];
@@ -45,7 +44,7 @@ void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles
     const Vec3 normal = area_vector(polygon);
     std::vector<uint32_t> ring(n);
     for (uint32_t i = 0; i < n; ++i) ring[i] = i;
-    // Cut ears off concave polygons; polygons of many corners and what has no ear become a fan.
+    // Clip ears of concave polygons. Polygons with many corners or without an ear become a fan.
     if (n > 3 && n <= 1024 && !is_convex(polygon, normal)) {
         while (ring.size() > 3) {
             size_t i = 0;
@@ -69,7 +68,7 @@ Mesh rectangle_mesh() {
 
 Mesh cube_mesh() {
     Mesh m;
-    // One rectangle per face, turned from +z to the face's direction.
+    // One rectangle per face, rotated from +z to the direction of the face.
     const Affine faces[6] = {Affine{},
                              rotation(180, 0, 1, 0),
                              rotation(90, 0, 1, 0),

@@ -1,4 +1,4 @@
-// Mitsuba XML: surface models to the nearest material.
+// Mitsuba XML: converts surface models to the nearest material.
 #include "viscache/scene/mitsuba_reader.h"
 
 namespace viscache::loading {
@@ -6,14 +6,15 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kGrey{.5f, .5f, .5f};
-constexpr float kSmoothRoughness = 0.01f;  ///< stands for the perfectly smooth coat of `plastic`
+constexpr float kSmoothRoughness = 0.01f;  ///< replaces the perfectly smooth coating of `plastic`
 
 bool is_bsdf(pugi::xml_node node) { return std::string_view(node.name()) == "bsdf"; }
 
 }  // namespace
 
 void MitsubaReader::set_base(Material& m, const ColorTexture& base) {
-    m.base_color = clamp01(base.color), m.base_texture = base.image;
+    m.base_color = clamp01(base.color);
+    m.base_texture = base.image;
 }
 
 float MitsubaReader::roughness(Node node, double fallback) {
@@ -40,7 +41,7 @@ double MitsubaReader::ior(Node owner, const char* name, double fallback) {
     return x;
 }
 
-/// plastic, roughplastic: a diffuse base under a dielectric coat.
+/// plastic, roughplastic: a diffuse base under a dielectric coating.
 Material MitsubaReader::glossy(Node node, Rgb base_fallback) {
     Material m;
     m.kind = MaterialKind::kGlossy;
@@ -92,7 +93,8 @@ Material MitsubaReader::principled(Node node) {
     m.roughness = clamp_roughness(r * r);
     if (number(node, "spec_trans", 0) > 0.5) {
         m = Material{};
-        m.kind = MaterialKind::kDielectric, m.eta = float(ior(node, "eta", 1.5));
+        m.kind = MaterialKind::kDielectric;
+        m.eta = float(ior(node, "eta", 1.5));
     }
     warn_at(node,
             "'principled' is not modelled in full; base colour, metallic, specular and roughness are kept");
@@ -111,7 +113,8 @@ Material MitsubaReader::nested(Node node, int depth) {
 Material MitsubaReader::mask(Node node, int depth) {
     Material m = nested(node, depth);
     const ColorTexture opacity = color_texture(node, "opacity", kGrey);
-    m.alpha_texture = opacity.image, m.alpha_cutoff = 0.5f;
+    m.alpha_texture = opacity.image;
+    m.alpha_cutoff = 0.5f;
     if (opacity.image < 0 && luminance(opacity.color) < 1)
         warn_at(node,
                 "constant opacity " + std::to_string(luminance(opacity.color)) + " is not modelled; opaque");
@@ -131,8 +134,10 @@ Material MitsubaReader::bsdf(Node node, int depth) {
     } else if (type == "diffuse" || type == "lambertian" || type == "roughdiffuse" || type == "difftrans") {
         set_base(m, color_texture(node, type == "difftrans" ? "transmittance" : "reflectance", kGrey));
         if (type == "roughdiffuse") warn_at(node, "'roughdiffuse' is not modelled; smooth diffuse is used");
-        if (type == "difftrans")
-            m.two_sided = true, warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
+        if (type == "difftrans") {
+            m.two_sided = true;
+            warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
+        }
     } else if (type == "plastic" || type == "roughplastic") {
         m = glossy(node, kGrey);
         m.two_sided = false;
@@ -151,8 +156,10 @@ Material MitsubaReader::bsdf(Node node, int depth) {
         m = dielectric(node);
         if (type == "roughdielectric")
             warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
-        if (type == "thindielectric")
-            m.eta = 1, warn_at(node, "'thindielectric' is not modelled; light passes unchanged");
+        if (type == "thindielectric") {
+            m.eta = 1;
+            warn_at(node, "'thindielectric' is not modelled; light passes unchanged");
+        }
     } else if (type == "principled" || type == "principledthin") {
         m = principled(node);
     } else if (type == "bumpmap" || type == "normalmap" || type == "coating" || type == "roughcoating" ||
@@ -178,7 +185,7 @@ int MitsubaReader::material_of(Node shape) {
         if (std::string_view(child.name()) == "ref")
             if (const Node target = target_of(child); is_bsdf(target)) return material(target);
     }
-    // Mitsuba's own default: a one-sided grey.
+    // Mitsuba's own default: a one-sided grey material.
     const auto [found, is_new] = materials_.try_emplace(0, -1);
     if (is_new) {
         Material m;

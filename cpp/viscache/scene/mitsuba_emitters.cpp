@@ -14,7 +14,10 @@ Rgb MitsubaReader::area_emission(Node shape) {
     Rgb sum{};
     for (Node child : shape.children()) {
         std::string_view tag = child.name();
-        if (tag == "ref") child = target_of(child), tag = child.name();
+        if (tag == "ref") {
+            child = target_of(child);
+            tag = child.name();
+        }
         if (tag != "emitter" && tag != "luminaire") continue;
         if (const std::string type = type_of(child); type != "area") {
             warn_at(child, "emitter '" + type + "' on a shape is not modelled; skipped");
@@ -59,7 +62,7 @@ void MitsubaReader::emitter(Node node) {
 
 namespace {
 
-/// The angle across the width for a diagonal angle.
+/// Horizontal angle of view for a diagonal angle of view.
 float across_width(float diagonal, float aspect) {
     const float d = 2 * std::tan(diagonal / 2);
     return 2 * std::atan(d / std::sqrt(1 + 1 / (aspect * aspect)) / 2);
@@ -73,10 +76,11 @@ void MitsubaReader::sensor(Node node) {
         return warn_at(node, "sensor '" + type + "' is not modelled; skipped");
     if (type == "thinlens") warn_at(node, "'thinlens' is not modelled; a pinhole is used");
     Camera camera;
-    camera.width = 768, camera.height = 576;
+    camera.width = 768;
+    camera.height = 576;
     if (const std::string id = attribute(node, "id"); !id.empty()) camera.name = id;
     for (const Node film : node.children("film")) {
-        camera.width = integer(film, "width", camera.width),
+        camera.width = integer(film, "width", camera.width);
         camera.height = integer(film, "height", camera.height);
         if (property(film, "crop_width") || property(film, "crop_height"))
             warn_at(film, "a crop is not modelled; the whole film is used");
@@ -93,7 +97,7 @@ void MitsubaReader::sensor(Node node) {
     camera.right = dot(side, right) < 0 ? -side : side;
     if (length2(camera.up) == 0 || t.determinant() == 0) fail_at(node, "the camera's transform is singular");
 
-    // The field of view along the axis that the file names.
+    // Convert the field of view from the axis that the file names.
     const float aspect = float(camera.width) / float(camera.height);
     std::string axis = string(node, "fov_axis", "x");
     float fov = float(number(node, "fov", 45)) * kDegree;

@@ -1,5 +1,6 @@
 #pragma once
-// Mitsuba XML scenes (3.x, and the 0.4-0.6 dialect). Internal to the loader; one file per kind of element.
+// Reads Mitsuba XML scenes (3.x and the 0.4-0.6 dialect). Internal to the loader; one source file per kind
+// of element.
 #include <memory>
 #include <pugixml.hpp>
 
@@ -8,7 +9,7 @@
 
 namespace viscache::loading {
 
-/// A colour, perhaps times an image.
+/// A colour with an optional image that multiplies it.
 struct ColorTexture {
     Rgb color{};
     int image = -1;
@@ -40,12 +41,13 @@ private:
     [[noreturn]] void fail_at(Node node, const std::string& what) const { fail(where(node), what); }
     void warn_at(Node node, const std::string& what) { loading_.warn(where(node), what); }
     Node target_of(Node ref) const;
-    std::string path_of(Node owner) const;  ///< its `filename`, seen from the file it stands in
+    std::string path_of(Node owner) const;  ///< its `filename`, relative to the file that contains it
 
     // mitsuba_values.cpp: properties and values
     std::string attribute(Node node, const char* name) const;  ///< with $parameters replaced
     std::string type_of(Node node) const { return attribute(node, "type"); }
-    Node property(Node owner, const char* name) const;  ///< `name` in snake_case; camelCase files match too
+    Node property(Node owner,
+                  const char* name) const;  ///< `name` in snake_case; also matches camelCase in the file
     std::vector<double> numbers(Node node, const std::string& text) const;
     double attribute_number(Node node, const char* name, double fallback) const;
     double number(Node owner, const char* name, double fallback);
@@ -93,12 +95,12 @@ private:
 
     Loading& loading_;
     std::vector<std::unique_ptr<XmlFile>> files_;
-    std::vector<std::string> open_;  ///< chain of includes
+    std::vector<std::string> open_;  ///< chain of open includes
     std::map<std::string, std::string> parameters_;
     std::map<std::string, Node> ids_;
-    std::map<size_t, int> materials_;                ///< by bsdf element
-    std::map<size_t, std::vector<int>> groups_;      ///< by shapegroup element
-    std::map<std::string, std::string> serialized_;  ///< contents by path
+    std::map<size_t, int> materials_;                ///< key: bsdf element
+    std::map<size_t, std::vector<int>> groups_;      ///< key: shapegroup element
+    std::map<std::string, std::string> serialized_;  ///< file contents; key: path
     int version_major_ = 3;
 };
 

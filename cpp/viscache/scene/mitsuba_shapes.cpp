@@ -1,4 +1,4 @@
-// Mitsuba XML: shapes to meshes, sphere lights and instances.
+// Mitsuba XML: converts shapes to meshes, sphere lights and instances.
 #include "viscache/scene/mitsuba_reader.h"
 
 namespace viscache::loading {
@@ -14,7 +14,7 @@ Mesh MitsubaReader::serialized_mesh(Node node) {
 
 std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type) {
     std::optional<Mesh> mesh;
-    // Row 0 of an image is v = 0 in Mitsuba; its OBJ reader turns v over unless told otherwise.
+    // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
     bool turn_v = false;
     if (type == "obj" || type == "ply") {
         const std::string path = path_of(node);
@@ -45,10 +45,12 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
     }
     Mesh mesh = sphere_mesh(center, float(radius));
     transform_mesh(mesh, to_world);
-    // The normals of a sphere point outwards in the world, mirrored or not.
+    // The normals of a sphere point outwards in the world, even if the transform mirrors it.
     if (to_world.determinant() < 0) flip_winding(mesh);
     if (flipped) flip_normals(mesh);
-    mesh.name = attribute(node, "id"), mesh.material = material, mesh.in_world = !in_group;
+    mesh.name = attribute(node, "id");
+    mesh.material = material;
+    mesh.in_world = !in_group;
     mesh.emission = in_group ? Rgb{} : emission;
     if (max_component(mesh.emission) > 0)
         warn_at(node, "an emitting sphere that is stretched or turned inside out is tessellated");
@@ -76,7 +78,9 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     transform_mesh(*mesh, transform(node));
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
     if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;
-    mesh->material = material, mesh->emission = emission, mesh->in_world = group == nullptr;
+    mesh->material = material;
+    mesh->emission = emission;
+    mesh->in_world = group == nullptr;
     const int index = loading_.add_mesh(std::move(*mesh), where(node));
     if (group) group->push_back(index);
 }
@@ -108,7 +112,7 @@ void MitsubaReader::instance(Node node) {
 
 void MitsubaReader::shape(Node node) {
     const std::string type = type_of(node);
-    if (type == "shapegroup") return;  // read when it is placed
+    if (type == "shapegroup") return;  // read when an instance places it
     if (type == "instance") return instance(node);
     add_shape(node, nullptr);
 }

@@ -5,7 +5,8 @@ namespace viscache::loading {
 
 namespace {
 
-/// "diffuseReflectance" and "intIOR" to "diffuse_reflectance" and "int_ior".
+/// Compares camelCase with snake_case: "diffuseReflectance" equals "diffuse_reflectance", "intIOR" equals
+/// "int_ior".
 bool same_name(const char* given, std::string_view snake) {
     std::string name;
     bool was_lower = false;
@@ -126,7 +127,7 @@ Affine MitsubaReader::look_at_matrix(Node step) {
         v[i] = {float(x[0]), float(x[1]), float(x[2])};
     }
     if (v[0] == v[1]) fail_at(step, "lookat needs a target other than its origin");
-    // Columns left, up, forward, origin: the frame of viscache's own look_at, with x to the left.
+    // Columns are left, up, forward, origin: the frame of `look_at` with x to the left.
     const Camera camera = look_at(v[0], v[1], v[2], 1.f);
     const Vec3 columns[4] = {-camera.right, camera.up, camera.forward, camera.origin};
     Affine t;

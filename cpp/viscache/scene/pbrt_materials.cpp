@@ -1,4 +1,4 @@
-// pbrt-v3 text: colours, textures and materials to the nearest of ours.
+// pbrt-v3 text: converts colours, textures and materials to the nearest material.
 #include "viscache/scene/pbrt_reader.h"
 
 namespace viscache::loading {
@@ -99,7 +99,7 @@ Rgb PbrtReader::color(const PbrtParams& params, const char* name, Rgb fallback) 
 
 void PbrtReader::texture(const std::string& where) {
     const std::string name = name_argument();
-    name_argument();  // float or spectrum
+    name_argument();  // type: float or spectrum
     const std::string type = name_argument();
     const PbrtParams params = PbrtParams::read(tokens_);
     PbrtTexture t;
@@ -141,13 +141,14 @@ Material PbrtReader::metal(const PbrtParams& params) {
     Material m;
     const ConductorIor copper = *conductor_named("Cu");
     const Rgb eta = color(params, "eta", copper.eta), k = color(params, "k", copper.k);
-    m.kind = MaterialKind::kGlossy, m.base_color = kZero;
+    m.kind = MaterialKind::kGlossy;
+    m.base_color = kZero;
     m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
     m.roughness = roughness(params, 0.01);
     return m;
 }
 
-/// plastic, uber, substrate, disney: a diffuse base under a gloss.
+/// plastic, uber, substrate, disney: a diffuse base under a glossy lobe.
 Material PbrtReader::coated(const std::string& type, const PbrtParams& params, const std::string& where) {
     Material m;
     m.kind = MaterialKind::kGlossy;
@@ -165,7 +166,8 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
         m.specular = clamp01(type == "substrate" ? ks : ks * dielectric_f0(eta));
         m.roughness = roughness(params, 0.1);
     }
-    m.base_color = clamp01(base.color), m.base_texture = base.image;
+    m.base_color = clamp01(base.color);
+    m.base_texture = base.image;
     if (type == "uber" && params.has("opacity"))
         if (const PbrtTexture opacity = color_texture(params, "opacity", kOne); opacity.image >= 0)
             m.alpha_texture = opacity.image;
@@ -189,7 +191,8 @@ int PbrtReader::material(const std::string& type, const PbrtParams& params, cons
     if (params.has("bumpmap")) loading_.warn(where, "bump maps are not modelled; ignored");
     if (type == "matte" || type == "translucent") {
         const PbrtTexture base = color_texture(params, "Kd", type == "matte" ? kHalf : kQuarter);
-        m.base_color = clamp01(base.color), m.base_texture = base.image;
+        m.base_color = clamp01(base.color);
+        m.base_texture = base.image;
         if (type == "translucent")
             loading_.warn(where, "material 'translucent' is not modelled; diffuse reflection is used");
     } else if (type == "plastic" || type == "uber" || type == "substrate" || type == "disney") {

@@ -1,5 +1,5 @@
 #pragma once
-// pbrt-v3 scenes. Internal to the loader; one file per kind of directive.
+// Reads pbrt-v3 scenes. Internal to the loader; one source file per kind of directive.
 #include "viscache/scene/pbrt_tokens.h"
 #include "viscache/scene/spectra.h"
 
@@ -91,7 +91,7 @@ private:
     std::map<std::string, std::vector<int>> objects_;
     std::vector<int>* object_ = nullptr;  ///< the object being defined
     std::optional<Camera> camera_;
-    float camera_fov_ = 90;  ///< degrees, across the smaller side of the film
+    float camera_fov_ = 90;  ///< in degrees, across the shorter side of the film
     int film_width_ = 1280, film_height_ = 720;
     bool in_world_ = false, world_ended_ = false;
 };

@@ -62,8 +62,8 @@ std::optional<Mesh> PbrtReader::shape_mesh(const std::string& type, const PbrtPa
     return {};
 }
 
-/// pbrt keeps normals on their side in mirrored transforms; given shading normals decide the side of a
-/// triangle.
+/// pbrt keeps normals on their side in mirrored transforms. Shading normals, if given, determine the side of
+/// a triangle.
 void PbrtReader::orient(Mesh& mesh) {
     const bool mirrored = now_.ctm.determinant() < 0;
     transform_mesh(mesh, now_.ctm);
@@ -79,7 +79,7 @@ void PbrtReader::orient(Mesh& mesh) {
     if (now_.reversed) flip_normals(mesh);
 }
 
-/// True when the shape is a full sphere that emits outwards.
+/// True if the shape is a full sphere that emits outwards.
 bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where) {
     const auto scale = uniform_scale(now_.ctm);
     if (!now_.area_light || object_ || !scale || now_.reversed) return false;
@@ -90,7 +90,7 @@ bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where
     return true;
 }
 
-/// The current material, or a copy of it with the shape's own cut-out.
+/// The current material, or a copy of it with the alpha cut-out of the shape.
 int PbrtReader::shape_material(const PbrtParams& params, const std::string& where) {
     if (now_.material == kNoMaterial) now_.material = loading_.add_material({});
     const PbrtParam* alpha = params.find("alpha");
@@ -114,7 +114,7 @@ void PbrtReader::shape(const std::string& where) {
     if (type == "sphere" && sphere_light(params, where)) return;
     auto mesh = shape_mesh(type, params, where);
     if (!mesh) return loading_.warn(where, "shape '" + type + "' is not modelled; skipped");
-    // Indices and normals must be sound before triangles are turned round.
+    // Indices and normals must be valid before the winding is changed.
     check_mesh(*mesh, where);
     orient(*mesh);
     mesh->material = shape_material(params, where);
@@ -122,7 +122,8 @@ void PbrtReader::shape(const std::string& where) {
     if (now_.area_light && object_) {
         loading_.warn(where, "emission inside an object is not modelled (as in pbrt); skipped");
     } else if (now_.area_light) {
-        mesh->emission = now_.area_light->radiance, mesh->emits_two_sided = now_.area_light->two_sided;
+        mesh->emission = now_.area_light->radiance;
+        mesh->emits_two_sided = now_.area_light->two_sided;
     }
     const int index = loading_.add_mesh(std::move(*mesh), where);
     if (object_) object_->push_back(index);
@@ -146,7 +147,7 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
         const std::string path = path_named(params.string(name, ""), map->where);
         env.image = loading_.add_image(path, map->where, true);
     }
-    // pbrt's map: z up, column from atan2(y, x). In ours y is up and the column comes from atan2(x, -z).
+    // pbrt's map has z up and its column from atan2(y, x). Ours has y up and the column from atan2(x, -z).
     Affine ours_to_pbrt;
     ours_to_pbrt.m = {{{0, 0, -1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
     env.to_world = now_.ctm * ours_to_pbrt;
@@ -205,8 +206,9 @@ void PbrtReader::film(const std::string& where) {
 
 void PbrtReader::finish_camera() {
     if (!camera_) return;
-    camera_->width = film_width_, camera_->height = film_height_;
-    // fov spans the smaller side.
+    camera_->width = film_width_;
+    camera_->height = film_height_;
+    // fov spans the shorter side.
     camera_->fov_is_horizontal = film_width_ < film_height_;
     camera_->fov_y_rad = camera_fov_ * kPi / 180.f;
     loading_.scene.cameras.push_back(*camera_);

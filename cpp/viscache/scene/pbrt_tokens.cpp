@@ -26,13 +26,14 @@ PbrtToken PbrtTokens::read() {
     while (true) {
         File& file = files_[open_.back()];
         const std::string& text = file.text;
-        // Space and comments.
+        // Skip white space and comments.
         while (file.at < text.size()) {
             const char c = text[file.at];
             if (c == '#') {
                 file.at = std::min(text.find('\n', file.at), text.size());
             } else if (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
-                file.line += c == '\n', ++file.at;
+                file.line += c == '\n';
+                ++file.at;
             } else {
                 break;
             }
@@ -89,7 +90,7 @@ double PbrtTokens::expect_number() {
 
 namespace {
 
-/// One value of a parameter.
+/// Reads one value of a parameter.
 void read_value(PbrtParam& p, const PbrtToken& token) {
     if (token.kind == PbrtToken::kString) {
         p.strings.emplace_back(token.text);

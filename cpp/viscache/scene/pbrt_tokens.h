@@ -1,5 +1,6 @@
 #pragma once
-// pbrt-v3 text: tokens with their places across included files, and parameter lists. Internal to the loader.
+// pbrt-v3 text: tokens with their positions across included files, and parameter lists. Internal to the
+// loader.
 #include <deque>
 #include <memory>
 
@@ -10,7 +11,7 @@ namespace viscache::loading {
 struct PbrtToken {
     enum Kind { kWord, kString, kOpen, kClose, kEnd };
     Kind kind = kEnd;
-    std::string_view text;  ///< without quotes; lives as long as the reader
+    std::string_view text;  ///< without quotes; valid as long as the reader lives
     const std::string* path = nullptr;
     size_t line = 0;
 
@@ -19,11 +20,11 @@ struct PbrtToken {
 
 class PbrtTokens {
 public:
-    /// Continues with the file `path`; a file that includes itself is a SceneError at `asked_at`.
+    /// Continues with the file `path`. A file that includes itself throws SceneError at `asked_at`.
     void push(const std::string& path, const std::string& asked_at);
     PbrtToken next();
     const PbrtToken& peek();
-    /// The next token, which must be of this kind.
+    /// Returns the next token, which must be of this kind.
     PbrtToken expect(PbrtToken::Kind kind, const char* what);
     double expect_number();
 
@@ -35,19 +36,19 @@ private:
     PbrtToken read();
     PbrtToken read_string(File& file);
 
-    std::deque<File> files_;    ///< all files read: tokens point into them
-    std::vector<size_t> open_;  ///< those being read, innermost last
+    std::deque<File> files_;    ///< all files read so far: tokens point into them
+    std::vector<size_t> open_;  ///< files being read, innermost last
     std::optional<PbrtToken> peeked_;
 };
 
-/// One `"type name" [values]`.
+/// One parameter, `"type name" [values]`.
 struct PbrtParam {
     std::string type, name, where;
     std::vector<double> numbers;
     std::vector<std::string> strings;
 };
 
-/// The parameters of a directive. A value of the wrong type or length is a SceneError.
+/// The parameters of a directive. A value of the wrong type or length throws SceneError.
 class PbrtParams {
 public:
     static PbrtParams read(PbrtTokens& tokens);
@@ -59,7 +60,7 @@ public:
     bool boolean(const char* name, bool fallback) const;
     std::string string(const char* name, const std::string& fallback) const;
     Vec3 point(const char* name, Vec3 fallback) const;
-    /// Rows of three or two floats; empty when not given.
+    /// Rows of two or three floats; empty if not given.
     std::vector<Vec3> vec3s(const char* name) const;
     std::vector<Vec2> vec2s(const char* name) const;
 

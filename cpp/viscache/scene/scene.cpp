@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kSphereRings = 24;  // tessellation of a sphere light: 2·24·48 triangles, inscribed
 
-/// Inscribed tessellation: no segment to a point of the analytic sphere crosses it from outside.
+/// Inscribed tessellation: a segment from outside to a point of the analytic sphere does not cross it.
 Mesh tessellate(const SphereLight& light) {
     Mesh mesh;
     mesh.name = "sphere light";
@@ -43,7 +43,7 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description, int thr
     check_description(description);
     std::shared_ptr<Scene> scene(new Scene);
     scene->d_ = std::move(description);
-    scene->described_meshes_ = scene->d_.meshes.size(),
+    scene->described_meshes_ = scene->d_.meshes.size();
     scene->described_materials_ = scene->d_.materials.size();
     scene->measure();
     scene->warn_of_size();
@@ -79,12 +79,12 @@ void Scene::measure() {
         throw SceneError("instances must stay below 1e16 in size, got " +
                          std::to_string(bounds_.magnitude()));
     for (const Image& image : d_.images) memory_bytes_ += image.pixels.size() * sizeof(float);
-    // Embree's BVH: about 100 bytes a unique triangle (measured 90–140), 600 an instance.
+    // Embree's BVH takes about 100 bytes per unique triangle (measured: 90–140) and 600 per instance.
     memory_bytes_ += 100 * unique_triangles_ + 600 * d_.instances.size();
 }
 
-/// Outside these lengths products of edges and areas leave single precision: measured, images of the Cornell
-/// box are the same to the bit from 6e-8 to 4e9 units; small triangles need some of that.
+/// Outside these lengths, products of edges and areas leave the range of single precision. Measured: images
+/// of the Cornell box are bit-identical from 6e-8 to 4e9 units; small triangles need some of that range.
 void Scene::warn_of_size() {
     constexpr float kSmallest = 1e-6f, kLargest = 1e9f;
     const float size = bounds_.empty() ? 0.f : bounds_.diagonal();
@@ -93,7 +93,7 @@ void Scene::warn_of_size() {
     s << "the scene spans " << size << " units, up to " << bounds_.magnitude()
       << " from the origin; images are"
       << " reliable for scenes of " << kSmallest << " to " << kLargest << " units: scale it";
-    // A scene made from this one's description brings the warning along
+    // A scene made from the description of this one carries the warning already
     const auto same = [&](const Warning& w) { return w.text == s.str(); };
     if (std::none_of(d_.warnings.begin(), d_.warnings.end(), same)) d_.warnings.push_back({"", s.str()});
 }
@@ -136,7 +136,7 @@ void Scene::build_lights(int threads) {
 
 void Scene::add_sphere_light_meshes() {
     if (d_.sphere_lights.empty()) return;
-    // They reflect nothing: no material of the description is meant for them
+    // Sphere lights reflect no light: they do not use a material of the description
     d_.materials.push_back({.base_color = {0, 0, 0}});
     for (const SphereLight& light : d_.sphere_lights) {
         d_.meshes.push_back(tessellate(light));
@@ -154,8 +154,9 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     const float w = 1 - u - v;
     SurfacePoint s;
     s.position = p[0] * w + p[1] * u + p[2] * v;
-    s.edge1 = p[1] - p[0], s.edge2 = p[2] - p[0];
-    // Double: the cross product of float edges loses thin triangles to cancellation.
+    s.edge1 = p[1] - p[0];
+    s.edge2 = p[2] - p[0];
+    // In double, because the cross product of float edges cancels for thin triangles.
     const double a[3] = {s.edge1.x, s.edge1.y, s.edge1.z}, b[3] = {s.edge2.x, s.edge2.y, s.edge2.z};
     double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -171,7 +172,7 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
         if (blended_length > 1e-12f && std::isfinite(blended_length)) {
             s.ns = facing(blended / blended_length, s.ng);
             const float sign = dot(blended, s.ng) < 0 ? -1.f : 1.f;
-            s.dndu = (ns[1] - ns[0]) * (sign / blended_length),
+            s.dndu = (ns[1] - ns[0]) * (sign / blended_length);
             s.dndv = (ns[2] - ns[0]) * (sign / blended_length);
         }
     }
@@ -184,7 +185,8 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     s.base_color = material.base_color;
     if (material.base_texture >= 0)
         s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
-    s.emission = mesh.emission, s.emits_two_sided = mesh.emits_two_sided;
+    s.emission = mesh.emission;
+    s.emits_two_sided = mesh.emits_two_sided;
     return s;
 }
 

@@ -17,7 +17,7 @@ struct Xyz {
     double x, y, z;
 };
 
-/// Multi-lobe fit, Wyman et al. 2013, Table 1.
+/// Multi-lobe fit (Wyman et al. 2013, Table 1).
 Xyz matching(double nm) {
     return {1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
                 0.065 * lobe(nm, 501.1, 20.4, 26.2),
@@ -25,14 +25,16 @@ Xyz matching(double nm) {
             1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8)};
 }
 
-/// Sums over 360-830 nm in steps of 1 nm, to linear sRGB primaries, without any normalisation.
+/// Sums over 360-830 nm in steps of 1 nm and converts to linear sRGB primaries, without normalisation.
 template <class Value>
 void integrate(Value value, double rgb[3]) {
     Xyz s{0, 0, 0};
     for (int nm = 360; nm <= 830; ++nm) {
         const double v = value(double(nm));
         const Xyz m = matching(nm);
-        s.x += v * m.x, s.y += v * m.y, s.z += v * m.z;
+        s.x += v * m.x;
+        s.y += v * m.y;
+        s.z += v * m.z;
     }
     rgb[0] = 3.2404542 * s.x - 1.5371385 * s.y - 0.4985314 * s.z;
     rgb[1] = -0.9692660 * s.x + 1.8760108 * s.y + 0.0415560 * s.z;

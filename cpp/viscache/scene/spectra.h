@@ -1,5 +1,5 @@
 #pragma once
-// Spectra, black bodies and named media of scene files, to linear sRGB.
+// Converts spectra, black bodies and named media of scene files to linear sRGB.
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,17 +9,18 @@
 
 namespace viscache::loading {
 
-/// (wavelength in nm, value); wavelengths grow strictly.
+/// Pairs (wavelength in nm, value); wavelengths increase strictly.
 using Spectrum = std::vector<std::pair<double, double>>;
 
-/// Linear sRGB of a piecewise linear spectrum, 0 outside of its range; a flat spectrum of 1 gives (1, 1, 1).
-/// CIE 1931 matching functions by the analytic fit of Wyman, Sloan and Shirley 2013. May be out of gamut.
+/// Linear sRGB of a piecewise linear spectrum that is 0 outside its range. A flat spectrum of 1 gives (1, 1,
+/// 1). Uses the analytic fit of the CIE 1931 matching functions by Wyman, Sloan and Shirley 2013. The result
+/// may be out of gamut.
 Rgb spectrum_to_rgb(const Spectrum& spectrum);
 
 /// Spectral radiance of a black body in W/(m² sr nm), as RGB.
 Rgb blackbody_rgb(double kelvin);
 
-/// Complex index of refraction, per colour channel.
+/// Complex index of refraction for each colour channel.
 struct ConductorIor {
     Rgb eta, k;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// A point on a surface, as shading needs it.
+// A point on a surface, with the attributes that shading needs.
 #include "viscache/scene/material.h"
 
 namespace viscache {
@@ -7,14 +7,14 @@ namespace viscache {
 struct SurfacePoint {
     Vec3 position;
     Vec3 ng;  ///< unit geometric normal (orientation of the triangle); zero for a degenerate triangle
-    Vec3 ns;  ///< unit shading normal, on the side of ng
+    Vec3 ns;  ///< unit shading normal, on the same side as ng
     Vec2 uv;
     int material = 0;
     Rgb base_color;  ///< base colour with its texture applied
-    Rgb emission;    ///< radiance leaving on the side of ng (either side when emits_two_sided)
+    Rgb emission;    ///< radiance emitted on the side of ng (on both sides when emits_two_sided)
     bool emits_two_sided = false;
-    Vec3 dndu, dndv;    ///< change of the (unnormalised) shading normal along the triangle's edges 1 and 2
-    Vec3 edge1, edge2;  ///< world edges of the triangle
+    Vec3 dndu, dndv;  ///< derivative of the (unnormalised) shading normal along edges 1 and 2 of the triangle
+    Vec3 edge1, edge2;  ///< edges of the triangle in world space
 };
 
 }  // namespace viscache

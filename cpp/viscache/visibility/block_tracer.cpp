@@ -3,11 +3,11 @@
 namespace viscache {
 
 namespace {
-constexpr size_t kPiece = 1024;         // rays by one flag
-constexpr size_t kTrialPeriod = 64;     // pieces between trials: images change from top to bottom
-constexpr size_t kWorthSorting = 4096;  // rays; fewer have no neighbours to find
-constexpr double kInOrder = 0.3;        // share of rays like the one before
-constexpr double kCheap = 60e-9;        // seconds a ray; sorting takes about 15 and gains a fifth
+constexpr size_t kPiece = 1024;          // rays traced with one flag
+constexpr size_t kTrialPeriod = 64;      // pieces between trials: images change from top to bottom
+constexpr size_t kMinSortedRays = 4096;  // rays; smaller blocks gain nothing from sorting
+constexpr double kInOrder = 0.3;         // fraction of rays in the same class as their predecessor
+constexpr double kCheap = 60e-9;  // seconds per ray; sorting takes about 15 ns per ray and saves a fifth
 }  // namespace
 
 BlockTracer::BlockTracer(const EmbreeCaster& caster, const RayArrays& rays, uint8_t* occluded)
@@ -19,10 +19,10 @@ void BlockTracer::block(size_t first, size_t count) {
         trace_sorted(first, count);
     else
         trace_as_given(first, count);
-    if (count >= kWorthSorting) choose(first, count, thread_cpu_seconds() - before);
+    if (count >= kMinSortedRays) choose(first, count, thread_cpu_seconds() - before);
 }
 
-/// Decides how later blocks are traced by what this one took.
+/// Decides how later blocks are traced, from the time that this block took.
 void BlockTracer::choose(size_t first, size_t count, double seconds) {
     const double per_ray = seconds / double(count);
     if (sorting_ == Sorting::kOnTrial) {
@@ -37,7 +37,7 @@ void BlockTracer::choose(size_t first, size_t count, double seconds) {
 void BlockTracer::trace_as_given(size_t first, size_t count) {
     for (size_t at = 0; at < count; at += kPiece)
         flag_.piece([&](Coherence flag) {
-            // Measured: incoherent packets of 8 are as fast as those of 16 or faster
+            // Measured: incoherent packets of 8 are at least as fast as those of 16
             const PacketPlan plan{flag == Coherence::kCoherent && caster_.native16() ? 16 : 8, flag};
             const size_t n = std::min(kPiece, count - at);
             caster_.occluded(rays_, first + at, n, occluded_, plan);

@@ -1,5 +1,5 @@
 #pragma once
-// Any-hit rays of a caller's arrays, block by block, in the way that is fastest for them. Speed only: in
+// Traces any-hit rays of a caller's arrays, block by block, in the fastest way. Affects speed only: in
 // robust scenes every way gives the same answers.
 #include <cstdint>
 
@@ -9,12 +9,12 @@
 
 namespace viscache {
 
-/// One object per thread and batch of alike rays. Rays that come in some order (an image's) are traced as
-/// given, by the traversal flag that trials find faster; rays in no order are sorted first, unless they are
-/// cheap or sorting a block did not make it faster.
+/// One object per thread and batch of similar rays. Rays in a coherent order (such as that of an image) are
+/// traced as given, with the traversal flag that trials find to be faster. Rays in no order are sorted
+/// first, unless they are cheap or sorting a block did not make it faster.
 class BlockTracer {
 public:
-    /// The answer of ray k goes to occluded[k].
+    /// The answer for ray k is stored in occluded[k].
     BlockTracer(const EmbreeCaster& caster, const RayArrays& rays, uint8_t* occluded);
     /// Traces rays [first, first + count).
     void block(size_t first, size_t count);
@@ -31,7 +31,7 @@ private:
     CoherenceTrial flag_;
     RayOrder order_;
     Sorting sorting_ = Sorting::kUnknown;
-    double seconds_per_ray_ = 0;  ///< of the block before, as given
+    double seconds_per_ray_ = 0;  ///< of the last block that was traced as given
 };
 
 }  // namespace viscache

@@ -4,20 +4,20 @@ namespace viscache {
 
 namespace {
 
-/// Where a scene lies far from the origin along an axis, its middle there: differences to it are exact,
-/// because all coordinates are within a factor of two of each other. 0 elsewhere.
+/// The middle of the scene along an axis if the scene is far from the origin, otherwise 0. Differences to it
+/// are exact, because all coordinates are within a factor of two of each other.
 float middle(float lo, float hi) {
     const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
     return far ? lo * 0.5f + hi * 0.5f : 0.f;
 }
 
-/// 1 / d, kept finite: a plane that is parallel to a ray lies far ahead of it or far behind.
+/// 1 / d, kept finite: a plane parallel to a ray lies far ahead of it or far behind.
 float inverse(float d) {
     constexpr float kLeast = 1e-30f;
     return 1 / (std::fabs(d) > kLeast ? d : std::copysign(kLeast, d));
 }
 
-/// For rays whose steps nobody counts.
+/// Used when steps are not counted.
 struct NoSteps {
     void node() {}
     void leaf(uint32_t) {}
@@ -60,8 +60,8 @@ BspCaster::BspCaster(std::shared_ptr<const Scene> scene, const BspSettings& sett
     count_nodes();
 }
 
-/// Records in the order in which leaves name them, so that those of a leaf lie together; they keep the number
-/// of their triangle.
+/// Stores triangles in the order in which leaves list them, so that those of a leaf are adjacent. Each keeps
+/// the index of its triangle.
 void BspCaster::place_records(std::span<const FlatTriangle> triangles) {
     std::vector<uint32_t> place(triangles.size(), kNoHit);
     uint32_t next = 0;
@@ -80,23 +80,29 @@ void BspCaster::place_records(std::span<const FlatTriangle> triangles) {
 
 void BspCaster::count_nodes() {
     for (const BspNode& n : tree_.nodes)
-        if (n.is_leaf()) ++stats_.leaves, stats_.empty_leaves += n.count() == 0;
-    stats_.nodes = tree_.nodes.size(), stats_.references = tree_.ids.size();
-    stats_.max_depth = tree_.max_depth, stats_.depth = tree_.depth;
+        if (n.is_leaf()) {
+            ++stats_.leaves;
+            stats_.empty_leaves += n.count() == 0;
+        }
+    stats_.nodes = tree_.nodes.size();
+    stats_.references = tree_.ids.size();
+    stats_.max_depth = tree_.max_depth;
+    stats_.depth = tree_.depth;
     stats_.bytes = tree_.bytes() + sources_.size() * (sizeof(WaldTriangle) + sizeof(TriangleSource));
 }
 
-/// Calls limit = leaf(node, limit) for the leaves along a ray, front to back; no leaf beyond the limit is
-/// entered, and none after one that returns a negative one.
+/// Calls limit = leaf(node, limit) for the leaves along a ray, front to back. No leaf beyond the limit is
+/// entered; a negative limit ends the walk.
 ///
-/// Planes are met up to `slack` earlier or later: what rounding may do to an origin, a hit or a plane.
+/// Each plane is extended by `slack` in both directions, to cover the rounding errors of origins, hits and
+/// planes.
 template <class Leaf, class OnNode>
 void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) const {
     if (tree_.nodes.empty() || ray.d == Vec3{}) return;
     const float off = kCellUlps * kUlp * std::max(max_abs(ray.o), extent_);
     struct Axis {
         float o, inverse, slack;
-        uint32_t first;  ///< the child that the ray meets first
+        uint32_t first;  ///< the child that the ray enters first
     };
     const auto axis_of = [&](float o, float d) {
         const float inv = inverse(d);
@@ -108,7 +114,7 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
         const Axis& axis = axes[a];
         const float t0 = (tree_.bounds.lo[a] - axis.o) * axis.inverse,
                     t1 = (tree_.bounds.hi[a] - axis.o) * axis.inverse;
-        // A NaN (infinity less infinity) leaves the interval as it is
+        // NaN (infinity minus infinity) leaves the interval unchanged
         near = std::max(near, std::min(t0, t1) - axis.slack);
         far = std::min(far, std::max(t0, t1) + axis.slack);
     }
@@ -133,7 +139,8 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
                 at = second;
             } else {
                 stack[entries++] = {second, std::max(near, t - axis.slack), far};
-                at = first, far = std::min(far, t + axis.slack);
+                at = first;
+                far = std::min(far, t + axis.slack);
             }
             continue;
         }
@@ -142,7 +149,9 @@ void BspCaster::walk(const Ray& ray, float limit, OnNode on_node, Leaf leaf) con
             if (entries == 0) return;
             --entries;
         } while (stack[entries].near > limit);
-        at = stack[entries].node, near = stack[entries].near, far = std::min(stack[entries].far, limit);
+        at = stack[entries].node;
+        near = stack[entries].near;
+        far = std::min(stack[entries].far, limit);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Single rays through a BSP with axis-aligned planes: the tracer the visibility field's paper compares with.
+// A single-ray tracer over a BSP with axis-aligned planes: the baseline of the paper on the visibility
+// field.
 #include <memory>
 #include <vector>
 
@@ -9,25 +10,29 @@
 
 namespace viscache {
 
-/// What building left behind.
+/// Statistics of a build.
 struct BspStats {
     uint64_t triangles = 0, degenerate = 0;
     uint64_t nodes = 0, leaves = 0, empty_leaves = 0, references = 0;
     int max_depth = 0, depth = 0;  ///< the limit, and the depth reached
-    uint64_t bytes = 0;            ///< tree and triangle records
+    uint64_t bytes = 0;            ///< tree and triangle data
 };
 
-/// What rays met on their way, summed.
+/// Totals of what rays visited.
 struct BspSteps {
     uint64_t nodes = 0, leaves = 0, tests = 0;
     void node() { ++nodes; }
-    void leaf(uint32_t count) { ++leaves, tests += count; }
+    void leaf(uint32_t count) {
+        ++leaves;
+        tests += count;
+    }
 };
 
-/// [VLF Sec. 5.1] The single-ray BSP tracer: cells halved at the middle of their longest side down to a
-/// depth, front to back with a stack of its own, triangles in Wald's layout.
+/// [VLF Sec. 5.1] The single-ray BSP tracer. Cells are halved in the middle of their longest side up to a
+/// maximum depth. Rays are traced front to back with a stack. Triangles are stored in Wald's layout.
 ///
-/// Its hits are those of its triangle kernel, which may differ from Embree's within rounding of an edge.
+/// The hits are those of its triangle kernel; they may differ from Embree's within rounding error of an
+/// edge.
 class BspCaster final : public RayCaster {
 public:
     /// Throws std::invalid_argument, or OverBudget for a tree larger than `settings.max_bytes`.
@@ -38,7 +43,7 @@ public:
 
     const Scene& scene() const { return *scene_; }
     const BspStats& stats() const { return stats_; }
-    /// Nodes, leaves and triangle tests of the nearest hits of some rays, one by one.
+    /// Counts nodes, leaves and triangle tests for the nearest hits of some rays, traced one by one.
     BspSteps count_steps(std::span<const Ray> rays) const;
 
 private:
@@ -58,11 +63,11 @@ private:
     std::shared_ptr<const Scene> scene_;
     TriangleKernel kernel_;
     BspTree tree_;
-    Vec3 origin_;       ///< rays and triangles are moved by it: not zero only far from the origin
-    float extent_ = 0;  ///< largest coordinate after that
+    Vec3 origin_;       ///< subtracted from rays and triangles; nonzero only far from the origin
+    float extent_ = 0;  ///< largest coordinate after the subtraction
     bool cutouts_ = false;
     std::vector<TriangleSource> sources_;
-    std::vector<WaldTriangle> wald_;  ///< of one kernel the records are there
+    std::vector<WaldTriangle> wald_;  ///< only the data of the chosen kernel is stored
     std::vector<WatertightTriangle> corners_;
     BspStats stats_;
 };

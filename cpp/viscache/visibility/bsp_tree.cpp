@@ -11,12 +11,12 @@ namespace {
 
 constexpr size_t kSubtrees = 64;  // built in parallel
 
-/// A part of the tree that is still to be built.
+/// A subtree that is still to be built.
 struct Task {
     std::vector<uint32_t> ids;
     Bounds cell;
     int depth;
-    int barren;  ///< halvings in a row that told no triangles apart
+    int barren;  ///< number of consecutive halvings that separated no triangles
 };
 
 struct Halves {
@@ -31,9 +31,9 @@ public:
             const Control& control)
         : triangles_(triangles), settings_(settings), max_depth_(max_depth), pad_(pad), control_(control) {}
 
-    /// The two halves of a cell; none where it becomes a leaf.
+    /// The two halves of a cell; empty if the cell becomes a leaf.
     std::optional<Halves> halve(const Task& task) const;
-    /// Appends the subtree of a task whose root is nodes[root].
+    /// Builds the subtree of a task; its root is nodes[root].
     void subtree(Task task, size_t root, BspTree& tree);
     void leaf(const Task& task, size_t at, BspTree& tree);
 
@@ -69,7 +69,8 @@ std::vector<uint32_t> Builder::inside(std::span<const uint32_t> ids, const Bound
 
 std::optional<Halves> Builder::halve(const Task& task) const {
     control_.check();
-    // Three halvings, one for each axis: more will not tell apart what these could not
+    // After three halvings, one per axis, without separation, further ones will not separate the triangles
+    // either
     if (task.depth >= max_depth_ || task.ids.size() <= size_t(settings_.leaf_size) || task.barren >= 3)
         return std::nullopt;
     const int axis = longest_axis(task.cell.hi - task.cell.lo);
@@ -77,7 +78,8 @@ std::optional<Halves> Builder::halve(const Task& task) const {
     if (!(plane > lo && plane < hi)) return std::nullopt;
     work(2 * task.ids.size());
     Halves halves{axis, plane, {{}, task.cell, task.depth + 1, 0}, {{}, task.cell, task.depth + 1, 0}};
-    set(halves.low.cell.hi, axis, plane), set(halves.high.cell.lo, axis, plane);
+    set(halves.low.cell.hi, axis, plane);
+    set(halves.high.cell.lo, axis, plane);
     for (Task* half : {&halves.low, &halves.high}) half->ids = inside(task.ids, half->cell);
     const size_t all = task.ids.size();
     if (halves.low.ids.size() == all && halves.high.ids.size() == all)
@@ -85,8 +87,9 @@ std::optional<Halves> Builder::halve(const Task& task) const {
     return halves;
 }
 
-/// Many triangles that lie closely side by side are listed in all cells of their common surface, and these
-/// double with each halving but every third: a deep limit would take hours, long before it takes much memory.
+/// Bounds the work. Triangles that are close together are listed in all cells of their common surface. The
+/// number of these cells doubles in two of three halvings, so a deep limit would take hours long before it
+/// takes much memory.
 void Builder::work(uint64_t tests) const {
     const uint64_t most = kMostTests + kMostTestsPerTriangle * triangles_.size();
     if (tests_.fetch_add(tests, std::memory_order_relaxed) + tests > most)
@@ -125,9 +128,9 @@ void Builder::subtree(Task task, size_t root, BspTree& tree) {
     subtree(std::move(halves->high), children + 1, tree);
 }
 
-/// Puts a subtree, whose own root is its node 0, under node `at` of the whole tree.
+/// Attaches a subtree, whose root is its node 0, at node `at` of the whole tree.
 void attach(BspTree& whole, size_t at, const BspTree& part) {
-    // Node 0 takes the place of `at`; node i > 0 comes to lie at shift + i
+    // Node 0 replaces `at`; node i > 0 moves to shift + i
     const uint32_t shift = uint32_t(whole.nodes.size()) - 1, first_id = uint32_t(whole.ids.size());
     const auto moved = [&](BspNode n) {
         return n.is_leaf() ? BspNode::leaf(n.first() + first_id, n.count())
@@ -139,7 +142,8 @@ void attach(BspTree& whole, size_t at, const BspTree& part) {
     whole.depth = std::max(whole.depth, part.depth);
 }
 
-/// Halves cells level by level until there are enough subtrees to share out; their roots lie at `first`.
+/// Halves cells level by level until there are enough subtrees to build in parallel. Their roots start at
+/// `first`.
 std::vector<std::pair<size_t, Task>> build_top(const Builder& builder, Task all, BspTree& tree) {
     std::vector<std::pair<size_t, Task>> level;
     level.emplace_back(0, std::move(all));
@@ -164,17 +168,18 @@ std::vector<std::pair<size_t, Task>> build_top(const Builder& builder, Task all,
     return level;
 }
 
-/// The same nodes with children and grandchildren of every other level side by side: a ray's way down meets a
-/// cache line for two levels.
+/// Reorders nodes: the children and grandchildren of every other level become adjacent, so that a descent
+/// touches one cache line per two levels.
 std::vector<BspNode> clustered(const std::vector<BspNode>& nodes) {
     std::vector<BspNode> out{nodes[0]};
     out.reserve(nodes.size());
-    // Where a node that is already placed lies; its children still bear their old number
+    // Positions of nodes that are placed already; their children still have their old index
     std::vector<uint32_t> roots{0};
     const auto place_children = [&](uint32_t at) {
         const BspNode n = out[at];
         const auto children = uint32_t(out.size());
-        out.push_back(nodes[n.children()]), out.push_back(nodes[n.children() + 1]);
+        out.push_back(nodes[n.children()]);
+        out.push_back(nodes[n.children() + 1]);
         out[at] = BspNode::inner(n.axis(), n.plane(), children);
         return children;
     };
@@ -186,13 +191,14 @@ std::vector<BspNode> clustered(const std::vector<BspNode>& nodes) {
         for (uint32_t child : {children, children + 1}) {
             if (out[child].is_leaf()) continue;
             const uint32_t grandchildren = place_children(child);
-            roots.push_back(grandchildren), roots.push_back(grandchildren + 1);
+            roots.push_back(grandchildren);
+            roots.push_back(grandchildren + 1);
         }
     }
     return out;
 }
 
-/// Whether the projections on `axis` are apart: corners relative to the box's centre.
+/// True if the projections on `axis` are disjoint. The corners are relative to the centre of the box.
 bool apart(Vec3 axis, Vec3 half, Vec3 a, Vec3 b, Vec3 c) {
     const float pa = dot(axis, a), pb = dot(axis, b), pc = dot(axis, c);
     const float reach = std::fabs(axis.x) * half.x + std::fabs(axis.y) * half.y + std::fabs(axis.z) * half.z;

@@ -1,6 +1,5 @@
 #pragma once
-// The tree of the single-ray tracer the visibility field is compared with: cells halved across their longest
-// side.
+// The tree of the single-ray BSP tracer: cells are halved across their longest side.
 #include <bit>
 #include <cstdint>
 #include <new>
@@ -15,19 +14,19 @@
 namespace viscache {
 
 struct BspSettings {
-    int max_depth = 0;  ///< in [0, 40]; 0 = 5 + log2 of the number of triangles
-    int leaf_size = 8;  ///< cells of as many triangles or fewer are not halved; in [1, 1024]
+    int max_depth = 0;  ///< in [0, 40]; 0: 5 + log2 of the number of triangles
+    int leaf_size = 8;  ///< cells with at most this many triangles are not halved; in [1, 1024]
     TriangleKernel kernel = TriangleKernel::kWatertight;
-    uint64_t max_bytes = uint64_t{2} << 30;  ///< of nodes and lists of triangles
+    uint64_t max_bytes = uint64_t{2} << 30;  ///< limit for nodes and lists of triangles
 
-    /// Throws std::invalid_argument that says what must hold.
+    /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
-    /// The depth of the tree over `n` triangles.
+    /// Maximum depth of the tree over `n` triangles.
     int depth(size_t n) const;
 };
 constexpr int kMostBspDepth = 40;
 
-/// A structure would be larger than its budget.
+/// Thrown when a structure would exceed its budget.
 class OverBudget : public std::bad_alloc {
 public:
     explicit OverBudget(std::string text) : text_(std::move(text)) {}
@@ -37,10 +36,10 @@ private:
     std::string text_;
 };
 
-/// 8 bytes: a plane and the first of two neighbouring children, or the triangles of a leaf.
+/// 8 bytes: a plane and the first of two adjacent children, or the triangles of a leaf.
 struct BspNode {
-    uint32_t value;  ///< bits of the plane's coordinate; of a leaf, its first entry in the list
-    uint32_t word;   ///< axis, or 3 for a leaf, and above it the first child, or the number of entries
+    uint32_t value;  ///< bits of the plane's coordinate; for a leaf, its first entry in the list
+    uint32_t word;   ///< axis, or 3 for a leaf; above these bits the first child, or the number of entries
 
     static BspNode inner(int axis, float plane, uint32_t children) {
         return {std::bit_cast<uint32_t>(plane), children << 2 | uint32_t(axis)};
@@ -55,30 +54,31 @@ struct BspNode {
 };
 
 struct BspTree {
-    std::vector<BspNode> nodes;  ///< node 0 is the root; empty for no triangles
+    std::vector<BspNode> nodes;  ///< node 0 is the root; empty if there are no triangles
     std::vector<uint32_t>
-        ids;            ///< triangles of the leaves; one that straddles a plane is listed on both sides
-    Bounds bounds;      ///< of the root's cell
+        ids;            ///< triangles of the leaves; a triangle across a plane is listed on both sides
+    Bounds bounds;      ///< cell of the root
     int max_depth = 0;  ///< the limit
-    int depth = 0;      ///< of the deepest leaf
+    int depth = 0;      ///< depth of the deepest leaf
 
     uint64_t bytes() const { return nodes.size() * sizeof(BspNode) + ids.size() * sizeof(uint32_t); }
 };
 
-/// Cells reach this many units in the last place of the largest coordinate beyond their planes, so that
-/// rounding cannot put a hit into a cell that does not list its triangle.
+/// Cells extend beyond their planes by this many units in the last place of the largest coordinate, so that
+/// rounding cannot place a hit in a cell that does not list its triangle.
 constexpr float kCellUlps = 16;
 
-/// A tree may take so many tests of a triangle and a cell, a hundred times what scenes take at the default
-/// depth: some seconds.
+/// Limits on the tests of a triangle against a cell during a build: a hundred times what scenes need at the
+/// default depth, some seconds.
 constexpr uint64_t kMostTests = uint64_t{1} << 23, kMostTestsPerTriangle = 1 << 12;
 
-/// Builds the tree; the same for any number of threads. Throws OverBudget for one that takes more than
-/// `settings.max_bytes` or more than `kMostTests` and `kMostTestsPerTriangle` allow.
+/// Builds the tree. The result is the same for any number of threads. Throws OverBudget if the tree exceeds
+/// `settings.max_bytes`, or if the build needs more tests than `kMostTests` and `kMostTestsPerTriangle`
+/// allow.
 BspTree build_bsp(std::span<const FlatTriangle> triangles, const BspSettings& settings, int threads,
                   const Control& control);
 
-/// Whether a triangle meets a box; it may say so of one that misses by a few units in the last place.
+/// True if a triangle overlaps a box. May also return true for a miss by a few units in the last place.
 bool triangle_meets_box(const FlatTriangle& triangle, Vec3 center, Vec3 half);
 
 }  // namespace viscache

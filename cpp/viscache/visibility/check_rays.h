@@ -1,5 +1,6 @@
 #pragma once
-// Validation of rays and segments that come from outside. Embree's live asserts would abort the process.
+// Validation of rays and segments from user input. The asserts in Embree's release builds would abort the
+// process.
 #include <optional>
 #include <span>
 #include <string>
@@ -8,8 +9,8 @@
 
 namespace viscache {
 
-/// True if all components are finite and at most kMaxCoordinate in size. Without branches: runs as fast as
-/// memory.
+/// True if all components are finite and at most kMaxCoordinate in size. Branch-free, so it runs at memory
+/// speed.
 inline bool all_usable(std::span<const Vec3> vectors) {
     static_assert(sizeof(Vec3) == 3 * sizeof(float));
     const float* v = reinterpret_cast<const float*>(vectors.data());
@@ -18,7 +19,7 @@ inline bool all_usable(std::span<const Vec3> vectors) {
     return !unusable;
 }
 
-/// Index of the first vector that is not finite or larger than kMaxCoordinate; empty when all are fine.
+/// Index of the first vector that is not finite or larger than kMaxCoordinate; empty if there is none.
 inline std::optional<size_t> first_unusable(std::span<const Vec3> vectors) {
     for (size_t i = 0; i < vectors.size(); ++i)
         if (!(max_abs(vectors[i]) <= kMaxCoordinate) || !is_finite(vectors[i])) return i;

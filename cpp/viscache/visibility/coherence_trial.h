@@ -1,5 +1,5 @@
 #pragma once
-// Which of several ways to trace is the fastest for the packets at hand, found by timing. Speed only: all
+// Finds the fastest of several ways to trace the current packets, by timing. Affects speed only: all ways
 // give the same answers.
 #include <cstddef>
 #include <ctime>
@@ -17,16 +17,17 @@ inline double thread_cpu_seconds() {
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// One object per thread and kind of work. Work is done in pieces of some hundred rays or more; at times the
-/// choices take turns for a few pieces, and the fastest one serves until the next turn.
+/// One object per thread and kind of work. Work is done in pieces of at least some hundred rays. From time
+/// to time the choices take turns for a few pieces; the fastest one is then used until the next trial.
 template <class Choice>
 class Trial {
 public:
-    /// `fixed`: always this choice, no trial. `period`: pieces from one trial to the next.
+    /// `fixed`: always use this choice, without trials. `period`: number of pieces from one trial to the
+    /// next.
     Trial(std::vector<Choice> choices, std::optional<Choice> fixed, size_t period)
         : choices_(std::move(choices)), fixed_(fixed), period_(period), spent_(choices_.size()) {}
 
-    /// Runs work(choice) → number of rays it traced, as the next piece.
+    /// Runs work(choice) as the next piece; it returns the number of rays that it traced.
     template <class Work>
     void piece(Work work) {
         const size_t turn = pieces_++ % period_;
@@ -48,7 +49,8 @@ private:
         double seconds = 0;
         size_t rays = 0;
     };
-    /// The choice with the fewest seconds per ray; the one before stays if one of them had nothing to do.
+    /// Takes the choice with the fewest seconds per ray. Keeps the previous one if a choice had no rays to
+    /// trace.
     void take_best() {
         size_t best = 0;
         for (size_t i = 0; i < spent_.size(); ++i) {
@@ -65,7 +67,7 @@ private:
     std::vector<Spent> spent_;
 };
 
-/// Of Embree's traversal flags.
+/// A trial of Embree's traversal flags.
 class CoherenceTrial : public Trial<Coherence> {
 public:
     explicit CoherenceTrial(std::optional<Coherence> fixed, size_t period = 512)

@@ -1,5 +1,5 @@
 #pragma once
-// Coarse bins of directions; neighbours in number point the same way.
+// Coarse bins of directions; bins with close numbers contain similar directions.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,8 +8,9 @@
 
 namespace viscache {
 
-/// Bin of a direction of any length: kEdge × kEdge cells (kEdge a power of two up to 16) of the octahedral
-/// square, along a Morton curve. Without branches: random directions would mispredict them.
+/// Bin of a direction of any length: kEdge × kEdge cells (kEdge is a power of two up to 16) of the
+/// octahedral square, along a Morton curve. Branch-free, because random directions would mispredict
+/// branches.
 template <uint32_t kEdge>
 uint32_t direction_bin(Vec3 d) {
     constexpr uint32_t kSpread[16] = {0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85};

@@ -1,5 +1,5 @@
 #pragma once
-// Embree 3.12+ and 4.x behind one set of names. Included by embree_packets.h alone, which is a part of
+// Embree 3.12+ and 4.x under one set of names. Included only by embree_packets.h, which is part of
 // embree_caster.cpp.
 #if VISCACHE_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
@@ -11,13 +11,14 @@
 
 namespace viscache::rtc {
 
-/// Traversal of one call: the context and flags both versions need, under one name.
+/// Traversal of one call: context and flags for both versions of Embree.
 class Query {
 public:
 #if RTC_VERSION_MAJOR >= 4
     explicit Query(Coherence coherence) {
         rtcInitRayQueryContext(&context_);
-        rtcInitOccludedArguments(&occluded_), rtcInitIntersectArguments(&intersect_);
+        rtcInitOccludedArguments(&occluded_);
+        rtcInitIntersectArguments(&intersect_);
         occluded_.context = intersect_.context = &context_;
         occluded_.flags = intersect_.flags =
             coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;

@@ -13,7 +13,7 @@ namespace {
 
 static_assert(sizeof(RTCRay16) >= sizeof(RayPacket16));
 
-/// One Embree device for the process.
+/// The only Embree device of the process.
 RTCDevice shared_device() {
     static const RTCDevice device = [] {
         RTCDevice d = rtcNewDevice(nullptr);
@@ -25,13 +25,13 @@ RTCDevice shared_device() {
     return device;
 }
 
-/// What a filter callback needs to know about its geometry.
+/// Data of a geometry for its filter callback.
 struct GeometryData {
     const Scene* scene;
     uint32_t mesh;
 };
 
-/// Rejects hits where the material's alpha cuts a hole.
+/// Rejects hits where the alpha of the material cuts a hole.
 void cutout_filter(const RTCFilterFunctionNArguments* args) {
     const auto* data = static_cast<const GeometryData*>(args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -42,12 +42,13 @@ void cutout_filter(const RTCFilterFunctionNArguments* args) {
     }
 }
 
-/// Of every distinct list of meshes, the least stretch of its instances.
+/// For every distinct list of meshes, the least stretch of its instances.
 ///
-/// A ray enters an instance by the inverse of its transform. Where that enlarges, coordinates can pass what
-/// Embree's asserts allow, and where it shrinks, squares of lengths can vanish. So meshes are kept at the
-/// size of their smallest instance: no inverse enlarges by more than its unevenness, and the caller's limits
-/// on coordinates hold in there too. Powers of two change no digit.
+/// A ray enters an instance through the inverse of its transform. If the inverse enlarges, coordinates can
+/// exceed what Embree's asserts allow; if it shrinks, squared lengths can underflow. Therefore meshes are
+/// stored at the size of their smallest instance. Then no inverse enlarges by more than the anisotropy of
+/// its transform, and the limits on coordinates also hold inside instances. Scales are powers of two, so
+/// they change no digit.
 std::map<std::vector<int>, double> least_stretches(const std::vector<Instance>& instances) {
     std::map<std::vector<int>, double> least;
     for (const Instance& instance : instances) {
@@ -67,7 +68,7 @@ struct EmbreeCaster::Impl {
     bool native16 = rtcGetDeviceProperty(shared_device(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
     std::vector<RTCScene> groups;
     std::vector<GeometryData> data;                // one per mesh; never reallocated after construction
-    std::vector<uint32_t> top_mesh, top_instance;  // geomID of the top scene → mesh, or instance
+    std::vector<uint32_t> top_mesh, top_instance;  // mesh, or instance, of each geomID of the top scene
     std::vector<std::vector<uint32_t>> group_mesh, instance_mesh;
 
     ~Impl() {
@@ -79,13 +80,13 @@ struct EmbreeCaster::Impl {
         rtcSetSceneFlags(s, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
         return s;
     }
-    /// Vertices are multiplied by `scale`.
+    /// Attaches a mesh; its vertices are multiplied by `scale`.
     unsigned attach_mesh(RTCScene target, const Scene& scene, uint32_t index, float scale = 1);
-    /// Of a group whose vertices have been multiplied by `scale`.
+    /// Attaches an instance of a group whose vertices were multiplied by `scale`.
     void attach_instance(const Instance& instance, RTCScene group, float scale, uint32_t index);
-    /// Whether packets of 16 may be traced as such. On AVX-512, Embree as compiled by g++ can loop for ever
-    /// over a coherent packet of 16 that enters an instance: its mask keeps stray high bits of a register
-    /// (embree pull request 574; seen with 3.13.5 after incoherent packets of 16). Packets of 8 are sound.
+    /// True if packets of 16 are safe. On AVX-512, Embree compiled by g++ can loop forever over a coherent
+    /// packet of 16 that enters an instance, because its mask contains stray high bits of a register (Embree
+    /// pull request 574; observed with 3.13.5 after incoherent packets of 16). Packets of 8 are safe.
     bool sound16(Coherence coherence) const { return groups.empty() || coherence == Coherence::kIncoherent; }
     PacketPlan sound(PacketPlan plan) const {
         if (plan.width == 16 && !sound16(plan.coherence)) plan.width = 8;
@@ -98,7 +99,7 @@ unsigned EmbreeCaster::Impl::attach_mesh(RTCScene target, const Scene& scene, ui
     const Mesh& mesh = scene.meshes()[index];
     RTCGeometry g = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!mesh.triangles.empty()) {
-        // New buffers (not shared ones): Embree pads them for its 16-byte loads.
+        // New buffers instead of shared ones: Embree pads them for its 16-byte loads.
         void* v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3),
                                           mesh.vertices.size());
         void* t = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Vec3u),
@@ -133,14 +134,18 @@ void EmbreeCaster::Impl::attach_instance(const Instance& instance, RTCScene grou
     rtcCommitGeometry(g);
     const unsigned id = rtcAttachGeometry(top, g);
     rtcReleaseGeometry(g);
-    top_mesh.resize(id + 1, kNoHit), top_instance.resize(id + 1, kNoHit);
+    top_mesh.resize(id + 1, kNoHit);
+    top_instance.resize(id + 1, kNoHit);
     top_instance[id] = index;
 }
 
 Hit EmbreeCaster::Impl::hit_of(unsigned geom, unsigned inst, unsigned prim, float u, float v, float t) const {
     Hit hit;
     if (geom == RTC_INVALID_GEOMETRY_ID) return hit;
-    hit.t = t, hit.u = u, hit.v = v, hit.triangle = prim;
+    hit.t = t;
+    hit.u = u;
+    hit.v = v;
+    hit.triangle = prim;
     if (inst == RTC_INVALID_GEOMETRY_ID) {
         hit.mesh = top_mesh[geom];
     } else {
@@ -159,7 +164,8 @@ EmbreeCaster::EmbreeCaster(std::shared_ptr<const Scene> scene, EmbreeOptions opt
     for (uint32_t i = 0; i < meshes.size(); ++i) {
         if (!meshes[i].in_world || meshes[i].triangles.empty()) continue;
         const unsigned id = impl.attach_mesh(impl.top, *scene_, i);
-        impl.top_mesh.resize(id + 1, kNoHit), impl.top_instance.resize(id + 1, kNoHit);
+        impl.top_mesh.resize(id + 1, kNoHit);
+        impl.top_instance.resize(id + 1, kNoHit);
         impl.top_mesh[id] = i;
     }
     // One Embree scene per distinct list of meshes, shared by its instances.
@@ -228,8 +234,8 @@ void EmbreeCaster::intersect_singly(std::span<const Ray> rays, std::span<Hit> hi
 uint16_t EmbreeCaster::occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const {
     rtc::Query query(coherence);
     const RTCScene top = impl_->top;
-    // Incoherent packets of 8 are as fast as those of 16 or faster (misses of the quantized cache: 5 %).
-    // Without AVX-512, Embree would sort a packet of 16 again.
+    // Incoherent packets of 8 are at least as fast as those of 16 (5 % faster for misses of the quantized
+    // cache). Without AVX-512, Embree would have to sort a packet of 16 again.
     if (impl_->native16 && coherence == Coherence::kCoherent && impl_->sound16(coherence))
         return uint16_t(rtc::occluded_lanes<RTCRay16, 16>(query, top, mask, rays, 0));
     uint32_t occluded = 0;
@@ -244,9 +250,14 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
         RayPacket16 packet;
         for (size_t i = 0; i < 16; ++i) {
             const Ray& r = rays[first + std::min(i, n - 1)];
-            packet.ox[i] = r.o.x, packet.oy[i] = r.o.y, packet.oz[i] = r.o.z;
-            packet.dx[i] = r.d.x, packet.dy[i] = r.d.y, packet.dz[i] = r.d.z;
-            packet.t_min[i] = r.t_min, packet.t_max[i] = r.t_max;
+            packet.ox[i] = r.o.x;
+            packet.oy[i] = r.o.y;
+            packet.oz[i] = r.o.z;
+            packet.dx[i] = r.d.x;
+            packet.dy[i] = r.d.y;
+            packet.dz[i] = r.d.z;
+            packet.t_min[i] = r.t_min;
+            packet.t_max[i] = r.t_max;
         }
         const uint16_t bits =
             occluded16(uint16_t(n == 16 ? 0xffff : (1 << n) - 1), packet, Coherence::kIncoherent);

@@ -1,5 +1,5 @@
 #pragma once
-// Packets of rays as Embree takes them: filling, tracing, reading the answers. A part of embree_caster.cpp.
+// Fills Embree's ray packets, traces them and reads the answers. Part of embree_caster.cpp.
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
@@ -27,14 +27,17 @@ inline void intersect(Query& query, RTCScene scene, const int* valid, RTCRayHit1
     query.intersect16(valid, scene, rays);
 }
 
-/// What all rays share.
+/// Sets the fields that are the same for all rays.
 template <class Packet>
 void set_common(Packet& packet) {
-    std::memset(packet.time, 0, sizeof packet.time), std::memset(packet.flags, 0, sizeof packet.flags);
-    std::memset(packet.mask, 0xff, sizeof packet.mask), std::memset(packet.id, 0, sizeof packet.id);
+    std::memset(packet.time, 0, sizeof packet.time);
+    std::memset(packet.flags, 0, sizeof packet.flags);
+    std::memset(packet.mask, 0xff, sizeof packet.mask);
+    std::memset(packet.id, 0, sizeof packet.id);
 }
 
-/// Nearest hits in packets of kWidth neighbours; `hit_of` makes a Hit of (geomID, instID, primID, u, v, t).
+/// Nearest hits in packets of kWidth consecutive rays. `hit_of` makes a Hit of (geomID, instID, primID, u,
+/// v, t).
 template <class Packet, int kWidth, class HitOf>
 void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits,
                      HitOf hit_of) {
@@ -45,10 +48,15 @@ void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, st
         const size_t n = std::min<size_t>(kWidth, rays.size() - first);
         for (size_t i = 0; i < kWidth; ++i) {
             const Ray& r = rays[first + std::min(i, n - 1)];
-            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval holds no hit
-            packet.ray.org_x[i] = r.o.x, packet.ray.org_y[i] = r.o.y, packet.ray.org_z[i] = r.o.z;
-            packet.ray.dir_x[i] = r.d.x, packet.ray.dir_y[i] = r.d.y, packet.ray.dir_z[i] = r.d.z;
-            packet.ray.tnear[i] = r.t_min, packet.ray.tfar[i] = r.t_max;
+            valid[i] = i < n && r.t_max > r.t_min ? -1 : 0;  // an empty interval contains no hit
+            packet.ray.org_x[i] = r.o.x;
+            packet.ray.org_y[i] = r.o.y;
+            packet.ray.org_z[i] = r.o.z;
+            packet.ray.dir_x[i] = r.d.x;
+            packet.ray.dir_y[i] = r.d.y;
+            packet.ray.dir_z[i] = r.d.z;
+            packet.ray.tnear[i] = r.t_min;
+            packet.ray.tfar[i] = r.t_max;
             packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         intersect(query, scene, valid, packet);
@@ -60,16 +68,20 @@ void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, st
     }
 }
 
-/// Lanes [first, first + width of Packet) of sixteen rays.
+/// Any hit for lanes [first, first + width of Packet) of sixteen rays.
 template <class Packet, int kWidth>
 uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPacket16& rays, int first) {
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     constexpr size_t kRow = sizeof(float) * kWidth;
-    std::memcpy(packet.org_x, rays.ox + first, kRow), std::memcpy(packet.org_y, rays.oy + first, kRow);
-    std::memcpy(packet.org_z, rays.oz + first, kRow), std::memcpy(packet.tnear, rays.t_min + first, kRow);
-    std::memcpy(packet.dir_x, rays.dx + first, kRow), std::memcpy(packet.dir_y, rays.dy + first, kRow);
-    std::memcpy(packet.dir_z, rays.dz + first, kRow), std::memcpy(packet.tfar, rays.t_max + first, kRow);
+    std::memcpy(packet.org_x, rays.ox + first, kRow);
+    std::memcpy(packet.org_y, rays.oy + first, kRow);
+    std::memcpy(packet.org_z, rays.oz + first, kRow);
+    std::memcpy(packet.tnear, rays.t_min + first, kRow);
+    std::memcpy(packet.dir_x, rays.dx + first, kRow);
+    std::memcpy(packet.dir_y, rays.dy + first, kRow);
+    std::memcpy(packet.dir_z, rays.dz + first, kRow);
+    std::memcpy(packet.tfar, rays.t_max + first, kRow);
     set_common(packet);
     for (int i = 0; i < kWidth; ++i) {
         // An empty interval cannot be occluded; Embree would report its negative tfar as a hit.
@@ -83,7 +95,7 @@ uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPa
     return occluded;
 }
 
-/// Which ray is asked as number i of a call.
+/// Index of the ray at position i of a call.
 struct AsGiven {
     size_t first;
     size_t operator()(size_t i) const { return first + i; }
@@ -93,7 +105,8 @@ struct Sorted {
     size_t operator()(size_t i) const { return order[i]; }
 };
 
-/// Packets of kWidth neighbours, filled straight from the arrays. The answer of ray k goes to occluded[k].
+/// Any hit in packets of kWidth consecutive rays, filled directly from the arrays. The answer for ray k is
+/// stored in occluded[k].
 template <class Packet, int kWidth, class Number>
 void occluded_packets(Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
                       uint8_t* occluded) {
@@ -106,15 +119,19 @@ void occluded_packets(Query& query, RTCScene scene, const RayArrays& rays, Numbe
             const size_t k = number(at + std::min(i, n - 1));
             const Vec3 o = rays.origin[k], d = rays.direction[k];
             const float t = rays.t_max[k * rays.t_stride];
-            const bool active =
-                i < n && t > 0 && !(d == Vec3{});  // a ray without direction has nowhere to go
+            const bool active = i < n && t > 0 && !(d == Vec3{});  // a ray with zero direction hits nothing
             valid[i] = active ? -1 : 0;
-            packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z, packet.tnear[i] = 0;
-            packet.dir_x[i] = d.x, packet.dir_y[i] = d.y, packet.dir_z[i] = d.z,
+            packet.org_x[i] = o.x;
+            packet.org_y[i] = o.y;
+            packet.org_z[i] = o.z;
+            packet.tnear[i] = 0;
+            packet.dir_x[i] = d.x;
+            packet.dir_y[i] = d.y;
+            packet.dir_z[i] = d.z;
             packet.tfar[i] = active ? t : kInfinity;
         }
         trace(query, scene, valid, packet);
-        // Where Embree splits wide packets it traces lanes that are off as well
+        // Where Embree splits wide packets, it also traces inactive lanes
         for (size_t i = 0; i < n; ++i) occluded[number(at + i)] = valid[i] && packet.tfar[i] < 0;
     }
 }
@@ -148,10 +165,14 @@ void occluded_by_plan(RTCScene scene, const RayArrays& rays, Number number, size
     }
 }
 
-/// Sends kWidth lanes along the axes at their sides; returns the lanes blocked. Origins are in the packet.
+/// Traces kWidth lanes along the axes on their sides; returns the blocked lanes. The packet already contains
+/// the origins.
 template <class Packet, int kWidth>
 uint32_t blocked_lanes(Query& query, RTCScene scene, Packet& packet, const int* valid, float t_max) {
-    for (int i = 0; i < kWidth; ++i) packet.tnear[i] = 0, packet.tfar[i] = t_max;
+    for (int i = 0; i < kWidth; ++i) {
+        packet.tnear[i] = 0;
+        packet.tfar[i] = t_max;
+    }
     trace(query, scene, valid, packet);
     uint32_t blocked = 0;
     for (int i = 0; i < kWidth; ++i) blocked |= uint32_t(packet.tfar[i] < 0) << i;
@@ -167,12 +188,15 @@ void trace_along(Query& query, RTCScene scene, const PointLanes& p, Vec3 axis, f
     set_common(packet);
     for (size_t at = 0; at < p.packets * 16; at += kWidth) {
         const uint32_t asked = uint32_t(p.asked[at / 16]) >> (at % 16);
-        std::memcpy(packet.org_x, p.x + at, kRow), std::memcpy(packet.org_y, p.y + at, kRow);
+        std::memcpy(packet.org_x, p.x + at, kRow);
+        std::memcpy(packet.org_y, p.y + at, kRow);
         std::memcpy(packet.org_z, p.z + at, kRow);
         for (int i = 0; i < kWidth; ++i) {
             const size_t k = at + size_t(i);
             const float side = axis.x * p.nx[k] + axis.y * p.ny[k] + axis.z * p.nz[k] >= 0 ? 1.f : -1.f;
-            packet.dir_x[i] = side * axis.x, packet.dir_y[i] = side * axis.y, packet.dir_z[i] = side * axis.z;
+            packet.dir_x[i] = side * axis.x;
+            packet.dir_y[i] = side * axis.y;
+            packet.dir_z[i] = side * axis.z;
             valid[i] = -int(asked >> i & 1);
         }
         const uint32_t found =
@@ -188,13 +212,19 @@ void trace_from(Query& query, RTCScene scene, Vec3 o, Vec3 n, const AxisLanes& a
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     set_common(packet);
-    for (int i = 0; i < kWidth; ++i) packet.org_x[i] = o.x, packet.org_y[i] = o.y, packet.org_z[i] = o.z;
+    for (int i = 0; i < kWidth; ++i) {
+        packet.org_x[i] = o.x;
+        packet.org_y[i] = o.y;
+        packet.org_z[i] = o.z;
+    }
     for (size_t at = 0; at < axes.count; at += kWidth) {
         for (int i = 0; i < kWidth; ++i) {
             const size_t k = at + size_t(i);
             const float x = axes.x[k], y = axes.y[k], z = axes.z[k];
             const float side = x * n.x + y * n.y + z * n.z >= 0 ? 1.f : -1.f;
-            packet.dir_x[i] = side * x, packet.dir_y[i] = side * y, packet.dir_z[i] = side * z;
+            packet.dir_x[i] = side * x;
+            packet.dir_y[i] = side * y;
+            packet.dir_z[i] = side * z;
             valid[i] = k < axes.count ? -1 : 0;
         }
         const size_t left = std::min<size_t>(kWidth, axes.count - at);

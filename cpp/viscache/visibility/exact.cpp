@@ -61,6 +61,11 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
             return rays;
         });
     }
+    if (log_)
+        for (uint32_t i = 0; i < wanted.rows(); ++i)
+            for_each_bit(wanted.row_span(i), [&](size_t k) {
+                log_->answered(i, uint32_t(k), {i * uint64_t(lights.count) + k, i, 0, true});
+            });
     GroupCounters& group = counters.group(lights.group);
     group.queries += asked, group.rays += asked, group.occluded += asked - count_bits(visible);
 }

@@ -24,6 +24,7 @@ public:
         : caster_(caster), extent_(extent), block_plan_(plans(order, flag), {}, 1024), pairs_flag_(flag) {}
 
     void begin_tile(const EyeBlock&) override {}
+    void log(QueryLog* log) override { log_ = log; }
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
@@ -50,6 +51,7 @@ private:
 
     const RayCaster& caster_;
     float extent_;
+    QueryLog* log_ = nullptr;
     Trial<Plan> block_plan_;
     CoherenceTrial pairs_flag_;
     // Of `pairs` and `samples`: the connections' direction bins, and their numbers sorted by bin

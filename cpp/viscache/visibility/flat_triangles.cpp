@@ -9,10 +9,14 @@ namespace viscache {
 
 namespace {
 
-/// Twice the area, squared, in double: edges of float corners are exact there, or nearly so.
+/// Compares the squared cross product of two edges with zero. In double, edges of float corners are exact or
+/// nearly so.
 bool has_area(const FlatTriangle& tri) {
     double e1[3], e2[3], sum = 0;
-    for (int i = 0; i < 3; ++i) e1[i] = double(tri.b[i]) - tri.a[i], e2[i] = double(tri.c[i]) - tri.a[i];
+    for (int i = 0; i < 3; ++i) {
+        e1[i] = double(tri.b[i]) - tri.a[i];
+        e2[i] = double(tri.c[i]) - tri.a[i];
+    }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         const double n = e1[j] * e2[k] - e1[k] * e2[j];
@@ -34,7 +38,8 @@ void add_mesh(FlatTriangles& flat, const Scene& scene, uint32_t index, uint32_t 
             ++flat.degenerate;
             continue;
         }
-        flat.triangles.push_back(tri), flat.sources.push_back({index, i, instance});
+        flat.triangles.push_back(tri);
+        flat.sources.push_back({index, i, instance});
         flat.bounds.add(tri.bounds());
     }
 }
@@ -52,7 +57,8 @@ FlatTriangles flat_triangles(const Scene& scene) {
         throw std::length_error("a flat list holds at most 2^32 - 2 placed triangles, the scene has " +
                                 std::to_string(count));
     FlatTriangles flat;
-    flat.triangles.reserve(count), flat.sources.reserve(count);
+    flat.triangles.reserve(count);
+    flat.sources.reserve(count);
     for (uint32_t m = 0; m < meshes.size(); ++m)
         if (meshes[m].in_world) add_mesh(flat, scene, m, kNoHit);
     for (uint32_t i = 0; i < instances.size(); ++i)

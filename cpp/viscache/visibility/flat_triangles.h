@@ -1,15 +1,15 @@
 #pragma once
-// Everything a scene places as one list of triangles in world space, for structures that know no instances.
+// All placed triangles of a scene as one list in world space, for structures without instances.
 #include <vector>
 
 #include "viscache/scene/scene.h"
 
 namespace viscache {
 
-/// Where a triangle of the list comes from, as `Hit` names it.
+/// Source of a triangle of the list, as in `Hit`.
 struct TriangleSource {
     uint32_t mesh, triangle;
-    uint32_t instance;  ///< kNoHit = not instanced
+    uint32_t instance;  ///< kNoHit: not instanced
 };
 
 struct FlatTriangle {
@@ -20,12 +20,12 @@ struct FlatTriangle {
 struct FlatTriangles {
     std::vector<FlatTriangle> triangles;
     std::vector<TriangleSource> sources;  ///< one per triangle
-    uint64_t degenerate = 0;              ///< triangles without area, left out: no ray can hit them
+    uint64_t degenerate = 0;              ///< triangles without area, left out because no ray can hit them
     Bounds bounds;
 };
 
 /// Triangles of the world's meshes in order (tessellated sphere lights last), then those of every instance,
-/// transformed as `Scene::surface` does. Throws std::length_error for 2^32 - 1 triangles or more.
+/// transformed as by `Scene::surface`. Throws std::length_error for 2^32 - 1 triangles or more.
 FlatTriangles flat_triangles(const Scene& scene);
 
 }  // namespace viscache

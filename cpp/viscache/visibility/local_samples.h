@@ -1,5 +1,5 @@
 #pragma once
-// Light samples that every eye point has for itself, those of many eye points at once.
+// Light samples that belong to single eye points, stored for many eye points at once.
 #include <cstdint>
 #include <vector>
 
@@ -7,35 +7,45 @@
 
 namespace viscache {
 
-/// Samples of one light group and semantic, eye point after eye point.
+/// Samples of one light group and semantic, one eye point after the other.
 struct LocalSamples {
     Semantic semantic = Semantic::kSolidAngle;
     int group = 0;
-    float t_max = kInfinity;            ///< how far directions look; unused for positions
-    std::vector<uint32_t> eye, end;     ///< the eye points, and where each one's samples end
+    float t_max = kInfinity;            ///< length of directional rays; unused for positions
+    std::vector<uint32_t> eye, end;     ///< the eye points, and the end of each one's samples
     std::vector<float> x, y, z;         ///< positions, or unit directions
-    std::vector<Vec3> normal, ray_end;  ///< of positions, as in ShadowQuery; empty for directions
+    std::vector<Vec3> normal, ray_end;  ///< for positions, as in ShadowQuery; empty for directions
     std::vector<float> density;         ///< D_l of all techniques together
-    /// D_l of light sampling alone: the same for every eye point.
+    /// D_l of light sampling alone; the same for every eye point.
     std::vector<float> light_density;
 
     size_t size() const { return x.size(); }
     bool is_direction() const { return viscache::is_direction(semantic); }
     size_t begin_of(size_t row) const { return row ? end[row - 1] : 0; }
     Vec3 far(size_t i) const { return {x[i], y[i], z[i]}; }
-    /// Where the ray of sample i points or ends.
+    /// Target of the ray of sample i: a direction or an end point.
     Vec3 target(size_t i) const { return is_direction() ? far(i) : ray_end[i]; }
 
     void clear() {
-        eye.clear(), end.clear(), x.clear(), y.clear(), z.clear(), normal.clear(), ray_end.clear(),
-            density.clear(), light_density.clear();
+        eye.clear();
+        end.clear();
+        x.clear();
+        y.clear();
+        z.clear();
+        normal.clear();
+        ray_end.clear();
+        density.clear();
+        light_density.clear();
     }
-    /// Another sample of the eye point that comes next.
+    /// Adds a sample of the current eye point.
     void add(Vec3 to, float all_techniques, float light_alone) {
-        x.push_back(to.x), y.push_back(to.y), z.push_back(to.z);
-        density.push_back(all_techniques), light_density.push_back(light_alone);
+        x.push_back(to.x);
+        y.push_back(to.y);
+        z.push_back(to.z);
+        density.push_back(all_techniques);
+        light_density.push_back(light_alone);
     }
-    // Many at once, without branches: room for n more, then each put or not, then trimmed.
+    // Branch-free insertion of many samples: make room for n, put or skip each one, then trim.
     void make_room(size_t n) {
         count_ = size();
         for (auto* v : {&x, &y, &z, &density, &light_density}) v->resize(count_ + n + 1);
@@ -43,31 +53,44 @@ struct LocalSamples {
     size_t room() const { return x.size(); }
     size_t next() const { return count_; }
     void put(Vec3 to, float all_techniques, float light_alone, bool keep) {
-        x[count_] = to.x, y[count_] = to.y, z[count_] = to.z;
-        density[count_] = all_techniques, light_density[count_] = light_alone;
+        x[count_] = to.x;
+        y[count_] = to.y;
+        z[count_] = to.z;
+        density[count_] = all_techniques;
+        light_density[count_] = light_alone;
         count_ += keep;
     }
     void trim() {
         for (auto* v : {&x, &y, &z, &density, &light_density}) v->resize(count_);
     }
-    /// The samples added since the last call are this eye point's.
-    void close(uint32_t eye_point) { eye.push_back(eye_point), end.push_back(uint32_t(size())); }
+    /// Assigns the samples added since the last call to this eye point.
+    void close(uint32_t eye_point) {
+        eye.push_back(eye_point);
+        end.push_back(uint32_t(size()));
+    }
 
     ShadowQuery query(uint32_t eye_point, size_t i) const {
         ShadowQuery q;
-        q.eye = eye_point, q.semantic = semantic, q.group = uint8_t(group), q.far = far(i);
-        if (!is_direction()) q.far_normal = normal[i], q.ray_end = ray_end[i];
-        q.density = density[i], q.t_max = t_max;
+        q.eye = eye_point;
+        q.semantic = semantic;
+        q.group = uint8_t(group);
+        q.far = far(i);
+        if (!is_direction()) {
+            q.far_normal = normal[i];
+            q.ray_end = ray_end[i];
+        }
+        q.density = density[i];
+        q.t_max = t_max;
         return q;
     }
-    /// The ray of sample i.
+    /// Ray of sample i.
     Ray ray(const EyeBlock& eyes, uint32_t eye_point, size_t i, float extent) const {
         if (is_direction()) return {eyes.origin[eye_point], 0, far(i), t_max};
         return segment_to_point(eyes.origin[eye_point], ray_end[i], extent);
     }
 
 private:
-    size_t count_ = 0;  ///< while there is room
+    size_t count_ = 0;  ///< number of samples while there is spare room
 };
 
 /// Calls visit(eye point, sample) for all samples.

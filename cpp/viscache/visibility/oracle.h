@@ -7,12 +7,14 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "viscache/math/bits.h"
 #include "viscache/math/parallel.h"
 #include "viscache/math/vec.h"
 #include "viscache/visibility/counters.h"
+#include "viscache/visibility/query_log.h"
 
 namespace viscache {
 
@@ -28,6 +30,7 @@ struct EyeBlock {
     std::vector<float> density;              ///< D_e = N_S·P_e: eye samples per unit area at the point
     std::vector<uint32_t> order_x, order_y;  ///< sample position inside the tile, for Halton–Morton order
     uint32_t tile_width = 0, tile_height = 0;  ///< extent of order_x, order_y
+    size_t tile = 0;                           ///< number of the tile in its frame
     size_t size() const { return position.size(); }
     void clear() {
         position.clear(), normal.clear(), origin.clear(), density.clear(), order_x.clear(), order_y.clear();
@@ -76,6 +79,8 @@ public:
     /// Row i gets the bits of the columns whose contribution to the eye point is at most shares[i] times the
     /// mean of its positive ones.
     virtual void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const = 0;
+    /// What each column brings to the eye point's pixel; nothing where that is not known.
+    virtual void values(uint32_t /*eye*/, std::span<Rgb> /*columns*/) const {}
 };
 
 class VisibilityOracle {
@@ -83,6 +88,13 @@ public:
     virtual ~VisibilityOracle() = default;
     /// Says what the columns of the next `block` are worth, or nullptr. An oracle may spend rays by it.
     virtual void weigh(const Contributions*) {}
+    /// Says what each of the next `samples` brings unoccluded.
+    virtual void weigh_samples(std::span<const Rgb>) {}
+    /// The next blocks tell `log` who answered each query, or nobody where it is nullptr. Throws
+    /// std::invalid_argument where an oracle cannot tell.
+    virtual void log(QueryLog* log) {
+        if (log) throw std::invalid_argument("this oracle cannot tell who answered a query");
+    }
     /// Long calls end with `Cancelled` soon after this says so. `control` must outlive the oracle.
     virtual void watch(const Control& control) { control_ = &control; }
     /// Forgets the tile before and learns the eye points of the next one.

@@ -1,5 +1,5 @@
 #pragma once
-// Rays as a caller's arrays, and how they are handed on.
+// Rays in a caller's arrays, and the way in which they are traced.
 #include <cstddef>
 #include <cstdint>
 
@@ -13,25 +13,26 @@ struct RayArrays {
     const Vec3* origin;
     const Vec3* direction;
     const float* t_max;
-    size_t t_stride;  ///< 0: one t_max for all
+    size_t t_stride;  ///< 0: one t_max for all rays
 };
 
-/// Points with normals side by side, in packets of 16; lanes that are not asked must be finite all the same.
+/// Points with normals as arrays, in packets of 16. Lanes that are not requested must be finite too.
 struct PointLanes {
     const float *x, *y, *z, *nx, *ny, *nz;
-    const uint16_t* asked;  ///< lanes, per packet
+    const uint16_t* asked;  ///< mask of requested lanes for each packet
     size_t packets;
 };
 
-/// Axes side by side, unit; `padded` is a multiple of 16, those past `count` are copies of others.
+/// Unit axes as arrays. `padded` is a multiple of 16; axes past `count` are copies of others.
 struct AxisLanes {
     const float *x, *y, *z;
     size_t count, padded;
 };
 
-/// How rays are handed to Embree. Speed only: in robust scenes every plan gives the same answers.
+/// How rays are passed to Embree. Affects speed only: in robust scenes every plan gives the same answers.
 struct PacketPlan {
-    int width = 8;  ///< 1, 4, 8 or 16; coherent packets of 16 in scenes with instances go as packets of 8
+    int width =
+        8;  ///< 1, 4, 8 or 16; in scenes with instances, coherent packets of 16 are traced as packets of 8
     Coherence coherence = Coherence::kIncoherent;
 };
 

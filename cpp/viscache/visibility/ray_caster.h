@@ -1,5 +1,5 @@
 #pragma once
-// The seam for "which rays hit, and where?". Exact up to float.
+// The interface for the question "which rays hit, and where?". Exact up to float rounding.
 #include <cstdint>
 #include <span>
 
@@ -7,29 +7,29 @@
 
 namespace viscache {
 
-/// Sixteen rays side by side; lanes outside the mask of a call are ignored but must be finite.
+/// Sixteen rays as arrays. Lanes outside the mask of a call are ignored but must be finite.
 struct alignas(64) RayPacket16 {
     float ox[16], oy[16], oz[16], t_min[16];
     float dx[16], dy[16], dz[16], t_max[16];
 };
 
-/// Neighbouring rays that start near each other and end near each other may ask for coherent traversal. It
-/// changes no answer, but of several hits at one distance the nearest may be another.
+/// Coherent traversal suits consecutive rays with similar origins and ends. It does not change answers,
+/// except that of several hits at equal distance another one may be the nearest.
 enum class Coherence { kIncoherent, kCoherent };
 
 constexpr uint32_t kNoHit = 0xffffffffu;
 
 struct Hit {
     float t = kInfinity;
-    uint32_t mesh = kNoHit;      ///< index into Scene's meshes; kNoHit = nothing hit
+    uint32_t mesh = kNoHit;      ///< index into the meshes of the Scene; kNoHit: no hit
     uint32_t triangle = kNoHit;  ///< index inside that mesh
-    uint32_t instance = kNoHit;  ///< kNoHit = not instanced
-    float u = 0, v = 0;          ///< barycentrics of vertices 1 and 2
+    uint32_t instance = kNoHit;  ///< kNoHit: not instanced
+    float u = 0, v = 0;          ///< barycentric coordinates of vertices 1 and 2
     bool valid() const { return mesh != kNoHit; }
 };
 
-/// Rays handed in must be finite, with components below kMaxCoordinate in size and t_min >= 0
-/// (`check_rays` tests user input); everything built from a Scene satisfies that.
+/// Rays must be finite, with components below kMaxCoordinate in size and t_min >= 0 (`check_rays` tests user
+/// input). Everything built from a Scene satisfies this.
 class RayCaster {
 public:
     virtual ~RayCaster() = default;
@@ -37,7 +37,7 @@ public:
     virtual void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const = 0;
     /// Any hit: sets occluded[i] to 1 or 0.
     virtual void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const = 0;
-    /// Any hit of the lanes in `mask`; returns the mask of occluded lanes. `rays` may be overwritten.
+    /// Any hit of the lanes in `mask`. Returns the mask of occluded lanes. `rays` may be overwritten.
     virtual uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const = 0;
 };
 

@@ -7,17 +7,17 @@ namespace viscache {
 
 namespace {
 
-// Classes: cell of the origin × bin of the direction. Measured on hemisphere, short and point-to-point rays:
-// 512 cells × 64 directions trace fastest, by little.
-constexpr uint32_t kEdge = 8;                    // along each axis of either grid
+// A class is a cell of the origin × a bin of the direction. Measured on hemisphere, short and point-to-point
+// rays: 512 cells × 64 directions are fastest, by a small margin.
+constexpr uint32_t kEdge = 8;                    // along each axis of both grids
 constexpr uint32_t kDirections = kEdge * kEdge;  // bins of the octahedral square
 constexpr uint32_t kClasses = kEdge * kEdge * kEdge * kDirections;
-constexpr size_t kBoxStride = 16;  // a sample of the origins is enough to find their box
-constexpr uint32_t kSpread3[kEdge] = {0, 1, 8, 9, 64, 65, 72, 73};  // bits of a Morton code in space
+constexpr size_t kBoxStride = 16;  // a sample of the origins suffices for their bounding box
+constexpr uint32_t kSpread3[kEdge] = {0, 1, 8, 9, 64, 65, 72, 73};  // Morton code bits in three dimensions
 
 uint32_t step(float v) { return uint32_t(std::max(0.f, std::min(v, kEdge - 1.f))); }
 
-/// Cells of a box, numbered along a Morton curve; points outside belong to the nearest.
+/// Cells of a box, numbered along a Morton curve. Points outside belong to the nearest cell.
 struct OriginCells {
     Vec3 lo, scale;
 

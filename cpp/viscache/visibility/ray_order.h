@@ -1,6 +1,6 @@
 #pragma once
-// An order of rays in which neighbours start near each other and go the same way, so that packets of
-// neighbours walk the same part of the scene. Speed only.
+// Sorts rays so that consecutive rays have similar origins and directions and their packets traverse the
+// same part of the scene. Affects speed only.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,15 +9,16 @@
 
 namespace viscache {
 
-/// Sorts blocks of rays; keeps its memory from block to block.
+/// Sorts blocks of rays; reuses its memory from block to block.
 class RayOrder {
 public:
-    /// Looks at rays [first, first + count): which class each belongs to.
+    /// Computes the class of each of the rays [first, first + count).
     void classify(const RayArrays& rays, size_t first, size_t count);
-    /// Share of the classified rays that belong to the class of the ray before them. Rays of neighbouring
-    /// pixels come near 1; rays in no order near 0.
+    /// Fraction of the classified rays in the same class as the ray before them. Near 1 for rays of
+    /// neighbouring pixels, near 0 for rays in no order.
     double share_in_order() const;
-    /// Numbers of the classified rays, class by class, as given inside a class. Valid until the next call.
+    /// Indices of the classified rays, class by class; the order within a class is kept. Valid until the
+    /// next call.
     std::span<const uint32_t> sort();
 
 private:

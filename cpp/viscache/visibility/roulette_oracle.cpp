@@ -1,8 +1,6 @@
 #include "viscache/visibility/roulette_oracle.h"
 
-#include <bit>
-
-#include "viscache/sampling/rng.h"
+#include "viscache/sampling/point_key.h"
 
 namespace viscache {
 
@@ -25,11 +23,6 @@ inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
     x ^= high;
     x ^= x >> 15, x *= 0x846CA68Bu;
     return x ^ (x >> 16);
-}
-
-uint64_t mix_point(uint64_t key, Vec3 p) {
-    key = mix64(key ^ (uint64_t(std::bit_cast<uint32_t>(p.x)) << 32 | std::bit_cast<uint32_t>(p.y)));
-    return mix64(key ^ std::bit_cast<uint32_t>(p.z));
 }
 
 }  // namespace

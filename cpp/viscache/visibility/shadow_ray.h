@@ -1,9 +1,9 @@
 #pragma once
-// The ray that answers one connection: one home for the exact oracle and for every cache, because a cache
-// with cells small enough must give the exact image bit for bit.
+// The ray that answers one connection. The exact oracle and all caches share this definition, because a
+// cache with sufficiently small cells must give the exact image bit for bit.
 //
-// Segments (points, surfaces) run from the spawned origin with d = end − origin over t in
-// [0, 1 − min(1, spawn_offset(end) / |d|)]; directions run to t_max. The 16-wide forms compute the same
+// Segments (to points and surfaces) start at the spawned origin with d = end − origin and t in [0, 1 −
+// min(1, spawn_offset(end) / |d|)]. Directional rays extend to t_max. The 16-wide forms compute the same
 // floats in the same order as the scalar ones.
 #include "viscache/visibility/oracle.h"
 #include "viscache/visibility/query.h"
@@ -26,26 +26,37 @@ inline Ray shadow_ray(const EyeBlock& eyes, const ShadowQuery& q, float extent) 
     return segment_to_point(eyes.origin[q.eye], q.ray_end, extent);
 }
 
-/// True if rays may start, end or point there; connections with other ends are never traced and count as
+/// True if rays may start, end or point there. Connections with other ends are never traced; they count as
 /// bypassed.
 inline bool is_traceable(Vec3 p) { return is_finite(p) && max_abs(p) <= kMaxCoordinate; }
 
-/// Puts one ray into a lane of a packet.
+/// Stores one ray in a lane of a packet.
 inline void set_lane(RayPacket16& packet, int lane, const Ray& r) {
-    packet.ox[lane] = r.o.x, packet.oy[lane] = r.o.y, packet.oz[lane] = r.o.z, packet.t_min[lane] = r.t_min;
-    packet.dx[lane] = r.d.x, packet.dy[lane] = r.d.y, packet.dz[lane] = r.d.z, packet.t_max[lane] = r.t_max;
+    packet.ox[lane] = r.o.x;
+    packet.oy[lane] = r.o.y;
+    packet.oz[lane] = r.o.z;
+    packet.t_min[lane] = r.t_min;
+    packet.dx[lane] = r.d.x;
+    packet.dy[lane] = r.d.y;
+    packet.dz[lane] = r.d.z;
+    packet.t_max[lane] = r.t_max;
 }
 
-/// Fills the lanes a partial packet does not use with copies of its first lane: they must be finite.
+/// Fills the unused lanes of a partial packet with copies of its first lane, because they must be finite.
 inline void pad_lanes(RayPacket16& packet, int used) {
     for (int i = used; i < 16; ++i) {
-        packet.ox[i] = packet.ox[0], packet.oy[i] = packet.oy[0], packet.oz[i] = packet.oz[0];
-        packet.dx[i] = packet.dx[0], packet.dy[i] = packet.dy[0], packet.dz[i] = packet.dz[0];
-        packet.t_min[i] = packet.t_min[0], packet.t_max[i] = packet.t_max[0];
+        packet.ox[i] = packet.ox[0];
+        packet.oy[i] = packet.oy[0];
+        packet.oz[i] = packet.oz[0];
+        packet.dx[i] = packet.dx[0];
+        packet.dy[i] = packet.dy[0];
+        packet.dz[i] = packet.dz[0];
+        packet.t_min[i] = packet.t_min[0];
+        packet.t_max[i] = packet.t_max[0];
     }
 }
 
-/// Turns 16 ends, handed over in (dx, dy, dz), into the rays that `segment_to_point` gives.
+/// Converts 16 end points, stored in (dx, dy, dz), to the rays that `segment_to_point` gives.
 inline void aim_at_points16(RayPacket16& packet, float extent) {
     for (int i = 0; i < 16; ++i) {
         const float ax = std::fabs(packet.dx[i]), ay = std::fabs(packet.dy[i]), az = std::fabs(packet.dz[i]);
@@ -56,17 +67,23 @@ inline void aim_at_points16(RayPacket16& packet, float extent) {
         const float dy = packet.dy[i] - packet.oy[i];
         const float dz = packet.dz[i] - packet.oz[i];
         const float relative = kOffsetUlps * kUlp * size / std::sqrt(dx * dx + dy * dy + dz * dz);
-        packet.dx[i] = dx, packet.dy[i] = dy, packet.dz[i] = dz;
-        packet.t_min[i] = 0, packet.t_max[i] = 1.f - (relative < 1.f ? relative : 1.f);
+        packet.dx[i] = dx;
+        packet.dy[i] = dy;
+        packet.dz[i] = dz;
+        packet.t_min[i] = 0;
+        packet.t_max[i] = 1.f - (relative < 1.f ? relative : 1.f);
     }
 }
 
-/// Makes 16 directions in (dx, dy, dz) rays of length t_max.
+/// Converts 16 directions in (dx, dy, dz) to rays of length t_max.
 inline void aim_along16(RayPacket16& packet, float t_max) {
-    for (int i = 0; i < 16; ++i) packet.t_min[i] = 0, packet.t_max[i] = t_max;
+    for (int i = 0; i < 16; ++i) {
+        packet.t_min[i] = 0;
+        packet.t_max[i] = t_max;
+    }
 }
 
-/// Either of the two, by the far ends' semantic.
+/// One of the two, by the semantic of the far ends.
 inline void aim16(RayPacket16& packet, const FarEnds& lights, float extent) {
     if (is_direction(lights.semantic))
         aim_along16(packet, lights.t_max);

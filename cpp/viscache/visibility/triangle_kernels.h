@@ -1,7 +1,7 @@
 #pragma once
-// One ray against one triangle: the record of Wald's thesis, which the paper's tracers share, and a
-// watertight test. Both find hits with t_min < t <= limit; `NearestHit` and callers of any-hit rays exclude
-// t_max itself.
+// Intersection of one ray with one triangle: the layout of Wald's thesis, which the tracers of the paper
+// share, and a watertight test. Both find hits with t_min < t <= limit; `NearestHit` and callers of any-hit
+// rays exclude t_max itself.
 #include <array>
 #include <cstdint>
 
@@ -10,7 +10,7 @@
 
 namespace viscache {
 
-/// One coordinate by a number known at run time only.
+/// One coordinate, selected at run time.
 inline float component(const Vec3& v, uint32_t axis) {
     static_assert(sizeof(Vec3) == 3 * sizeof(float));
     return reinterpret_cast<const float*>(&v)[axis];
@@ -18,41 +18,46 @@ inline float component(const Vec3& v, uint32_t axis) {
 
 enum class TriangleKernel {
     kWatertight,  ///< no ray passes between two triangles that share an edge
-    kWald,        ///< the paper's: fewer operations, may lose a ray in a million at an edge
+    kWald,        ///< as in the paper: fewer operations, may miss one ray in a million at an edge
 };
 
-/// Where a ray meets a triangle: u and v are the barycentrics of vertices 1 and 2.
+/// A hit; u and v are the barycentric coordinates of vertices 1 and 2.
 struct TriangleHit {
     float t = kInfinity, u = 0, v = 0;
 };
 
-/// The nearest of the hits offered, whatever their order: the lowest id where several lie at one t. Begins
-/// with the end of the ray, which is no hit itself.
+/// The nearest of all hits offered, in any order. Of hits at the same t, the lowest id wins. Starts with the
+/// end of the ray, which is not a hit itself.
 struct NearestHit {
     float t;
     uint32_t id = kNoHit;
     float u = 0, v = 0;
 
-    /// False where the hit changes nothing.
+    /// Returns false if the hit changes nothing.
     bool nearer(const TriangleHit& hit, uint32_t other) const {
         return hit.t < t || (hit.t == t && id != kNoHit && other < id);
     }
-    void take(const TriangleHit& hit, uint32_t other) { t = hit.t, id = other, u = hit.u, v = hit.v; }
+    void take(const TriangleHit& hit, uint32_t other) {
+        t = hit.t;
+        id = other;
+        u = hit.u;
+        v = hit.v;
+    }
 };
 
-/// 48 bytes: the plane divided by the normal's dominant component, and two barycentrics as linear functions
-/// of the hit's other two coordinates [Wald, PhD thesis 2004, 7.1].
+/// 48 bytes: the plane divided by the dominant component of the normal, and two barycentric coordinates as
+/// linear functions of the other two coordinates of the hit [Wald, PhD thesis 2004, 7.1].
 struct WaldTriangle {
     float n_u, n_v, n_d;
-    uint32_t axis;        ///< the dominant one; u and v are the two after it, cyclically
-    float b_u, b_v, b_d;  ///< barycentric of vertex 1
+    uint32_t axis;        ///< dominant axis; u and v are the next two, cyclically
+    float b_u, b_v, b_d;  ///< barycentric coordinate of vertex 1
     uint32_t id;
-    float c_u, c_v, c_d;  ///< barycentric of vertex 2
+    float c_u, c_v, c_d;  ///< barycentric coordinate of vertex 2
     uint32_t unused;
 };
 static_assert(sizeof(WaldTriangle) == 48);
 
-/// The record of a triangle, computed in double; one without area is never hit.
+/// Data of a triangle, computed in double. A triangle without area is never hit.
 WaldTriangle wald_triangle(Vec3 a, Vec3 b, Vec3 c, uint32_t id);
 
 inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit, TriangleHit& hit) {
@@ -72,17 +77,17 @@ inline bool intersect_wald(const WaldTriangle& tri, const Ray& ray, float limit,
     return true;
 }
 
-/// What the watertight test needs to know of a ray: its direction sheared to the axis it follows most
-/// [Woop, Benthin, Wald 2013].
+/// Data of a ray for the watertight test: the ray sheared along its dominant axis [Woop, Benthin, Wald
+/// 2013].
 struct ShearedRay {
     float o_x, o_y, o_z, t_min;  ///< in the order of the axes below
     float s_x, s_y, s_z;
-    uint32_t x, y, z;  ///< which axes; z is the one of the largest component, x and y keep the winding
+    uint32_t x, y, z;  ///< axis indices; z is the dominant axis, x and y keep the winding
 
     explicit ShearedRay(const Ray& ray);
 };
 
-/// Corners of a triangle, 48 bytes as well.
+/// Corners of a triangle; also 48 bytes.
 struct WatertightTriangle {
     Vec3 a, b, c;
     uint32_t id;
@@ -90,13 +95,14 @@ struct WatertightTriangle {
 };
 static_assert(sizeof(WatertightTriangle) == 48);
 
-/// The test in double, for rays that meet an edge within rounding and for triangles whose products leave
-/// single precision. From the corners as sheared in single precision, so that neighbours still agree.
+/// The test in double, for rays within rounding error of an edge and for triangles whose products leave
+/// single precision. It uses the corners as sheared in single precision, so that neighbouring triangles
+/// agree.
 bool intersect_watertight_in_double(const std::array<float, 9>& sheared, const ShearedRay& ray, float limit,
                                     TriangleHit& hit);
 
-/// Neighbours compute the edge they share from the same two corners by products that differ in sign alone
-/// (floating-point contraction is off), so a ray cannot lie outside of both.
+/// Neighbouring triangles compute a shared edge from the same two corners with products that differ only in
+/// sign (floating-point contraction is off), so a ray cannot lie outside both.
 inline bool intersect_watertight(const WatertightTriangle& tri, const ShearedRay& ray, float limit,
                                  TriangleHit& hit) {
     const float az = component(tri.a, ray.z) - ray.o_z, bz = component(tri.b, ray.z) - ray.o_z,
@@ -109,7 +115,7 @@ inline bool intersect_watertight(const WatertightTriangle& tri, const ShearedRay
                 cy = component(tri.c, ray.y) - ray.o_y - ray.s_y * cz;
     const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
     const float det = u + v + w;
-    // Products below this may have lost digits to underflow
+    // Smaller products may have lost digits to underflow
     constexpr float kSmall = 1e-30f;
     if (u == 0 || v == 0 || w == 0 || !(std::fabs(det) > kSmall))
         return intersect_watertight_in_double({ax, ay, az, bx, by, bz, cx, cy, cz}, ray, limit, hit);

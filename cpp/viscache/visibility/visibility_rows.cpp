@@ -11,7 +11,8 @@ namespace {
 constexpr size_t kPointsPerBlock = 256, kFewestPointsPerBlock = 4;
 constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
 
-/// Bits of the directions above the plane with normal n. Padding columns are zero vectors: never above.
+/// Bits of the directions above the plane with normal n. Padding columns are zero vectors and never above
+/// it.
 void upper_hemisphere(const FarEnds& sky, Vec3 n, std::span<Word> row) {
     for (size_t w = 0; w < row.size(); ++w) {
         uint8_t above[kWordBits];
@@ -30,12 +31,18 @@ FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
     FarEnds sky;
     sky.semantic = Semantic::kDirection;
     sky.group = int(LightGroup::kAmbient);
-    sky.count = directions.size(), sky.t_max = t_max;
+    sky.count = directions.size();
+    sky.t_max = t_max;
     for (auto* v : {&sky.x, &sky.y, &sky.z, &sky.nx, &sky.ny, &sky.nz, &sky.density})
         v->resize(row_words_for(sky.count) * kWordBits);
-    for (size_t k = 0; k < sky.count; ++k)
-        sky.x[k] = directions[k].x, sky.y[k] = directions[k].y, sky.z[k] = directions[k].z;
-    sky.tx = sky.x, sky.ty = sky.y, sky.tz = sky.z;
+    for (size_t k = 0; k < sky.count; ++k) {
+        sky.x[k] = directions[k].x;
+        sky.y[k] = directions[k].y;
+        sky.z[k] = directions[k].z;
+    }
+    sky.tx = sky.x;
+    sky.ty = sky.y;
+    sky.tz = sky.z;
     return sky;
 }
 
@@ -45,7 +52,8 @@ void RowBlock::fill(const RowInput& input, const FarEnds& sky, std::span<const u
     wanted.reset(points.size(), sky.count);
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec3 position = input.position[points[i]], normal = input.normal[points[i]];
-        eyes.position.push_back(position), eyes.normal.push_back(normal);
+        eyes.position.push_back(position);
+        eyes.normal.push_back(normal);
         eyes.origin.push_back(spawn(position, normal, extent));
         upper_hemisphere(sky, normal, wanted.row_span(i));
     }
@@ -53,7 +61,7 @@ void RowBlock::fill(const RowInput& input, const FarEnds& sky, std::span<const u
 
 namespace {
 
-/// What one thread needs.
+/// State of one thread.
 class Worker {
 public:
     Worker(const RayCaster& caster, float extent, const FarEnds& sky, std::optional<PacketOrder> order,
@@ -63,9 +71,10 @@ public:
           by_light_(caster, extent, PacketOrder::kByLight),
           by_pixel_(caster, extent, PacketOrder::kByPixel),
           order_({PacketOrder::kByLight, PacketOrder::kByPixel}, order, kTrialPeriod) {
-        by_light_.watch(control), by_pixel_.watch(control);
+        by_light_.watch(control);
+        by_pixel_.watch(control);
     }
-    /// The rows of some points, near each other; row i is that of points[i].
+    /// The rows of some neighbouring points; row i is that of points[i].
     const BitMatrix& rows(const RowInput& input, std::span<const uint32_t> points) {
         block_.fill(input, sky_, points, extent_);
         visible_.reset(points.size(), sky_.count);
@@ -97,7 +106,7 @@ uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& 
                          std::atomic<uint64_t>* done) {
     const FarEnds sky = far_ends(input.direction, input.t_max);
     const size_t words = row_words_for(sky.count), n = input.position.size();
-    // Neighbours in space share packets, whatever the order of the rows
+    // Spatial neighbours share packets, regardless of the order of the rows
     const std::vector<uint32_t> along = morton_order(input.position);
     threads = resolve_threads(threads);
     const size_t share = (n + size_t(threads) - 1) / size_t(threads);

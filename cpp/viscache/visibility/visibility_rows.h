@@ -1,5 +1,5 @@
 #pragma once
-// Which of a fixed set of directions are free at each point: rows of bits.
+// Rows of bits: which of a fixed set of directions are free at each point.
 #include <optional>
 #include <span>
 
@@ -13,25 +13,26 @@ namespace viscache {
 
 struct RowInput {
     std::span<const Vec3> position;   ///< on surfaces
-    std::span<const Vec3> normal;     ///< unit, one per position
-    std::span<const Vec3> direction;  ///< unit, the same for all points
-    float t_max = kInfinity;          ///< how far they look
+    std::span<const Vec3> normal;     ///< unit vectors, one per position
+    std::span<const Vec3> direction;  ///< unit vectors, the same for all points
+    float t_max = kInfinity;          ///< length of the rays
 };
 
 /// The directions as the far ends of a block.
 FarEnds far_ends(std::span<const Vec3> directions, float t_max);
 
-/// Some points and the directions above their planes, ready for an oracle.
+/// Some points and the directions above their tangent planes, ready for an oracle.
 struct RowBlock {
     EyeBlock eyes;
     BitMatrix wanted;
     void fill(const RowInput& input, const FarEnds& sky, std::span<const uint32_t> points, float extent);
 };
 
-/// [VisMap Eq. 7] V(x, ω) over the whole sphere: bit k of row i is 1 if direction k lies above the plane of
-/// point i and its ray hits nothing; the lower hemisphere is 0 by definition and costs no ray. `rows` has
-/// row_words_for(directions) words a point; padding bits become 0. Packet order changes no bit; without one,
-/// each thread finds the faster. `done` counts the points on the way. Returns the number of rays.
+/// [VisMap Eq. 7] V(x, ω) over the whole sphere: bit k of row i is 1 if direction k lies above the tangent
+/// plane of point i and its ray hits nothing. The lower hemisphere is 0 by definition and costs no rays.
+/// `rows` has row_words_for(directions) words per point; padding bits are set to 0. The packet order changes
+/// no bits; without one, each thread measures which is faster. `done` counts finished points. Returns the
+/// number of rays.
 uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& input, std::span<Word> rows,
                          std::optional<PacketOrder> order, int threads, const Control& control,
                          std::atomic<uint64_t>* done = nullptr);

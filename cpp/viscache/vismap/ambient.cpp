@@ -20,11 +20,13 @@ AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const
             weight *= double(
                 normalized(float(d) / point.d_max, normal_angle(point.normal, f.point->normal)) *
                 geometric_weight(point.normal, f.point->position - point.position, float(d), point.d_max));
-        sum += weight * double(cache.records().ambient(f.id()).visibility), total += weight;
+        sum += weight * double(cache.records().ambient(f.id()).visibility);
+        total += weight;
     }
     AmbientShade shade;
     if (!(total > 0)) return shade;
-    shade.visibility = float(sum / total), shade.records = int(found.size());
+    shade.visibility = float(sum / total);
+    shade.records = int(found.size());
     shade.jump = int(found.size()) == p.m_nearest ? float(gaussian) : 0.f;
     return shade;
 }

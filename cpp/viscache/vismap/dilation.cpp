@@ -51,7 +51,7 @@ void grow(int map_log2, const Word* bits, Word* grown) {
 void any_of_four(int map_log2, const Word* bits, Word* coarse) {
     std::memset(coarse, 0, map_words(map_log2 - 1) * sizeof(Word));
     for (size_t w = 0; w < map_words(map_log2); ++w) {
-        // Any of each four bits onto the lowest of them, then sixteen of those side by side
+        // OR every four bits into the lowest of them, then pack sixteen results together
         Word any = bits[w] | bits[w] >> 1;
         any = (any | any >> 2) & 0x1111111111111111ull;
         any = (any | any >> 3) & 0x0303030303030303ull;

@@ -1,5 +1,5 @@
 #pragma once
-// Maps grown over their neighbours: they shape the density of guided sampling, and nothing else.
+// Dilation of maps. Dilated maps are only used for the density of guided sampling.
 #include "viscache/vismap/record.h"
 
 namespace viscache {
@@ -9,14 +9,14 @@ constexpr int kMostDilations = 3;
 constexpr int dilated_log2(int m, int level) { return m - level + 1; }
 constexpr size_t dilated_words(int m, int level) { return map_words(dilated_log2(m, level)); }
 
-/// Every set cell with its eight neighbours, in Z order; across the border of the square these are the ones
-/// on the sphere.
+/// Dilates a map by one cell in all eight directions, in Z order. Across the border of the square,
+/// neighbours are those on the sphere.
 void grow(int map_log2, const Word* bits, Word* grown);
-/// Cells of which any of the four children is set; map_log2 is that of `bits`.
+/// Sets the cells of which any of the four children is set; map_log2 is that of `bits`.
 void any_of_four(int map_log2, const Word* bits, Word* coarse);
 
-/// V^level, level = 1 to dilations(m): any on blocks of 2^(level − 1) cells along an edge, then grown.
-/// V ⊆ V¹ ⊆ V² ⊆ V³ as sets of directions.
+/// V^level, level = 1 to dilations(m): OR over blocks of 2^(level − 1) cells along an edge, then dilated. V
+/// ⊆ V¹ ⊆ V² ⊆ V³ as sets of directions.
 void dilate(int m, const Word* bits, int level, Word* dilated);
 
 }  // namespace viscache

@@ -12,7 +12,7 @@ namespace {
 
 using Levels = std::vector<std::vector<double>>;
 
-/// The levels above the last one: every node is the sum of its four children.
+/// Computes the levels above the last one: every node is the sum of its four children.
 void sum_up(Levels& levels) {
     for (size_t l = levels.size() - 1; l-- > 0;) {
         levels[l].resize(size_t{1} << (2 * l));
@@ -38,8 +38,13 @@ EnvironmentPyramid::EnvironmentPyramid(std::span<const Rgb> pixels, int resoluti
     const int repeat = levels_ - own;
     const size_t texels = size_t{1} << (2 * levels_), deepest = size_t{1} << (2 * kColourLevel);
     const double solid_angle = 4 * M_PI / double(texels);
-    radiance_.resize(texels), sums_.resize(size_t(levels_) + 1), sums_.back().resize(texels);
-    for (auto& channel : colour_) channel.resize(kColourLevel + 1), channel.back().resize(deepest);
+    radiance_.resize(texels);
+    sums_.resize(size_t(levels_) + 1);
+    sums_.back().resize(texels);
+    for (auto& channel : colour_) {
+        channel.resize(kColourLevel + 1);
+        channel.back().resize(deepest);
+    }
     const size_t per_node = texels / deepest;
     for (size_t node = 0; node < deepest; ++node) {
         double r = 0, g = 0, b = 0;
@@ -52,9 +57,12 @@ EnvironmentPyramid::EnvironmentPyramid(std::span<const Rgb> pixels, int resoluti
                                             std::to_string(c.z) + ") in row " + std::to_string(y) +
                                             ", column " + std::to_string(x));
             sums_.back()[z] = luminance_in_double(c) * solid_angle;
-            r += c.x, g += c.y, b += c.z;
+            r += c.x;
+            g += c.y;
+            b += c.z;
         }
-        colour_[0].back()[node] = r * solid_angle, colour_[1].back()[node] = g * solid_angle;
+        colour_[0].back()[node] = r * solid_angle;
+        colour_[1].back()[node] = g * solid_angle;
         colour_[2].back()[node] = b * solid_angle;
     }
     sum_up(sums_);

@@ -1,5 +1,5 @@
 #pragma once
-// Environment light as quadtrees of sums over the equal-area map, along the Morton curve.
+// Quadtrees of sums of the environment light over the equal-area map, along the Morton curve.
 #include <array>
 #include <span>
 #include <vector>
@@ -8,16 +8,17 @@
 
 namespace viscache {
 
-/// Sums of λ = luminance × solid angle, in double: a sky beside a sun of 10⁶ keeps its digits. Level l has
-/// 4^l nodes, level 0 is the root; the children of node z are nodes 4z … 4z + 3 of the next level. Texels are
-/// the nodes of level `levels()`; maps of less than 128 × 128 texels are repeated to that size.
+/// Sums of λ = luminance × solid angle, in double, so that a sky stays accurate next to a sun of 10⁶. Level
+/// l has 4^l nodes; level 0 is the root; the children of node z are nodes 4z … 4z + 3 of the next level. The
+/// nodes of level `levels()` are texels. Maps of less than 128 × 128 texels are upsampled to that size by
+/// repetition.
 class EnvironmentPyramid {
 public:
     static constexpr int kLeastLevels = 7;
     static constexpr int kColourLevel = 7;  ///< deepest level with sums per channel
 
     explicit EnvironmentPyramid(const EnvironmentMap& map);
-    /// resolution × resolution pixels, row by row; a power of two in [1, 4096].
+    /// resolution × resolution pixels, row by row; the resolution is a power of two in [1, 4096].
     EnvironmentPyramid(std::span<const Rgb> pixels, int resolution);
 
     int levels() const { return levels_; }

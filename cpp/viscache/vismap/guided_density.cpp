@@ -13,7 +13,8 @@ bool shape_density(const ProductTree& tree, const MapIntegrals& integrals, const
     for (int k = 0; k < count; ++k) {
         const double mu = integrals.dilated[size_t(k)] / tree.total();
         if (!(mu > kLeastSeen)) return false;
-        share[k] = (1 - eta) * a[size_t(k)] / mu, dilated[k] = cells.dilated[size_t(k)].data();
+        share[k] = (1 - eta) * a[size_t(k)] / mu;
+        dilated[k] = cells.dilated[size_t(k)].data();
     }
     out.d.resize(cells.visible.size());
     out.w2 = map_kernels(active_isa())

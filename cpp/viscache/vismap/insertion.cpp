@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kPointsPerChunk = 64;
 
-/// work(first, last) over [0, n) in chunks on threads.
+/// Calls work(first, last) over [0, n) in chunks, in parallel.
 template <class Work>
 void in_chunks(size_t n, int threads, const Control& control, Work work) {
     parallel_for((n + kPointsPerChunk - 1) / kPointsPerChunk, threads, [&](size_t chunk, int) {
@@ -19,7 +19,7 @@ void in_chunks(size_t n, int threads, const Control& control, Work work) {
     });
 }
 
-/// Counts a record inserted for this reason.
+/// Counts an inserted record by its reason.
 void count_inserted(Verdict reason, InsertionStats& stats) {
     stats.no_candidate += reason == Verdict::kNoCandidate;
     stats.weight += reason == Verdict::kWeight;
@@ -27,12 +27,12 @@ void count_inserted(Verdict reason, InsertionStats& stats) {
 }
 
 AmbientRecord clipped(AmbientRecord ambient, float footprint) {
-    // Differs: a hit nearer than a pixel would ask for records for ever
+    // Differs: a hit nearer than a pixel would request new records forever
     ambient.nearest_hit = std::max(ambient.nearest_hit, footprint);
     return ambient;
 }
 
-/// Traces records at some of the points and adds them in this order, but for duplicates.
+/// Traces records at the chosen points and adds them in this order; duplicates are skipped.
 struct Added {
     std::vector<uint32_t> points;
     uint64_t rays = 0;
@@ -40,7 +40,10 @@ struct Added {
 Added add_records(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
                   std::span<const uint32_t> chosen, uint32_t frame, int threads, const Control& control) {
     std::vector<Vec3> positions, normals;
-    for (uint32_t i : chosen) positions.push_back(points[i].position), normals.push_back(points[i].normal);
+    for (uint32_t i : chosen) {
+        positions.push_back(points[i].position);
+        normals.push_back(points[i].normal);
+    }
     const RecordTracer::Traced traced = tracer.trace(positions, normals, threads, control);
     Added added{{}, traced.rays};
     for (size_t k = 0; k < chosen.size(); ++k) {
@@ -53,7 +56,7 @@ Added add_records(MapCache& cache, const RecordTracer& tracer, std::span<const C
     return added;
 }
 
-/// Deterministic insertion; see the head.
+/// Deterministic insertion; see insertion.h.
 class Batches {
 public:
     Batches(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
@@ -78,7 +81,7 @@ public:
     }
 
 private:
-    /// One round; the points to be looked up again.
+    /// One round. Returns the points to look up again.
     std::vector<uint32_t> round(std::span<const uint32_t> pending) {
         in_chunks(pending.size(), options_.threads, control_, [&](size_t first, size_t last) {
             NeighbourList around;
@@ -106,7 +109,7 @@ private:
                     .rays;
         return again;
     }
-    /// Whether a record at one of the others would be a candidate for the point.
+    /// True if a record at one of the other points would be a candidate for the point.
     bool in_reach_of_any(uint32_t point, std::span<const uint32_t> others) const {
         const CachePoint& p = points_[point];
         const float reach2 = p.d_max * p.d_max;
@@ -126,7 +129,7 @@ private:
     float cos_theta_max_;
 };
 
-/// The paper's insertion: whoever holds the lock alone adds its record at once.
+/// The insertion of the paper: a thread adds its record at once, while it holds the lock exclusively.
 void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
                    std::span<const uint32_t> usable, const InsertionOptions& options, Control& control,
                    InsertionStats& stats, std::span<Verdict> verdicts) {
@@ -142,7 +145,7 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
                 judge();
                 if (!wants_record(verdicts[i]) || cache.full()) continue;
             }
-            // Rays are traced outside the lock; another thread may meanwhile have served the point
+            // Rays are traced without the lock; meanwhile another thread may have inserted a suitable record
             const RecordTracer::Traced traced =
                 tracer.trace({&point.position, 1}, {&point.normal, 1}, 1, control);
             own.rays += traced.rays;
@@ -155,8 +158,11 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
             verdicts[i] = Verdict::kServed;
         }
         const std::lock_guard lock(stats_mutex);
-        stats.lookups += last - first, stats.rays += own.rays, stats.no_candidate += own.no_candidate;
-        stats.weight += own.weight, stats.difference += own.difference;
+        stats.lookups += last - first;
+        stats.rays += own.rays;
+        stats.no_candidate += own.no_candidate;
+        stats.weight += own.weight;
+        stats.difference += own.difference;
         control.done += last - first;
     });
 }
@@ -168,7 +174,7 @@ std::vector<uint32_t> usable_points(std::span<const CachePoint> points) {
     return usable;
 }
 
-/// Those points whose look-up may find one of the records from `first_new` on.
+/// The points whose lookup may find one of the records from `first_new` on.
 std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
                                      std::span<const CachePoint> points, std::span<const uint32_t> usable,
                                      int threads, const Control& control) {
@@ -177,7 +183,7 @@ std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
         added.push_back({cache.records().head(id).position, cache.records().head(id).normal, id});
     KdTree tree;
     tree.build(std::move(added));
-    // A filter after the search lets records of any normal push others out
+    // With the filter after the search, records of any normal can displace others
     const float least_cos = cache.parameters().filter == SearchFilter::kAfter
                                 ? -kInfinity
                                 : std::cos(cache.parameters().theta_max_rad);
@@ -205,12 +211,14 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
                                    Control& control) {
     InsertionStats stats;
     const std::vector<uint32_t> usable = usable_points(points);
-    stats.points = points.size(), stats.unusable = points.size() - usable.size();
+    stats.points = points.size();
+    stats.unusable = points.size() - usable.size();
     std::vector<Verdict> verdicts(points.size(), Verdict::kServed);
     for (std::vector<uint32_t> pending = usable; !pending.empty();) {
         const auto first_new = uint32_t(cache.size());
         ++stats.passes;
-        control.done = 0, control.total = pending.size();
+        control.done = 0;
+        control.total = pending.size();
         if (options.mode == InsertionMode::kBatch)
             Batches(cache, tracer, points, options, control, stats, verdicts).run(pending);
         else
@@ -219,7 +227,8 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
         pending = touched_points(cache, first_new, points, usable, options.threads, control);
     }
     for (Verdict v : verdicts) {
-        stats.suppressed += v == Verdict::kSuppressed, stats.duplicates += v == Verdict::kDuplicate;
+        stats.suppressed += v == Verdict::kSuppressed;
+        stats.duplicates += v == Verdict::kDuplicate;
         stats.refused += wants_record(v);
     }
     return stats;
@@ -233,9 +242,11 @@ BootstrapStatistics bootstrap(MapCache& cache, const RecordTracer& tracer, std::
     const auto first_id = uint32_t(cache.size());
     usable.resize(std::min<size_t>(usable.size(), cache.parameters().max_records - first_id));
     const Added added = add_records(cache, tracer, points, usable, frame, threads, control);
-    stats.rays = added.rays, stats.duplicates = usable.size() - added.points.size();
+    stats.rays = added.rays;
+    stats.duplicates = usable.size() - added.points.size();
     usable = added.points;
-    stats.difference.resize(usable.size()), stats.tested.resize(usable.size());
+    stats.difference.resize(usable.size());
+    stats.tested.resize(usable.size());
     in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
         NeighbourList around;
         for (size_t i = first; i < last; ++i) {

@@ -6,9 +6,9 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kSmall = 32;  // up to here the tree's shape does not matter
+constexpr size_t kSmall = 32;  // below this size the shape of the tree does not matter
 
-/// Depth above which the tree counts as out of balance.
+/// Depth above which the tree counts as unbalanced.
 int depth_limit(size_t n) { return 2 * int(std::bit_width(n)) + 8; }
 
 }  // namespace
@@ -19,10 +19,13 @@ void KdTree::clear() {
     version_ = version + 1;
 }
 
-/// False if all points are in one place.
+/// Returns false if all points coincide.
 bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
     Vec3 lo = points[0].position, hi = lo;
-    for (const TreePoint& p : points) lo = min(lo, p.position), hi = max(hi, p.position);
+    for (const TreePoint& p : points) {
+        lo = min(lo, p.position);
+        hi = max(hi, p.position);
+    }
     const Vec3 extent = hi - lo;
     cut.axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
     const auto coordinate = [&](const TreePoint& p) { return p.position[cut.axis]; };
@@ -31,7 +34,7 @@ bool KdTree::find_cut(std::span<TreePoint> points, Cut& cut) {
     std::nth_element(points.begin(), middle, points.end(),
                      [&](const TreePoint& a, const TreePoint& b) { return coordinate(a) < coordinate(b); });
     cut.split = coordinate(*middle);
-    // The left side must not be empty: where the median is the least coordinate, take the next one
+    // The left side must not be empty: if the median is the smallest coordinate, take the next one
     if (cut.split == lo[cut.axis]) {
         cut.split = hi[cut.axis];
         for (const TreePoint& p : points)
@@ -79,10 +82,13 @@ void KdTree::build_node(uint32_t node, std::span<TreePoint> points, int depth) {
 }
 
 void KdTree::build(std::vector<TreePoint> points) {
-    nodes_.assign(1, {}), blocks_.assign(1, {});
+    nodes_.assign(1, {});
+    blocks_.assign(1, {});
     size_ = built_size_ = points.size();
-    depth_ = 0, oversized_ = 0;
-    ++rebuilds_, ++version_;
+    depth_ = 0;
+    oversized_ = 0;
+    ++rebuilds_;
+    ++version_;
     build_node(0, points, 0);
     built_depth_ = depth_;
 }
@@ -102,7 +108,7 @@ std::vector<TreePoint> KdTree::all_points() const {
 }
 
 void KdTree::insert(const TreePoint& point) {
-    // The occasional rebuild takes the new point along
+    // An occasional rebuild includes the new point
     const bool grown = size_ + 1 > kSmall && 2 * (size_ + 1) >= 3 * built_size_;
     const bool deep = depth_ > std::max(depth_limit(size_), built_depth_ + 8);
     if (!size_ || grown || deep) {

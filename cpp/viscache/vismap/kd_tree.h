@@ -1,8 +1,8 @@
 #pragma once
-// A kd-tree over the records' positions that grows one record at a time.
+// A kd-tree over the positions of records that supports insertion of single points.
 //
-// What a search finds does not depend on the tree's shape: of records at equal distance the lower id counts
-// as nearer. Nothing here locks.
+// Search results do not depend on the shape of the tree: of records at equal distance, the one with the
+// lower id counts as nearer. Nothing here locks.
 #include <vector>
 
 #include "viscache/vismap/nearest_set.h"
@@ -14,26 +14,26 @@ public:
     static constexpr size_t kLeafSize = 4;
 
     size_t size() const { return size_; }
-    /// Another one after every change.
+    /// Changes with every modification.
     uint64_t version() const { return version_; }
     size_t rebuilds() const { return rebuilds_; }
     int depth() const { return depth_; }
-    /// Leaves with more than kLeafSize points, all in one place.
+    /// Number of leaves with more than kLeafSize coincident points.
     size_t oversized_leaves() const { return oversized_; }
 
     void clear();
     /// Replaces all points and balances the tree.
     void build(std::vector<TreePoint> points);
-    /// Adds a point to the leaf that encloses it, and splits the leaf at the median of its longest axis where
-    /// it gets too large. Rebuilds the tree once it holds 1.5 times what it held at the last rebuild, or is
-    /// deeper than 2 log2(size) + 8.
+    /// Adds a point to the leaf that encloses it. A leaf that grows too large is split at the median of its
+    /// longest axis. The tree is rebuilt when it holds 1.5 times as many points as at the last rebuild, or
+    /// when it is deeper than 2 log2(size) + 8.
     void insert(const TreePoint& point);
-    /// Offers every point within reach that accept(TreePoint) lets pass.
+    /// Offers every point in reach with accept(TreePoint) to the set.
     template <class Accept>
     void search(Vec3 position, Accept accept, NearestSet& nearest) const {
         if (size_) search(0, position, accept, nearest);
     }
-    /// Calls visit(TreePoint, distance²) for every point up to `radius` away, in no order.
+    /// Calls visit(TreePoint, distance²) for every point within `radius`, in no particular order.
     template <class Visit>
     void visit(Vec3 position, float radius, Visit visit) const {
         if (size_) this->visit(0, position, radius * radius, visit);
@@ -43,16 +43,16 @@ private:
     struct Node {
         float split = 0;
         int axis = kLeaf;
-        uint32_t first = 0;  ///< left child, the right one follows; of a leaf its first block
+        uint32_t first = 0;  ///< left child, the right one follows; for a leaf its first block
     };
-    /// Points of a leaf; a leaf that cannot be split has several blocks.
+    /// Points of a leaf. A leaf that cannot be split has several blocks.
     struct Block {
         std::array<TreePoint, kLeafSize> points;
         uint32_t count = 0, next = kNone;
     };
     struct Cut {
         int axis;
-        float split;  ///< left of it: smaller coordinates
+        float split;  ///< smaller coordinates are on the left
     };
     static constexpr int kLeaf = -1;
     static constexpr uint32_t kNone = 0xffffffffu;
@@ -75,7 +75,7 @@ private:
                 }
             return;
         }
-        // Rounding keeps order, so no point beyond the plane is nearer than the plane, in floats too
+        // Rounding is monotonic, so no point beyond the plane is nearer than the plane, in floats as well
         const float beyond = x[node.axis] - node.split;
         const uint32_t near = node.first + (beyond >= 0);
         search(near, x, accept, nearest);

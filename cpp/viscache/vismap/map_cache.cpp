@@ -44,7 +44,8 @@ MapCache::MapCache(const MapCacheParameters& parameters, std::vector<Vec3> patte
 
 void MapCache::set_thresholds(float w_min, float delta_max) {
     MapCacheParameters changed = parameters_;
-    changed.w_min = w_min, changed.delta_max = delta_max;
+    changed.w_min = w_min;
+    changed.delta_max = delta_max;
     changed.validate();
     parameters_ = changed;
 }
@@ -56,7 +57,7 @@ std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point,
         around.search(tree_, point.position, [&](const TreePoint& p) { return similar(p.normal); }, set);
         return set.sorted();
     }
-    // Differs: Fig. 6 draws the test of normals after the search, the text of Sec. 5.1 puts it into the
+    // Differs: Fig. 6 shows the test of normals after the search; the text of Sec. 5.1 makes it part of the
     // search
     around.search(tree_, point.position, [](const TreePoint&) { return true; }, set);
     return set.sorted_without([&](const NearestSet::Found& f) { return !similar(f.point->normal); });
@@ -84,7 +85,7 @@ Selection MapCache::select(const CachePoint& point, NeighbourList& around, uint3
                                                          distance, point.d_max);
         if (!s.candidates++) s.nearest = distance;
         s.tested = std::max(s.tested, tested_weight(f, raw, normalized, full));
-        // Insert among the best; nearer ones came before and win ties
+        // Insert into the list of the best. Nearer records came before and win ties
         int place = s.count;
         while (place > 0 && s.best[size_t(place - 1)].weight < full) --place;
         if (place == parameters_.n_best) continue;
@@ -107,7 +108,7 @@ float MapCache::mean_difference(const Selection& s) const {
 
 Verdict MapCache::judge(const CachePoint& point, const Selection& s) const {
     if (!s.candidates) return Verdict::kNoCandidate;
-    // A record of its own cannot help a point any more
+    // Another record at the same place cannot help
     const auto unless_duplicate = [&](Verdict verdict) {
         const bool same = s.nearest < kCoincident * point.d_max && has_duplicate(point);
         return same ? Verdict::kDuplicate : verdict;
@@ -128,8 +129,10 @@ BlendedMaps MapCache::blend(const Selection& s) const {
     if (!(sum > kLeastWeightSum)) return maps;
     for (int i = 0; i < s.count && s.best[size_t(i)].weight > 0; ++i) {
         const uint32_t id = s.best[size_t(i)].id;
-        maps.beta[i] = s.best[size_t(i)].weight / sum, maps.id[i] = id;
-        maps.bits[i] = records_.bits(id), maps.hierarchy[i] = records_.hierarchy(id);
+        maps.beta[i] = s.best[size_t(i)].weight / sum;
+        maps.id[i] = id;
+        maps.bits[i] = records_.bits(id);
+        maps.hierarchy[i] = records_.hierarchy(id);
         for (int level = 1; level <= dilations(maps.m); ++level)
             maps.dilated[level - 1][i] = records_.dilated(id, level);
         maps.count = i + 1;

@@ -1,5 +1,5 @@
 #pragma once
-// The records of a scene, and what they say about a point.
+// The records of a scene, and the approximate visibility they give at a point.
 #include <array>
 #include <optional>
 #include <shared_mutex>
@@ -14,17 +14,17 @@ namespace viscache {
 
 constexpr uint32_t kNoRecord = 0xffffffffu;
 
-/// Which weight is held against w_min.
+/// Which weight is compared with w_min.
 enum class WeightTest {
     kFull,        ///< w_g·ŵ, as blending uses it
     kNormalized,  ///< ŵ
     kRaw,         ///< w of Eq. 9
 };
 enum class SearchFilter {
-    kDuring,  ///< the m nearest of those with similar normals
-    kAfter,   ///< of the m nearest, those with similar normals
+    kDuring,  ///< the m nearest records with similar normals
+    kAfter,   ///< of the m nearest records, those with similar normals
 };
-/// What records are inserted for.
+/// The purpose of records.
 enum class Criterion {
     kVisibility,  ///< blending: weight and mean difference
     kAmbient,     ///< ambient occlusion: weight and the distance of the nearest hit
@@ -32,50 +32,51 @@ enum class Criterion {
 
 struct MapCacheParameters {
     int m = 5;           ///< maps have 2^m × 2^m cells
-    int n_best = 4;      ///< records that are blended
-    int m_nearest = 16;  ///< of which they are chosen
+    int n_best = 4;      ///< maximum number of blended records
+    int m_nearest = 16;  ///< number of nearest records from which they are chosen
     float theta_max_rad = 30 * kPi / 180;
-    float lambda = 5;  ///< of Eq. 9
+    float lambda = 5;  ///< λ of Eq. 9
     float w_min = 0.3f, delta_max = 0.06f;
-    float r_min_px = 2;  ///< nearer records, in footprints, silence the test of the mean difference
+    float r_min_px =
+        2;  ///< if a record is nearer than this many footprints, the test of the mean difference is skipped
     uint32_t max_records = 1u << 20;
     WeightTest weight_test = WeightTest::kFull;
     SearchFilter filter = SearchFilter::kDuring;
     Criterion criterion = Criterion::kVisibility;
 
-    /// Throws std::invalid_argument that says what must hold.
+    /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
 };
 
-/// A point that asks. d_max and the footprint come from the pixel's projected area.
+/// A point of a lookup. d_max and the footprint come from the projected area of the pixel.
 struct CachePoint {
     Vec3 position, normal;
-    float d_max = 0;      ///< how far records are looked for; 0 = nothing was hit here
-    float footprint = 0;  ///< root of the pixel's area projected onto the surface
+    float d_max = 0;      ///< search radius for records; 0: nothing was hit here
+    float footprint = 0;  ///< square root of the area of the pixel projected onto the surface
 
     bool usable() const { return d_max > 0; }
 };
 
-/// What a look-up found.
+/// Result of a lookup.
 struct Selection {
     struct Chosen {
         uint32_t id;
         float weight;  ///< w_g·ŵ
     };
-    std::array<Chosen, kMaxBlended> best;  ///< heaviest first
+    std::array<Chosen, kMaxBlended> best;  ///< in descending order of weight
     int count = 0;
     int candidates = 0;         ///< records in reach with similar normals, at most m_nearest
-    float tested = 0;           ///< the greatest of the weights held against w_min
+    float tested = 0;           ///< largest of the weights compared with w_min
     float nearest = kInfinity;  ///< distance of the nearest candidate
 };
 
-/// Why a point gets a record, or none.
+/// Whether a point gets a record, and why.
 enum class Verdict { kServed, kSuppressed, kDuplicate, kNoCandidate, kWeight, kDifference };
 inline bool wants_record(Verdict v) { return v >= Verdict::kNoCandidate; }
 
 class MapCache {
 public:
-    /// `pattern`: the direction of every cell, in Z order (record_pattern).
+    /// `pattern` is the direction of every cell, in Z order (record_pattern).
     MapCache(const MapCacheParameters& parameters, std::vector<Vec3> pattern);
 
     const MapCacheParameters& parameters() const { return parameters_; }
@@ -87,28 +88,28 @@ public:
     size_t size() const { return records_.size(); }
     bool full() const { return size() >= parameters_.max_records; }
 
-    /// The records in reach with similar normals, nearest first. `around` makes searches of one point after
-    /// the other fast.
+    /// The records in reach with similar normals, nearest first. `around` speeds up searches at nearby
+    /// points.
     std::span<const NearestSet::Found> candidates(const CachePoint& point, NearestSet& set,
                                                   NeighbourList& around) const;
-    /// The best of them by weight; `without` is left out.
+    /// The best candidates by weight, except the record `without`.
     Selection select(const CachePoint& point, NeighbourList& around, uint32_t without = kNoRecord) const;
-    /// δ̄: the mean of Eq. 11 over the pairs of the chosen; 0 of less than two.
+    /// δ̄: the mean of Eq. 11 over all pairs of the selected records; 0 for less than two.
     float mean_difference(const Selection& s) const;
     /// The insertion test.
     Verdict judge(const CachePoint& point, const Selection& s) const;
-    /// [VisMap Eq. 8] The maps that speak for a point, each with its share β of their weights; none where no
-    /// record is in reach or all weigh nothing.
+    /// [VisMap Eq. 8] The maps used at a point, with weights β normalised to a sum of one. Empty if no
+    /// record is in reach or all weights are zero.
     BlendedMaps blend(const Selection& s) const;
 
-    /// Whether a record with the point's normal stands at it, within 1e-6 of d_max and of the unit.
+    /// True if a record with the same normal exists at the point, within 1e-6 of d_max and of unit length.
     bool has_duplicate(const CachePoint& point) const;
-    /// Takes a record in; its id.
+    /// Adds a record; returns its id.
     uint32_t add(const RecordHead& head, const Word* bits, const AmbientRecord& ambient);
-    /// Keeps these records, ids increasing, and numbers them anew in order.
+    /// Keeps only these records and renumbers them in order; the ids increase.
     void keep(const std::vector<uint32_t>& ids);
 
-    /// For those who look up and add on several threads at once: readers share it, `add` needs it alone.
+    /// For concurrent lookups and insertions: readers share the lock, `add` needs it exclusively.
     std::shared_mutex& mutex() const { return mutex_; }
 
 private:

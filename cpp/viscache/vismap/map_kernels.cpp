@@ -13,8 +13,8 @@ VISCACHE_INLINE double total(const Double8& v) {
     return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
 }
 
-/// Ṽ = Σ β_i V_i of eight cells: the shares of the records whose bit is set. Lane i looks at bits `lanes[i]`
-/// of the word, from bit `first` on.
+/// Ṽ = Σ β_i V_i of eight cells: the sum of the weights of the records whose bit is set. Lane i tests bit
+/// `lanes[i]` of the word, counted from bit `first`.
 VISCACHE_INLINE Double8 blend(const Word* const* words, const double* beta, int count, size_t first,
                               const Int8& lanes) {
     Double8 sum{};
@@ -38,13 +38,16 @@ VISCACHE_INLINE CellSums expand_body(const BlendedMaps& maps, int dilations, con
     for (size_t z = 0; z < n; z += 8) {
         const Double8 p = load(masses.luminance + z), v = blend(maps.bits, beta, maps.count, z, cells);
         store(visible + z, v);
-        j += p * v, w2 += p * v * v;
+        j += p * v;
+        w2 += p * v * v;
         for (int c = 0; c < 3; ++c) colour[c] += load(masses.colour[c] + z) * v;
         if (dilations == 0) continue;
         const Double8 v1 = blend(maps.dilated[0], beta, maps.count, z, cells);
         const Double8 v2 = blend(maps.dilated[1], beta, maps.count, z / 4, pairs);
-        store(dilated[0] + z, v1), store(dilated[1] + z, v2);
-        grown[0] += p * v1, grown[1] += p * v2;
+        store(dilated[0] + z, v1);
+        store(dilated[1] + z, v2);
+        grown[0] += p * v1;
+        grown[1] += p * v2;
         if (dilations == 2) continue;
         const Double8 v3 = blend(maps.dilated[2], beta, maps.count, z / 16, one);
         store(dilated[2] + z, v3);
@@ -70,8 +73,8 @@ VISCACHE_INLINE double shape_body(size_t n, double floor, const double* share, i
     return total(w2);
 }
 
-// One struct of static functions per instruction set. A macro, because a target attribute cannot be a
-// parameter.
+// One struct of static functions per instruction set. This is a macro because a target attribute cannot be a
+// template parameter.
 #define VISCACHE_MAP_VARIANT(Name, TARGET)                                                         \
     struct Name {                                                                                  \
         TARGET static CellSums expand(const BlendedMaps& b, int k, const CellMasses& p, double* v, \

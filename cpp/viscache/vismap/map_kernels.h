@@ -1,11 +1,11 @@
 #pragma once
-// The inner loops over the cells of blended maps, one variant per instruction set; all give the same bits.
+// The inner loops over the cells of blended maps. One variant per instruction set; all give the same bits.
 #include "viscache/math/isa.h"
 #include "viscache/vismap/blended_maps.h"
 
 namespace viscache {
 
-/// Σ over cells: P Ṽ, P Ṽ², P_c Ṽ of the channels, P Ṽ^k of the dilated maps.
+/// Sums over cells: P Ṽ, P Ṽ², P_c Ṽ of the channels, P Ṽ^k of the dilated maps.
 struct CellSums {
     double j, w2, colour[3], dilated[3];
 };

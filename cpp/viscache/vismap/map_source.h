@@ -1,5 +1,5 @@
 #pragma once
-// Where renderers ask for maps.
+// The interface through which renderers obtain maps.
 #include <cstddef>
 #include <functional>
 
@@ -7,14 +7,14 @@
 
 namespace viscache {
 
-/// Maps that speak for a point seen through a pixel of the frame.
+/// Returns the maps for a point seen through a pixel of the frame.
 using MapReader = std::function<BlendedMaps(Vec3 position, Vec3 normal, size_t pixel)>;
 
-/// Maps from any cache, which must not change while a frame is rendered.
+/// Maps from any cache. The cache must not change while a frame is rendered.
 struct MapSource {
     int m = 5;
-    std::function<MapReader()> reader;  ///< makes one for each thread
-    size_t records = 0;                 ///< > 0: ids lie below; count how often every record was wrong
+    std::function<MapReader()> reader;  ///< creates a reader for each thread
+    size_t records = 0;                 ///< > 0: ids are smaller than this; errors are counted per record
 };
 
 }  // namespace viscache

@@ -1,5 +1,5 @@
 #pragma once
-// The nearest records of a search.
+// The nearest records found by a search.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,22 +15,22 @@ struct TreePoint {
     uint32_t id = 0;
 };
 
-/// The nearest of a search so far, at most m of them, nearest first; of two at equal distance the one of
-/// lower id counts as nearer.
+/// The nearest points found so far, at most m, in order of distance. Of two points at equal distance, the
+/// one with the lower id counts as nearer.
 class NearestSet {
 public:
     static constexpr int kMost = 64;
     struct Found {
-        uint64_t key;  ///< distance², which as a float ≥ 0 has the order of its bits, above the id
+        uint64_t key;  ///< distance² above the id; a float ≥ 0 is ordered like its bits
         const TreePoint* point;
         float distance2() const { return std::bit_cast<float>(uint32_t(key >> 32)); }
         uint32_t id() const { return uint32_t(key); }
     };
 
-    /// Searches within `radius`, which itself is outside.
+    /// Accepts distances below `radius`.
     NearestSet(int m, float radius) : m_(m), radius2_(radius * radius) {}
 
-    /// What lies farther than the root of this can not become part of the set.
+    /// Points with a larger squared distance cannot become part of the set.
     float reach2() const { return size_ < m_ ? radius2_ : found_[size_t(m_ - 1)].distance2(); }
     void clear() { size_ = 0; }
     /// `point` must outlive the set.
@@ -46,9 +46,9 @@ public:
             found_[size_t(place)] = found_[size_t(place - 1)];
         found_[size_t(place)] = {key, &point};
     }
-    /// Nearest first.
+    /// In order of distance.
     std::span<const Found> sorted() const { return {found_.data(), size_t(size_)}; }
-    /// The same without those for which `drop` holds.
+    /// The same after removing the entries for which `drop` holds.
     template <class Drop>
     std::span<const Found> sorted_without(Drop drop) {
         const auto end = std::remove_if(found_.begin(), found_.begin() + size_, drop);

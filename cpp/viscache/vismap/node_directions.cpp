@@ -20,15 +20,20 @@ Vec3 direction(uint32_t code, int level, float at_x, float at_y) {
 DirectionTable centres(int level) {
     DirectionTable t;
     const size_t n = size_t{1} << (2 * level);
-    t.x.resize(n), t.y.resize(n), t.z.resize(n);
+    t.x.resize(n);
+    t.y.resize(n);
+    t.z.resize(n);
     for (size_t i = 0; i < n; ++i) {
         const Vec3 d = direction(uint32_t(i), level, 0.5f, 0.5f);
-        t.x[i] = d.x, t.y[i] = d.y, t.z[i] = d.z;
+        t.x[i] = d.x;
+        t.y[i] = d.y;
+        t.z[i] = d.z;
     }
     return t;
 }
 
-/// The widest angle between the centre and points of the border, with a tenth for what lies between them.
+/// Largest angle between the centre and sample points of the border, enlarged by 10 % for the points between
+/// them.
 std::vector<float> radius_sines(int level) {
     constexpr int kSteps = 4;
     std::vector<float> sines(size_t{1} << (2 * level));

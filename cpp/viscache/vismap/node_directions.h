@@ -1,6 +1,6 @@
 #pragma once
-// Directions of the quadtree's nodes over the equal-area map, computed once: where reflection is looked at,
-// and cones that hold a node.
+// Precomputed directions of the quadtree nodes over the equal-area map: the sample directions of reflection,
+// and cones that enclose a node.
 #include <span>
 #include <vector>
 
@@ -8,10 +8,10 @@
 
 namespace viscache {
 
-/// Levels of the leaves of a reflection tree, and how much deeper its samples lie.
+/// Range of levels of the leaves of a reflection tree, and how many levels deeper its samples are.
 constexpr int kBaseLevel = 5, kDeepestLevel = 7, kSampleLevels = 1;
 
-/// Directions side by side, along the Morton curve.
+/// Directions as arrays of components, along the Morton curve.
 struct DirectionTable {
     std::vector<float> x, y, z;
     Vec3 at(size_t i) const { return {x[i], y[i], z[i]}; }
@@ -19,8 +19,8 @@ struct DirectionTable {
 
 /// Centres of the nodes of one level in [kBaseLevel, kDeepestLevel + kSampleLevels].
 const DirectionTable& node_centres(int level);
-/// Sine of the angle around the centre within which all of the node lies, for levels kBaseLevel to
-/// kDeepestLevel: a node with n·centre <= −sine lies below the plane of n.
+/// Sine of the angular radius of each node around its centre, for levels kBaseLevel to kDeepestLevel. A node
+/// with n·centre <= −sine lies below the plane of n.
 std::span<const float> node_radius_sines(int level);
 
 }  // namespace viscache

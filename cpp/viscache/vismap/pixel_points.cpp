@@ -15,7 +15,7 @@ public:
                    const PixelRules& rules)
         : scene_(scene), caster_(caster), film_(camera, width, height), rules_(rules) {}
 
-    /// Points of film places in pixels.
+    /// First hits through places of the film, in pixels.
     PixelPoints find(std::span<const Vec2> places) const {
         std::vector<Ray> rays;
         for (Vec2 p : places)
@@ -54,7 +54,7 @@ private:
     PixelRules rules_;
 };
 
-/// Points of all pixels; place(number) lies in the pixel.
+/// Points of all pixels; place(pixel) lies in the pixel.
 template <class Place>
 PixelPoints points_of_pixels(const FirstHitFinder& finder, int width, int height, Place place, int threads,
                              const Control& control) {
@@ -73,7 +73,10 @@ PixelPoints points_of_pixels(const FirstHitFinder& finder, int width, int height
                   all.points.begin() + std::ptrdiff_t(y * size_t(width)));
         rows[y].points.clear();
     });
-    for (const PixelPoints& row : rows) all.misses += row.misses, all.bad_normals += row.bad_normals;
+    for (const PixelPoints& row : rows) {
+        all.misses += row.misses;
+        all.bad_normals += row.bad_normals;
+    }
     return all;
 }
 
@@ -97,7 +100,7 @@ PixelPoints startup_points(const Scene& scene, const RayCaster& caster, const Ca
                            int height, size_t n, uint64_t seed, const PixelRules& rules,
                            const Control& control) {
     control.check();
-    // Cells as square as their number allows; cell k of n lies in row k / columns
+    // Cells as square as their number allows; cell k of n is in row k / columns
     const auto rows = size_t(std::max(1.0, std::round(std::sqrt(double(n) * height / width))));
     const size_t columns = (n + rows - 1) / rows, used_rows = (n + columns - 1) / columns;
     std::vector<Vec2> places;

@@ -1,5 +1,6 @@
 #pragma once
-// Where the camera's pixels look: the points that ask the cache, each with its pixel's size there.
+// The points seen through the pixels of a camera, at which the cache is looked up, each with the size of its
+// pixel there.
 #include "viscache/math/parallel.h"
 #include "viscache/scene/camera.h"
 #include "viscache/scene/scene.h"
@@ -9,21 +10,22 @@
 namespace viscache {
 
 struct PixelRules {
-    float reach = 0.05f;      ///< d_max in widths of the image, as long as a pixel is wide at the point
-    float most_reach = 0.1f;  ///< of the scene's diagonal: d_max is not longer
-    float least_cos = 0.05f;  ///< grazing pixels count as seen under this cosine
+    float reach =
+        0.05f;  ///< d_max as a fraction of the image width, measured by the width of a pixel at the point
+    float most_reach = 0.1f;  ///< upper limit of d_max as a fraction of the scene's diagonal
+    float least_cos = 0.05f;  ///< lower limit of the cosine at grazing pixels
 };
 
 struct PixelPoints {
-    std::vector<CachePoint> points;  ///< normals are geometric, turned to the camera; unusable: nothing hit
+    std::vector<CachePoint> points;  ///< normals are geometric and face the camera; unusable: nothing was hit
     uint64_t misses = 0, bad_normals = 0;
 };
 
-/// First hits of the camera's rays through one place of every pixel, row-major; `at` in pixels from its
-/// upper left corner. A pixel of area a projects to the area t²·a·cos³φ / |n·ω|.
+/// First hits of camera rays through one position of every pixel, row-major; `at` is measured in pixels from
+/// the upper left corner of the pixel. A pixel of area a has the projected area t²·a·cos³φ / |n·ω|.
 PixelPoints pixel_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
                          int height, Vec2 at, const PixelRules& rules, int threads, const Control& control);
-/// The same through the places of a sample of all pixels (pixel_place).
+/// The same at the positions of one sample of every pixel (pixel_place).
 PixelPoints sample_points(const Scene& scene, const RayCaster& caster, const Camera& camera, int width,
                           int height, uint64_t seed, uint32_t sample, const PixelRules& rules, int threads,
                           const Control& control);

@@ -11,7 +11,9 @@ constexpr size_t kLeastForLeaveOneOut = 4;
 }  // namespace
 
 void PointEstimate::begin(const EnvironmentPyramid& light, const Reflection& reflection, int m) {
-    light_ = &light, has_maps_ = false, integrals_ = {};
+    light_ = &light;
+    has_maps_ = false;
+    integrals_ = {};
     tree_.build(light, reflection, m);
     measure(0);
 }
@@ -42,18 +44,22 @@ void PointEstimate::measure(double w2) {
 
 DirectionSample PointEstimate::complete(const ProductTree::Sample& s, Rgb b) const {
     DirectionSample out;
-    out.wi = s.wi, out.texel = s.texel, out.d = density(s.texel);
+    out.wi = s.wi;
+    out.texel = s.texel;
+    out.d = density(s.texel);
     const Rgb light = light_->radiance(s.texel);
-    // Light and B̃ cancel in luminance, what is left is their colour
+    // Light and B̃ cancel in luminance; their chromaticity remains
     const double l_ns = moments_.l_ns, scale = l_ns / (luminance_in_double(light) * double(s.b));
     const double v = visible(s.texel);
     for (int c = 0; c < 3; ++c) {
         const double colour = scale * double(light[c]);
         const ProductTerms t =
             product_terms(colour * double(b[c]), 1, colour * double(s.colour[c]) * v, out.d);
-        out.f[size_t(c)] = t.z, out.g[size_t(c)] = t.w;
+        out.f[size_t(c)] = t.z;
+        out.g[size_t(c)] = t.w;
     }
-    out.z = luminance_of(out.f) / l_ns, out.w = luminance_of(out.g) / l_ns;
+    out.z = luminance_of(out.f) / l_ns;
+    out.w = luminance_of(out.g) / l_ns;
     out.matters = out.f[0] != 0 || out.f[1] != 0 || out.f[2] != 0;
     return out;
 }
@@ -72,7 +78,7 @@ std::optional<double> alpha_of_pass(const PointMoments& point, const AlphaChoice
 
 namespace {
 
-/// Every sample with the α of the others (`all` holds this pass alone).
+/// Uses for every sample the α of the other samples (`all` holds only this pass).
 Rgbd leave_one_out(const PointMoments& point, std::span<const DirectionSample> samples,
                    std::span<const uint8_t> visible, const AlphaSums& all) {
     const double n = double(samples.size());
@@ -98,7 +104,10 @@ Rgbd finish_pass(const PointMoments& point, std::span<const DirectionSample> sam
     Rgbd f{}, g{};
     for (size_t i = 0; i < samples.size(); ++i) {
         const DirectionSample& s = samples[i];
-        for (size_t c = 0; c < 3; ++c) f[c] += visible[i] ? s.f[c] : 0, g[c] += s.g[c];
+        for (size_t c = 0; c < 3; ++c) {
+            f[c] += visible[i] ? s.f[c] : 0;
+            g[c] += s.g[c];
+        }
         now.add((visible[i] ? s.z : 0) - point.mean_w, s.w - point.mean_w);
     }
     Rgbd estimate{};

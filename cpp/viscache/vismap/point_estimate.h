@@ -1,5 +1,6 @@
 #pragma once
-// The environment's light at one point: product or guided samples, with blended maps as control variate.
+// Estimates the environment light reflected at one point from product or guided samples, with blended maps
+// as control variate.
 #include <optional>
 
 #include "viscache/vismap/control_variate.h"
@@ -9,52 +10,55 @@ namespace viscache {
 
 /// How α is chosen.
 enum class AlphaMode {
-    kFixed,         ///< a number: 1 is the paper's, 0 plain importance sampling
-    kLeaveOneOut,   ///< regression on the other samples of the pass; independent points only
-    kPreviousPass,  ///< regression on all earlier passes; 1 in the first
+    kFixed,         ///< a constant: 1 as in the paper, 0 for plain importance sampling
+    kLeaveOneOut,   ///< regression on the other samples of the pass; for independent samples only
+    kPreviousPass,  ///< regression on all earlier passes; 1 in the first pass
 };
 
 struct AlphaChoice {
     AlphaMode mode = AlphaMode::kPreviousPass;
-    double value = 1;  ///< of kFixed, and of the first pass of kPreviousPass
+    double value = 1;  ///< for kFixed, and for the first pass of kPreviousPass
 };
 
-/// One direction with what it brings. Channels are in units of radiance, and not divided by N.
+/// A sampled direction and its contribution. Channels are in units of radiance and not divided by N.
 struct DirectionSample {
     Vec3 wi;
     uint32_t texel;
-    Rgbd f;        ///< L·B/p: what it brings when it is visible
+    Rgbd f;        ///< L·B/p: the contribution if the direction is visible
     Rgbd g;        ///< L·B̃·Ṽ/p
-    double z, w;   ///< luminances of f and g over L_ns
-    double d;      ///< D: density over that of product sampling
+    double z, w;   ///< luminances of f and g divided by L_ns
+    double d;      ///< D: the density divided by that of product sampling
     bool matters;  ///< some channel of f is not zero
 };
 
-/// What a pass needs to know of its point.
+/// Moments of a point that a pass needs.
 struct PointMoments {
     double l_ns = 0;
-    Rgbd j{};               ///< J of every channel: what `use="replace"` shows
+    Rgbd j{};               ///< J of every channel: the result of `use="replace"`
     double mean_w = 0;      ///< E[W] under the density: J/L_ns in luminance
-    double variance_w = 0;  ///< Var W under the density; exact where light and reflection have one colour
+    double variance_w = 0;  ///< Var W under the density; exact if light and reflection each have one colour
 };
 
-/// α of a pass, before it is traced; empty for leave-one-out. `earlier`: the sums of the passes before.
+/// α of a pass, known before it is traced; empty for leave-one-out. `earlier` holds the sums of the previous
+/// passes.
 std::optional<double> alpha_of_pass(const PointMoments& point, const AlphaChoice& choice,
                                     const AlphaSums& earlier);
 
-/// One pass over a point: the estimate from its samples and their visibility. `earlier` takes in this pass.
+/// Computes the estimate of one pass at a point from its samples and their visibility, and adds the pass to
+/// `earlier`.
 Rgbd finish_pass(const PointMoments& point, std::span<const DirectionSample> samples,
                  std::span<const uint8_t> visible, const AlphaChoice& choice, AlphaSums& earlier);
 
-/// Light, reflection and maps of one point, brought together once and sampled in any number of passes.
+/// Light, reflection and maps of one point, combined once and sampled in any number of passes.
 class PointEstimate {
 public:
-    /// Light × reflection; the maps to come have 2^m × 2^m cells. The light must outlive the estimate.
+    /// Starts with light × reflection. Maps added later have 2^m × 2^m cells. The light must outlive the
+    /// estimate.
     void begin(const EnvironmentPyramid& light, const Reflection& reflection, int m);
-    /// × maps, of the m given; `with_dilated` where `guide` may follow.
+    /// Multiplies by maps with the given m. `with_dilated` is required if `guide` follows.
     void look(const BlendedMaps& maps, bool with_dilated);
-    /// Draws by a density that the maps shape from now on, 0 < eta < 1; `apply` = false only prepares D, for
-    /// a forecast. False: D ≡ 1 has to do.
+    /// Uses the maps to guide the density from now on, 0 < eta < 1. With `apply` = false it only computes D,
+    /// for a forecast. Returns false if D ≡ 1 must be used.
     bool guide(double eta, bool apply = true);
 
     bool dark() const { return !(tree_.total() > 0); }
@@ -66,12 +70,13 @@ public:
     const MapIntegrals& integrals() const { return integrals_; }
     /// D at a texel: 1 unless guided.
     double density(uint32_t texel) const { return guided() ? shaped_density(texel) : 1; }
-    /// D as the last successful `guide` made it, applied or not.
+    /// D of the last successful `guide`, whether applied or not.
     double shaped_density(uint32_t texel) const { return guide_.d[cell(texel)]; }
     /// Ṽ at a texel.
     double visible(uint32_t texel) const { return has_maps_ ? cells_.visible[cell(texel)] : 0; }
 
-    /// The direction of a point of the square, without what needs B: `complete` adds it. Not when `dark`.
+    /// The direction for a point of the square, without the terms that need B; `complete` adds them. Must
+    /// not be called when `dark`.
     ProductTree::Sample draw(Point2 u) const { return tree_.sample(u); }
     /// `b` = f_r·cos at the sample's direction.
     DirectionSample complete(const ProductTree::Sample& s, Rgb b) const;

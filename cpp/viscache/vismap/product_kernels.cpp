@@ -26,7 +26,9 @@ VISCACHE_INLINE float gather_body(const RgbBlock& s, float* r, float* g, float* 
     for (int i = 0; i < 16; ++i) samples[i] = (0.2126f * s.r[i] + 0.7152f * s.g[i]) + 0.0722f * s.b[i];
     for (int i = 0; i < 4; ++i) {
         const float* v = &samples[4 * i];
-        r[i] = mean_of_four(&s.r[4 * i]), g[i] = mean_of_four(&s.g[4 * i]), b[i] = mean_of_four(&s.b[4 * i]);
+        r[i] = mean_of_four(&s.r[4 * i]);
+        g[i] = mean_of_four(&s.g[4 * i]);
+        b[i] = mean_of_four(&s.b[4 * i]);
         lum[i] = (0.2126f * r[i] + 0.7152f * g[i]) + 0.0722f * b[i];
         spread[i] = most_of(most_of(v[0], v[1]), most_of(v[2], v[3])) -
                     least_of(least_of(v[0], v[1]), least_of(v[2], v[3]));
@@ -40,7 +42,9 @@ VISCACHE_INLINE void raise_body(const uint8_t* touched, float floor, float* r, f
     for (size_t i = 0; i < n; ++i) {
         const bool low = touched[i] && lum[i] < floor;
         const float add = low ? floor - lum[i] : 0.f;
-        r[i] += add, g[i] += add, b[i] += add;
+        r[i] += add;
+        g[i] += add;
+        b[i] += add;
         lum[i] = low ? floor : lum[i];
     }
 }
@@ -52,9 +56,9 @@ VISCACHE_INLINE double weigh_body(const float* b, const double* light, size_t n)
     return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
 }
 
-VISCACHE_INLINE void flag_body(const float* spread, const double* light, double worth, uint8_t* flags,
+VISCACHE_INLINE void flag_body(const float* spread, const double* light, double threshold, uint8_t* flags,
                                size_t n) {
-    for (size_t i = 0; i < n; ++i) flags[i] = uint8_t(double(spread[i]) * light[i] > worth);
+    for (size_t i = 0; i < n; ++i) flags[i] = uint8_t(double(spread[i]) * light[i] > threshold);
 }
 
 template <size_t kSpan>
@@ -72,8 +76,8 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
     for (size_t i = 0; i < n; ++i) parents[i] = (c[4 * i] + c[4 * i + 1]) + (c[4 * i + 2] + c[4 * i + 3]);
 }
 
-// One struct of static functions per instruction set. A macro, because a target attribute cannot be a
-// parameter.
+// One struct of static functions per instruction set. This is a macro because a target attribute cannot be a
+// template parameter.
 #define VISCACHE_PRODUCT_VARIANT(Name, TARGET)                                                             \
     struct Name {                                                                                          \
         TARGET static void diffuse(const LobeConstants& k, const float* x, const float* y, const float* z, \

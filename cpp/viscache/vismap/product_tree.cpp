@@ -14,13 +14,17 @@ constexpr uint32_t nodes_at(int level) { return uint32_t{1} << (2 * level); }
 
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
 
-/// Chooses one of four masses for a point, which is stretched back over the square: rows by y, then columns
-/// by x. A mass of zero is never chosen.
+/// Chooses one of four masses with a point and rescales the point to the unit square: rows by y, then
+/// columns by x. A mass of zero is never chosen.
 uint32_t pick(const double* mass, Point2& u) {
     const auto choose = [](double first, double second, double& v) -> uint32_t {
         const double t = v * (first + second);
-        if (t < first || !(second > 0)) return v = std::min(t / first, kBelowOne), 0;
-        return v = std::min((t - first) / second, kBelowOne), 1;
+        if (t < first || !(second > 0)) {
+            v = std::min(t / first, kBelowOne);
+            return 0;
+        }
+        v = std::min((t - first) / second, kBelowOne);
+        return 1;
     };
     const uint32_t row = choose(mass[0] + mass[1], mass[2] + mass[3], u.y);
     return 2 * row + choose(mass[2 * row], mass[2 * row + 1], u.x);
@@ -29,10 +33,14 @@ uint32_t pick(const double* mass, Point2& u) {
 }  // namespace
 
 void ProductTree::build(const EnvironmentPyramid& light, const Reflection& reflection, int m) {
-    light_ = &light, m_ = m, dense_ = std::max(m, kBaseLevel), guided_ = false;
+    light_ = &light;
+    m_ = m;
+    dense_ = std::max(m, kBaseLevel);
+    guided_ = false;
     for (int l = 0; l <= dense_; ++l) mass_[size_t(l)].resize(nodes_at(l));
     if (reflection.black() || !(light.total() > 0)) {
-        mass_[0][0] = 0, leaves_ = 0;
+        mass_[0][0] = 0;
+        leaves_ = 0;
         return;
     }
     sample_base(reflection);
@@ -47,9 +55,16 @@ ProductTree::Leaf ProductTree::base_leaf(uint32_t code) const {
 
 void ProductTree::sample_base(const Reflection& reflection) {
     const size_t n = nodes_at(kBaseLevel);
-    touched_.resize(n), children_.assign(n, -1), deep_.clear(), leaves_ = int(n), greatest_ = 0;
-    b_.assign(n, 0), spread_.assign(n, 0);
-    red_.assign(n, 0), green_.assign(n, 0), blue_.assign(n, 0);
+    touched_.resize(n);
+    children_.assign(n, -1);
+    deep_.clear();
+    leaves_ = int(n);
+    greatest_ = 0;
+    b_.assign(n, 0);
+    spread_.assign(n, 0);
+    red_.assign(n, 0);
+    green_.assign(n, 0);
+    blue_.assign(n, 0);
     reflection.touched(kBaseLevel, 0, touched_);
     RgbBlock block;
     for (uint32_t first = 0; first < n; first += 4) {
@@ -64,18 +79,18 @@ void ProductTree::sample_base(const Reflection& reflection) {
 void ProductTree::refine(const Reflection& reflection) {
     const double* light = light_->sums(kBaseLevel);
     const ProductKernels& kernels = product_kernels();
-    const double worth = kWorthSplitting * kernels.weigh(b_.data(), light, b_.size());
+    const double threshold = kMinSplitError * kernels.weigh(b_.data(), light, b_.size());
     const auto less = [](const Candidate& a, const Candidate& b) {
         return a.error != b.error ? a.error < b.error : a.code > b.code;
     };
     heap_.clear();
-    uint8_t worthy[nodes_at(kBaseLevel)];
-    kernels.flag(spread_.data(), light, worth, worthy, b_.size());
+    uint8_t flags[nodes_at(kBaseLevel)];
+    kernels.flag(spread_.data(), light, threshold, flags, b_.size());
     for (uint32_t first = 0; first < nodes_at(kBaseLevel); first += 8) {
         uint64_t any;
-        std::memcpy(&any, &worthy[first], sizeof any);
+        std::memcpy(&any, &flags[first], sizeof any);
         for (uint32_t z = first; any != 0 && z < first + 8; ++z)
-            if (worthy[z]) heap_.push_back({double(spread_[z]) * light[z], kBaseLevel, z, -1});
+            if (flags[z]) heap_.push_back({double(spread_[z]) * light[z], kBaseLevel, z, -1});
     }
     std::make_heap(heap_.begin(), heap_.end(), less);
     for (int splits = 0; splits < kMostSplits && !heap_.empty(); ++splits) {
@@ -88,7 +103,7 @@ void ProductTree::refine(const Reflection& reflection) {
         for (uint32_t k = 0; k < 4; ++k) {
             const uint32_t code = 4 * c.code + k;
             const double e = double(deep_[before + k].spread) * light_->sums(c.level + 1)[code];
-            if (!(e > worth)) continue;
+            if (!(e > threshold)) continue;
             heap_.push_back({e, c.level + 1, code, int32_t(before + k)});
             std::push_heap(heap_.begin(), heap_.end(), less);
         }
@@ -106,7 +121,7 @@ void ProductTree::split(const Reflection& reflection, const Candidate& c) {
 }
 
 void ProductTree::raise_to_floor(const Reflection& reflection) {
-    // Where the samples saw nothing at all any positive number will do
+    // If all samples are zero, any positive number will do
     const float floor = greatest_ > 0 ? kFloor * greatest_ : 1.f;
     product_kernels().raise(touched_.data(), floor, red_.data(), green_.data(), blue_.data(), b_.data(),
                             b_.size());
@@ -121,12 +136,15 @@ void ProductTree::raise_children(const Reflection& reflection, int level, uint32
     reflection.touched(level + 1, 4 * code, touched);
     for (uint32_t k = 0; k < 4; ++k) {
         Leaf& leaf = deep_[size_t(first) + k];
-        if (touched[k] && leaf.b < floor) leaf.colour += Rgb{1, 1, 1} * (floor - leaf.b), leaf.b = floor;
+        if (touched[k] && leaf.b < floor) {
+            leaf.colour += Rgb{1, 1, 1} * (floor - leaf.b);
+            leaf.b = floor;
+        }
         if (leaf.children >= 0) raise_children(reflection, level + 1, 4 * code + k, leaf.children, floor);
     }
 }
 
-/// Sum over the leaves below a node, in one order for the stored masses and for the warp.
+/// Sum over the leaves below a node, in the same order for the stored masses and for the warp.
 double ProductTree::mass(int level, uint32_t code, const Leaf& leaf) const {
     if (leaf.children < 0) return double(leaf.b) * light_->sums(level)[code];
     double m[4];
@@ -142,7 +160,8 @@ double ProductTree::colour_mass(int channel, int level, uint32_t code, const Lea
     return (m[0] + m[1]) + (m[2] + m[3]);
 }
 
-/// Stored masses of a node whose leaves are split: at the dense level, from there or from above.
+/// Stores the masses of a node with split leaves: descends to the dense level, or fills it below an earlier
+/// leaf.
 void ProductTree::multiply_split(int level, uint32_t code, const Leaf& leaf) {
     if (level == dense_ || leaf.children < 0) {
         const int below = dense_ - level;
@@ -187,7 +206,7 @@ void ProductTree::guide(std::span<const double> density) {
 }
 
 ProductTree::Sample ProductTree::sample(Point2 u) const {
-    // Through the stored levels, the leaves below them, and the environment alone
+    // First through the stored levels, then through deeper leaves, then through the environment alone
     uint32_t z = 0;
     int level = 0;
     for (; level < dense_; ++level) z = 4 * z + pick(&density(level + 1)[4 * z], u);
@@ -198,7 +217,8 @@ ProductTree::Sample ProductTree::sample(Point2 u) const {
         double m[4];
         for (uint32_t k = 0; k < 4; ++k) m[k] = mass(level + 1, 4 * z + k, deep_[size_t(leaf.children) + k]);
         const uint32_t k = pick(m, u);
-        z = 4 * z + k, leaf = deep_[size_t(leaf.children) + k];
+        z = 4 * z + k;
+        leaf = deep_[size_t(leaf.children) + k];
     }
     for (; level < light_->levels(); ++level) z = 4 * z + pick(&light_->sums(level + 1)[4 * z], u);
     const double cells = double(nodes_at(level) >> level);
@@ -217,7 +237,10 @@ ProductTree::Leaf ProductTree::leaf_of(uint32_t texel) const {
     int level = kBaseLevel;
     const auto code = [&] { return texel >> (2 * (light_->levels() - level)); };
     Leaf leaf = base_leaf(code());
-    while (leaf.children >= 0) ++level, leaf = deep_[size_t(leaf.children) + (code() & 3)];
+    while (leaf.children >= 0) {
+        ++level;
+        leaf = deep_[size_t(leaf.children) + (code() & 3)];
+    }
     return leaf;
 }
 

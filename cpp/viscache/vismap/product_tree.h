@@ -1,7 +1,7 @@
 #pragma once
 // Product importance sampling after Clarberg and Akenine-Möller, "Practical Product Importance Sampling for
-// Direct Illumination" (2008): a quadtree of B̃ is built for a point and multiplied with the environment's
-// sums; points of the square are warped through it and keep their stratification.
+// Direct Illumination" (2008). A quadtree of B̃ is built for a point and multiplied by the sums of the
+// environment. Points of the square are warped through it and stay stratified.
 #include <array>
 #include <vector>
 
@@ -12,18 +12,19 @@
 
 namespace viscache {
 
-/// L·B̃ over the sphere for one point. B̃ is constant in a leaf, at least `kFloor` of its greatest value
-/// wherever B may be greater than zero: every direction that brings light can be drawn.
+/// L·B̃ over the sphere for one point. B̃ is constant in each leaf. Wherever B may be positive, B̃ is at
+/// least `kFloor` times its maximum, so that every contributing direction can be sampled.
 ///
-/// Nodes of levels up to `dense_level()` are stored, whatever the tree; below, leaves end at kDeepestLevel
-/// and the warp follows the environment alone. The same numbers serve the density and the control variate.
+/// The nodes of levels up to `dense_level()` are always stored. Below them, leaves end at kDeepestLevel and
+/// the warp follows the environment alone. The density and the control variate use the same numbers.
 class ProductTree {
 public:
     static constexpr float kFloor = 1e-3f;  ///< ε_B
-    static constexpr int kMostSplits = 64;  ///< leaves of the base level and below that are split
-    static constexpr double kWorthSplitting = 1.0 / 1024;  ///< of L_ns
+    static constexpr int kMostSplits = 64;  ///< maximum number of split leaves, at the base level and below
+    static constexpr double kMinSplitError =
+        1.0 / 1024;  ///< minimum error of a leaf that is split, as a fraction of L_ns
 
-    /// A direction drawn from the tree.
+    /// A direction sampled from the tree.
     struct Sample {
         uint32_t texel;  ///< Morton code among the pyramid's texels
         Vec3 wi;
@@ -31,7 +32,7 @@ public:
         Rgb colour;  ///< B̃
     };
 
-    /// Builds the tree; maps of visibility have 2^m × 2^m cells, 4 <= m <= 7. `light` must outlive it.
+    /// Builds the tree. Maps of visibility have 2^m × 2^m cells, 4 <= m <= 7. `light` must outlive the tree.
     void build(const EnvironmentPyramid& light, const Reflection& reflection, int m);
     /// L_ns = ∫ L·B̃ of luminances; 0: nothing to sample.
     double total() const { return mass_[0][0]; }
@@ -39,7 +40,7 @@ public:
     int dense_level() const { return dense_; }
     /// ∫ λ·b over the nodes of a level up to `dense_level`.
     std::span<const double> masses(int level) const { return mass_[size_t(level)]; }
-    /// ∫ λ·b·D over the nodes of a level up to `map_level`: what samples are drawn by.
+    /// ∫ λ·b·D over the nodes of a level up to `map_level`: the masses used for sampling.
     std::span<const double> density_masses(int level) const {
         return (guided_ ? guided_mass_ : mass_)[size_t(level)];
     }
@@ -53,7 +54,7 @@ public:
     void guide(std::span<const double> density);
     void unguide() { guided_ = false; }
     bool guided() const { return guided_; }
-    /// One point of the square to one direction; total() must be > 0.
+    /// Maps a point of the square to a direction; total() must be > 0.
     Sample sample(Point2 u) const;
     /// λ·b of every texel, along the Morton curve; slow.
     std::vector<double> texel_masses() const;
@@ -65,14 +66,14 @@ private:
     struct Leaf {
         Rgb colour;
         float b = 0;
-        float spread = 0;       ///< greatest less least of the leaf's samples
-        int32_t children = -1;  ///< of `deep_`: the first of four; -1: none
+        float spread = 0;       ///< maximum minus minimum of the leaf's samples
+        int32_t children = -1;  ///< index of the first of four children in `deep_`; -1: none
     };
     struct Candidate {
         double error;
         int32_t level;
         uint32_t code;
-        int32_t index;  ///< of `deep_`; -1: a leaf of the base level
+        int32_t index;  ///< index in `deep_`; -1: a leaf of the base level
     };
     void sample_base(const Reflection& reflection);
     void refine(const Reflection& reflection);
@@ -94,7 +95,7 @@ private:
     bool guided_ = false;
     float greatest_ = 0;
     std::vector<uint8_t> touched_;
-    // The leaves of the base level side by side, and those below in fours
+    // Leaves of the base level as arrays, and deeper leaves in groups of four
     std::vector<float> b_, red_, green_, blue_, spread_;
     std::vector<int32_t> children_;
     std::vector<Leaf> deep_;

@@ -20,7 +20,8 @@ uint32_t RecordPool::add(const RecordHead& head, const Word* bits, const Ambient
     const auto id = uint32_t(size());
     if (id / kChunk == chunks_.size())
         chunks_.push_back(std::make_unique<BitMatrix>(kChunk, row_words_ * kWordBits));
-    heads_.push_back(head), ambient_.push_back(ambient);
+    heads_.push_back(head);
+    ambient_.push_back(ambient);
     Word* to = row(id);
     std::memcpy(to, bits, map_words(m_) * sizeof(Word));
     build_hierarchy(m_, to, to + hierarchy_);
@@ -32,10 +33,12 @@ void RecordPool::keep(const std::vector<uint32_t>& ids) {
     for (uint32_t to = 0; to < ids.size(); ++to) {
         const uint32_t from = ids[to];
         if (from == to) continue;
-        heads_[to] = heads_[from], ambient_[to] = ambient_[from];
+        heads_[to] = heads_[from];
+        ambient_[to] = ambient_[from];
         std::memcpy(row(to), row(from), row_words_ * sizeof(Word));
     }
-    heads_.resize(ids.size()), ambient_.resize(ids.size());
+    heads_.resize(ids.size());
+    ambient_.resize(ids.size());
     chunks_.resize((ids.size() + kChunk - 1) / kChunk);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Where records are kept. Maps never move once stored, so what a look-up points to stays while others are
-// added.
+// Storage of records. Maps never move once stored, so that pointers from lookups stay valid while records
+// are added.
 #include <memory>
 #include <vector>
 
@@ -10,17 +10,18 @@
 
 namespace viscache {
 
-/// The book-keeping of a record.
+/// Metadata of a record.
 struct RecordHead {
     Vec3 position, normal;
-    uint32_t rays = 0, misses = 0;  ///< compared with exact rays; of these, where the map was wrong
-    uint32_t last_used = 0;         ///< frame
+    uint32_t rays = 0,
+             misses = 0;     ///< number of comparisons with exact rays; of these, how often the map was wrong
+    uint32_t last_used = 0;  ///< last frame in which it was used
 };
 static_assert(sizeof(RecordHead) == kRecordHeadBytes);
 
-/// What ambient occlusion stores beside.
+/// Additional data for ambient occlusion.
 struct AmbientRecord {
-    float visibility = 0;           ///< A, in [0, 1] but for the pattern's error
+    float visibility = 0;           ///< A, in [0, 1] up to the error of the pattern
     float nearest_hit = kInfinity;  ///< R
 };
 
@@ -37,9 +38,9 @@ public:
     const Word* hierarchy(uint32_t id) const { return row(id) + hierarchy_; }
     const Word* dilated(uint32_t id, int level) const { return row(id) + dilated_[level - 1]; }
 
-    /// Stores a copy of a map of map_words(m) words with all that follows from it.
+    /// Stores a copy of a map of map_words(m) words, together with all data derived from it.
     uint32_t add(const RecordHead& head, const Word* bits, const AmbientRecord& ambient);
-    /// Keeps these records, ids increasing, and numbers them anew in order. Pointers become invalid.
+    /// Keeps only these records and renumbers them in order; the ids increase. Pointers become invalid.
     void keep(const std::vector<uint32_t>& ids);
     /// Bytes of dilated maps and ambient values, which the paper does not count.
     size_t extra_bytes_per_record() const;
@@ -49,7 +50,7 @@ private:
     Word* row(uint32_t id) const { return chunks_[id / kChunk]->row(id % kChunk); }
 
     int m_;
-    size_t hierarchy_ = 0, dilated_[kMostDilations] = {}, row_words_ = 0;  ///< places in a record's row
+    size_t hierarchy_ = 0, dilated_[kMostDilations] = {}, row_words_ = 0;  ///< offsets in the row of a record
     std::vector<std::unique_ptr<BitMatrix>> chunks_;
     std::vector<RecordHead> heads_;
     std::vector<AmbientRecord> ambient_;

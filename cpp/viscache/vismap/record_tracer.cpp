@@ -24,7 +24,8 @@ RecordTracer::Traced RecordTracer::trace(std::span<const Vec3> positions, std::s
                                          int threads, const Control& control) const {
     Traced out;
     out.row_words = row_words_for(pattern_.size());
-    out.rows.assign(positions.size() * out.row_words, 0), out.ambient.resize(positions.size());
+    out.rows.assign(positions.size() * out.row_words, 0);
+    out.ambient.resize(positions.size());
     if (positions.empty()) return out;
     if (distances_)
         trace_nearest(positions, normals, threads, control, out);
@@ -38,7 +39,7 @@ RecordTracer::Traced RecordTracer::trace(std::span<const Vec3> positions, std::s
 
 void RecordTracer::trace_any(std::span<const Vec3> positions, std::span<const Vec3> normals, int threads,
                              const Control& control, Traced& out) const {
-    // Records stand apart: the rays of one point are nearer to each other than those of sixteen points
+    // Records are far apart, so the rays of one point are more coherent than those of sixteen points
     const RowInput input{positions, normals, pattern_, kInfinity};
     out.rays = visibility_rows(caster_, extent_, input, out.rows, PacketOrder::kByPixel, threads, control);
 }
@@ -52,8 +53,10 @@ void RecordTracer::trace_nearest(std::span<const Vec3> positions, std::span<cons
         std::vector<uint32_t> cells;
         const Vec3 origin = spawn(positions[i], normals[i], extent_);
         for (uint32_t k = 0; k < pattern_.size(); ++k)
-            if (dot(pattern_[k], normals[i]) > 0)
-                rays.push_back({origin, 0, pattern_[k], kInfinity}), cells.push_back(k);
+            if (dot(pattern_[k], normals[i]) > 0) {
+                rays.push_back({origin, 0, pattern_[k], kInfinity});
+                cells.push_back(k);
+            }
         std::vector<Hit> hits(rays.size());
         caster_.intersect(rays, hits, Coherence::kIncoherent);
         for (size_t k = 0; k < hits.size(); ++k)

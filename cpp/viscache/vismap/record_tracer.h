@@ -1,5 +1,5 @@
 #pragma once
-// The rays of records: one in each cell of a point's upper hemisphere.
+// Traces the rays of records: one in each cell of the upper hemisphere of a point.
 #include <span>
 #include <vector>
 
@@ -10,24 +10,26 @@
 
 namespace viscache {
 
-/// Directions of a record's cells in Z order: stratified, spread by Lloyd's iteration without leaving their
-/// cells, the same for all records of a cache, so that two equal views have equal maps.
+/// Directions of the cells of a record in Z order: stratified, and spread evenly by Lloyd's iteration
+/// without leaving their cells. They are the same for all records of a cache, so that equal visibility gives
+/// equal maps.
 std::vector<Vec3> record_pattern(int m, uint64_t seed);
 
-/// [VisMap Eq. 12] A: the cosine-weighted share of the hemisphere that a map sees.
+/// [VisMap Eq. 12] A: the cosine-weighted fraction of the hemisphere that is free in a map.
 // Differs: divided by π, so that an open plane has 1
 float ambient_visibility(std::span<const Word> bits, std::span<const Vec3> pattern, Vec3 normal);
 
 class RecordTracer {
 public:
-    /// `extent` is Scene::offset_extent. `distances`: nearest hits instead of any, for R.
+    /// `extent` is Scene::offset_extent. With `distances`, nearest hits are traced instead of any hits, to
+    /// obtain R.
     RecordTracer(const RayCaster& caster, float extent, std::span<const Vec3> pattern, bool distances)
         : caster_(caster), extent_(extent), pattern_(pattern), distances_(distances) {}
 
     struct Traced {
         size_t row_words = 0;
-        std::vector<Word> rows;              ///< maps, row_words each
-        std::vector<AmbientRecord> ambient;  ///< nearest_hit only with `distances`
+        std::vector<Word> rows;              ///< maps, row_words words each
+        std::vector<AmbientRecord> ambient;  ///< nearest_hit is set only with `distances`
         uint64_t rays = 0;
         const Word* bits(size_t i) const { return &rows[i * row_words]; }
     };

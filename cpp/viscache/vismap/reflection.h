@@ -7,15 +7,15 @@
 
 namespace viscache {
 
-/// What the tree of B̃ is built from. Levels and codes are those of node_directions.h.
+/// The function from which the tree of B̃ is built. Levels and codes are those of node_directions.h.
 class Reflection {
 public:
     virtual ~Reflection() = default;
-    /// B at the sixteen centres of `level` from node `first` on, a multiple of 16.
+    /// B at the sixteen centres of `level` that start at node `first`, a multiple of 16.
     virtual void sample(int level, uint32_t first, RgbBlock& out) const = 0;
-    /// touched[i] = 1 where B may be greater than zero somewhere in node `first` + i.
+    /// touched[i] = 1 if B may be positive somewhere in node `first` + i.
     virtual void touched(int level, uint32_t first, std::span<uint8_t> touched) const = 0;
-    /// Zero for every direction.
+    /// True if B is zero for every direction.
     virtual bool black() const = 0;
 };
 

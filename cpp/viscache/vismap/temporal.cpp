@@ -13,7 +13,7 @@ namespace {
 
 float share_wrong(const RecordHead& h) { return h.rays ? float(h.misses) / float(h.rays) : 0.f; }
 
-/// The records with the highest shares of wrong answers; the older ones of equals.
+/// The records with the highest error rates; of equal ones the older.
 std::vector<uint8_t> worst(const RecordPool& records, const RemovalRules& rules) {
     std::vector<uint32_t> candidates;
     for (uint32_t id = 0; id < records.size(); ++id)
@@ -38,7 +38,8 @@ bool too_often_wrong(const RecordHead& h, const RemovalRules& rules) {
 
 void RecordTally::merge(const RecordTally& other) {
     for (size_t i = 0; i < rays.size(); ++i) {
-        rays[i] += other.rays[i], misses[i] += other.misses[i];
+        rays[i] += other.rays[i];
+        misses[i] += other.misses[i];
         used[i] |= other.used[i];
     }
 }
@@ -51,13 +52,17 @@ void add_tally(MapCache& cache, const RecordTally& tally, uint32_t frame) {
                                     std::to_string(tally.rays.size()));
     for (uint32_t id = 0; id < records.size(); ++id) {
         RecordHead& h = records.head(id);
-        // One fraction for both, so that there are never more misses than rays
+        // The same rounding offset for both, so that misses never exceed rays
         const uint64_t up = mix64(uint64_t(frame) << 32 | id) % RecordTally::kRay;
         uint64_t rays = h.rays + (tally.rays[id] + up) / RecordTally::kRay,
                  misses = h.misses + (tally.misses[id] + up) / RecordTally::kRay;
-        // Counters that would overflow are halved: the share stays
-        while (rays > 0xffffffffu) rays /= 2, misses /= 2;
-        h.rays = uint32_t(rays), h.misses = uint32_t(misses);
+        // Halve both counters instead of overflowing: their ratio stays
+        while (rays > 0xffffffffu) {
+            rays /= 2;
+            misses /= 2;
+        }
+        h.rays = uint32_t(rays);
+        h.misses = uint32_t(misses);
         if (tally.used[id]) h.last_used = frame;
     }
 }
@@ -91,11 +96,13 @@ RemovalStats remove_records(MapCache& cache, const RemovalRules& rules, uint32_t
     std::vector<uint32_t> kept;
     for (uint32_t id = 0; id < records.size(); ++id) {
         const RecordHead& h = records.head(id);
-        stats.rays += h.rays, stats.misses += h.misses;
+        stats.rays += h.rays;
+        stats.misses += h.misses;
         const bool wrong = rules.k_worst ? is_worst[id] : too_often_wrong(h, rules);
         const bool unused =
             rules.unused_frames && frame >= h.last_used && frame - h.last_used >= rules.unused_frames;
-        stats.wrong += wrong, stats.unused += !wrong && unused;
+        stats.wrong += wrong;
+        stats.unused += !wrong && unused;
         if (!wrong && !unused) kept.push_back(id);
     }
     if (kept.size() != records.size()) cache.keep(kept);

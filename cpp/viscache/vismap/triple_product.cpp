@@ -29,7 +29,7 @@ MapIntegrals integrate_maps(const ProductTree& tree, const BlendedMaps& maps, bo
 
 namespace {
 
-/// One walk; records still undecided at a node are a mask.
+/// State of one walk. Records that are still undecided at a node are passed as a mask.
 struct Walk {
     const ProductTree& tree;
     const BlendedMaps& maps;
@@ -47,7 +47,8 @@ struct Walk {
             if (code == kPartial) partial |= 1u << i;
         }
         if (partial == 0) {
-            sums.j += p * v, sums.w2 += p * v * v;
+            sums.j += p * v;
+            sums.w2 += p * v * v;
             return;
         }
         for (uint32_t child = 4 * node; child < 4 * node + 4; ++child) visit(level + 1, child, partial, v);

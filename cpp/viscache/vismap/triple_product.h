@@ -1,6 +1,6 @@
 #pragma once
-// Light × reflection × approximate visibility: the integral J of the control variate, the moments of
-// W = Ṽ under the density of product sampling, and Ṽ cell by cell.
+// Light × reflection × approximate visibility: the integral J of the control variate, the moments of W = Ṽ
+// under the density of product sampling, and Ṽ for each cell.
 #include "viscache/vismap/blended_maps.h"
 #include "viscache/vismap/product_tree.h"
 
@@ -14,24 +14,24 @@ struct MapIntegrals {
     std::array<double, 3> dilated{};   ///< Σ P Ṽ^k of the dilated maps
 };
 
-/// Ṽ and its dilations over the cells of one point, along the Morton curve.
+/// Ṽ and its dilations over the cells at one point, along the Morton curve.
 struct CellTables {
     std::vector<double> visible;
     std::array<std::vector<double>, 3> dilated;
 };
 
-/// All cells side by side, eight at a time: costs the same whatever the maps look like. The dilated maps are
-/// looked at when `with_dilated`. No maps: all zero.
+/// Processes all cells, eight at a time; the cost does not depend on the content of the maps. Dilated maps
+/// are used only with `with_dilated`. Without maps, all results are zero.
 MapIntegrals integrate_maps(const ProductTree& tree, const BlendedMaps& maps, bool with_dilated,
                             CellTables& cells);
 MapIntegrals integrate_maps(const ProductTree& tree, const BlendedMaps& maps, bool with_dilated,
                             CellTables& cells, Isa isa);
 
-/// J and Σ P Ṽ² of luminances by the walk of Sec. 5.3 through the quadtrees of all records at once: a node
-/// that a record sees wholly or not at all is settled for it.
+/// J and Σ P Ṽ² of luminances by the walk of Sec. 5.3 through the quadtrees of all records at once. A record
+/// that is completely free or blocked in a node needs no further descent.
 struct WalkIntegrals {
     double j = 0, w2 = 0;
-    size_t nodes = 0;  ///< visited
+    size_t nodes = 0;  ///< number of visited nodes
 };
 WalkIntegrals walk_maps(const ProductTree& tree, const BlendedMaps& maps);
 

@@ -1,21 +1,21 @@
 #pragma once
-// How much a record says about a point.
+// Weight of a record at a point.
 #include "viscache/math/vec.h"
 
 namespace viscache {
 
-/// θ of two unit normals; keeps its digits where acos of their product loses them.
+/// Angle θ between two unit normals; accurate where the acos of their dot product is not.
 inline float normal_angle(Vec3 a, Vec3 b) {
-    if (a == b) return 0;  // what follows gives the same, slower
+    if (a == b) return 0;  // a shortcut; the code below gives the same
     return 2 * std::atan2(length(a - b), length(a + b));
 }
 
-/// [VisMap Eq. 9] w(d, θ) with t = d / d_max; falls at first with slope −1 over t, in the end slower.
+/// [VisMap Eq. 9] w(d, θ) with t = d / d_max. Its slope over t is −1 at first and flattens towards the end.
 inline float record_weight(float t, float theta, float lambda) {
     return (1 - theta / kPi) * (1 - t / (1 + lambda * t));
 }
 
-/// ŵ: Eq. 9 stretched from [w(d_max, θ_max), 1] to [0, 1].
+/// ŵ: Eq. 9 rescaled from [w(d_max, θ_max), 1] to [0, 1].
 class NormalizedWeight {
 public:
     NormalizedWeight(float theta_max_rad, float lambda)
@@ -28,8 +28,8 @@ private:
     float lambda_, least_;
 };
 
-/// w_g = 1 − |n·v|: records before or behind the plane of the point say less. v points to the record; it has
-/// no direction where the two coincide, nearer than this share of d_max, and w_g is 1.
+/// w_g = 1 − |n·v|: records in front of or behind the tangent plane of the point weigh less. v points to the
+/// record. If the two points coincide, nearer than this fraction of d_max, v has no direction and w_g is 1.
 constexpr float kCoincident = 1e-6f;
 inline float geometric_weight(Vec3 normal, Vec3 to_record, float distance, float d_max) {
     if (distance < kCoincident * d_max) return 1;

@@ -8,7 +8,8 @@ namespace viscache {
 
 namespace {
 
-/// What a thread knows of so many packets along an axis stays in its caches, and so do the points.
+/// Number of packets processed together along an axis; their points and the state of a thread stay in its
+/// caches.
 constexpr size_t kPacketsAtOnce = kLanes * kLanes * kLanes;
 
 }  // namespace
@@ -35,15 +36,17 @@ AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows
 
 namespace {
 
-constexpr size_t kTrialPeriod = 1024;  // axes, or chunks of points
+constexpr size_t kTrialPeriod = 1024;  // counted in axes, or in chunks of points
 
-/// Axes side by side, filled up with copies of the last.
+/// Axes as arrays of components, padded with copies of the last.
 struct AxisArrays {
     std::vector<float> x, y, z;
     explicit AxisArrays(std::span<const Frame3> axes) {
         for (size_t k = 0; k < in_lanes(axes.size()) * kLanes; ++k) {
             const Vec3 w = axes[std::min(k, axes.size() - 1)].z;
-            x.push_back(w.x), y.push_back(w.y), z.push_back(w.z);
+            x.push_back(w.x);
+            y.push_back(w.y);
+            z.push_back(w.z);
         }
     }
 };

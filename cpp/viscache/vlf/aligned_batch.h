@@ -1,5 +1,6 @@
 #pragma once
-// Shared directions, traced one after the other for all points: what each point sees along each axis.
+// Traces directions shared by all points, one direction after the other: what each point sees along each
+// axis.
 #include <optional>
 
 #include "viscache/math/bits.h"
@@ -10,31 +11,32 @@
 
 namespace viscache {
 
-/// Points and the axes they all look along.
+/// Points, and the axes along which all of them look.
 struct AlignedInput {
-    std::span<const Vec3> origin;  ///< off the surface (`spawn`)
-    std::span<const Vec3> normal;  ///< unit, one per origin
+    std::span<const Vec3> origin;  ///< already offset from the surface (`spawn`)
+    std::span<const Vec3> normal;  ///< unit vectors, one per origin
     std::span<const Frame3> axes;  ///< orthonormal; rays run along z or against it
-    float t_max = kInfinity;       ///< how far they look
+    float t_max = kInfinity;       ///< length of the rays
 };
 
-/// Which rays are packed together when Embree traces them. Speed only.
+/// How rays are grouped into packets when Embree traces them. Affects speed only.
 enum class AlignedOrder { kByAxis, kByPoint };
 
-/// [VLF Sec. 7] Ambient occlusion's rays: one along each axis on the side of the normal (n·ω = 0: along), so
-/// that a point's rays are its hemisphere's share of the subfields' directions. For an axis, rays are points
-/// of a plane with a depth, and a point is blocked if a triangle covers it farther along: no ray is walked,
-/// nothing is stored per direction. Triangles in blocks of 16 are led down a tree of boxes over packets of 16
-/// points. Watertight per axis; triangles seen exactly edge-on are not hit.
-// Differs: the paper looks its rays up point by point in subfields it has stored, tile by tile. Axis by axis,
-// points stream past triangles instead, which today's memories and vector units favour.
+/// [VLF Sec. 7] The rays of ambient occlusion: one along each axis, on the side of the normal (n·ω = 0:
+/// along the axis). The rays of a point are therefore the directions of the subfields in its hemisphere. For
+/// one axis, each ray is a point of a plane with a depth, and it is blocked if a triangle covers that point
+/// farther along the axis. No ray is walked and nothing is stored per direction. Blocks of 16 triangles
+/// descend a tree of boxes over packets of 16 points. Watertight for each axis; triangles seen exactly
+/// edge-on are not hit.
+// Differs: the paper looks up its rays point by point in stored subfields, tile by tile. Here points stream
+// past triangles, one axis after the other, which suits the memory and vector units of current CPUs.
 class AlignedBatch {
 public:
-    /// Instances are expanded; holes of alpha masks are open, as for Embree.
+    /// Instances are expanded. Alpha masks cut holes, as with Embree.
     explicit AlignedBatch(std::shared_ptr<const Scene> scene) : triangles_(std::move(scene)) {}
 
-    /// Bit k of row i is 1 if origin i is free along axis k. Rows have words_for(axes) words, padding bits
-    /// are 0. The bits depend neither on `threads` nor on `isa`.
+    /// Bit k of row i is 1 if the ray from origin i along axis k is free. Rows have words_for(axes) words;
+    /// padding bits are 0. The bits depend neither on `threads` nor on `isa`.
     AlignedCounts rows(const AlignedInput& input, std::span<Word> rows, int threads, Control& control,
                        Isa isa = active_isa()) const;
 
@@ -44,8 +46,8 @@ private:
     TriangleBlocks triangles_;
 };
 
-/// The same by Embree, in packets of 8 or 16. Without a flag, each thread finds the faster one. Nothing but
-/// the input changes the bits of robust scenes.
+/// The same with Embree, in packets of 8 or 16. Without a flag, each thread measures which one is
+/// faster. In robust scenes the bits depend only on the input.
 void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::span<Word> rows,
                  AlignedOrder order, int width, std::optional<Coherence> flag, int threads, Control& control);
 

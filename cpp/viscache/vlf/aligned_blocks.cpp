@@ -9,12 +9,12 @@ namespace viscache {
 
 namespace {
 
-/// Kinds of triangles, in the order they are met: those of large area, which are led through the tree one by
-/// one; long ones; middling ones; the many small ones.
+/// Size classes of triangles in processing order: large area, which descend the tree one by one; long;
+/// medium; and the many small ones.
 constexpr size_t kSizes = 4;
 constexpr size_t kLarge = 1;
 
-/// Kind of a triangle; `scale` makes the scene's radius about one.
+/// Size class of a triangle; `scale` makes the radius of the scene about one.
 size_t size_class(const FlatTriangle& t, float scale) {
     const float extent = t.bounds().diagonal() * scale;
     const float area = length(cross((t.b - t.a) * scale, (t.c - t.a) * scale));
@@ -23,7 +23,7 @@ size_t size_class(const FlatTriangle& t, float scale) {
 
 constexpr size_t kPointsPerCheck = 1 << 16;
 
-/// Where a run of n is cut: near the middle, at a multiple of the largest run that is to be compact.
+/// Where a run of n is split: near the middle, at a multiple of the largest run that is to stay compact.
 size_t cut(size_t n) {
     const size_t unit = n > kLanes * kLanes * kLanes ? kLanes * kLanes * kLanes
                         : n > kLanes * kLanes        ? kLanes * kLanes
@@ -60,7 +60,7 @@ std::vector<uint32_t> kd_order(std::span<const Vec3> points, const Control& cont
 }
 
 Placement Placement::of(const Bounds& bounds) {
-    if (bounds.empty()) return {{}, 0};  // nothing there: all points are one
+    if (bounds.empty()) return {{}, 0};  // an empty scene: all points coincide
     const float radius = 0.5f * bounds.diagonal();
     const int power = radius > 0 ? std::clamp(std::ilogb(radius) + 1, -100, 100) : 0;
     return {bounds.center(), std::ldexp(1.f, -power)};
@@ -71,7 +71,7 @@ TriangleBlocks::TriangleBlocks(std::shared_ptr<const Scene> of) : scene(std::mov
     const auto& list = flat.triangles;
     placement = Placement::of(flat.bounds);
     triangles = list.size();
-    // Large ones first: they block many points at once, which later triangles then need not meet
+    // Large triangles come first: they block many points at once, and later triangles skip those points
     std::vector<uint32_t> kinds[2 * kSizes];
     for (uint32_t i = 0; i < triangles; ++i)
         kinds[scene->has_cutout(flat.sources[i].mesh) * kSizes + size_class(list[i], placement.scale)]
@@ -133,7 +133,12 @@ PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> pos
     for (size_t lane = 0; lane < packets * kLanes; ++lane) {
         const size_t i = order[std::min(lane, points - 1)];
         const Vec3 p = placed[i], n = normal[i];
-        x[lane] = p.x, y[lane] = p.y, z[lane] = p.z, nx[lane] = n.x, ny[lane] = n.y, nz[lane] = n.z;
+        x[lane] = p.x;
+        y[lane] = p.y;
+        z[lane] = p.z;
+        nx[lane] = n.x;
+        ny[lane] = n.y;
+        nz[lane] = n.z;
         if (lane < points) asked[lane / kLanes] |= uint16_t(1u << lane % kLanes);
     }
 }

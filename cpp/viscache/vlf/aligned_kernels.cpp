@@ -14,7 +14,7 @@ ExactHit blocks_exactly(const float a[3], const float b[3], const float c[3], bo
     const double eb = product(c[0], a[1]) - product(c[1], a[0]);
     const double ec = product(a[0], b[1]) - product(a[1], b[0]);
     const bool left = ea >= 0 && eb >= 0 && ec >= 0, right = ea <= 0 && eb <= 0 && ec <= 0;
-    if (left == right) return {};  // outside, or seen edge-on
+    if (left == right) return {};  // outside, or edge-on
     const double t = (ea * double(a[2]) + eb * double(b[2])) + ec * double(c[2]);
     const double det = std::fabs((ea + eb) + ec);
     const bool hit =
@@ -88,7 +88,7 @@ template <class T>
 inline void keep(T* to, const T* from, uint32_t lanes) {
     for (size_t i = 0; i < kLanes; i += kPartLanes) {
         const uint32_t m = lanes >> i & 0xff;
-        const uint64_t bytes = _pdep_u64(m, 0x0101010101010101u) * 0xff;  // of the lanes that stay
+        const uint64_t bytes = _pdep_u64(m, 0x0101010101010101u) * 0xff;  // bytes of the lanes that stay
         const __m128i order = _mm_cvtsi64_si128(int64_t(_pext_u64(0x0706050403020100u, bytes)));
         const __m256i v = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i));
         _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),

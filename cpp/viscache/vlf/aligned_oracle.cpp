@@ -15,7 +15,7 @@ void AlignedOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bit
         exact_.block(eyes, lights, wanted, visible, counters);
 }
 
-/// False where Embree shall trace the block.
+/// Returns false if Embree must trace the block.
 bool AlignedOracle::by_batch(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                              BitMatrix& visible, Counters& counters) {
     const uint64_t rays = count_bits(wanted);
@@ -26,14 +26,16 @@ bool AlignedOracle::by_batch(const EyeBlock& eyes, const FarEnds& lights, const 
     DirectionBlock block(batch_, eyes, lights, wanted, 1, *control_);
     if (choose_) {
         const EngineChoice choice = block.choose(active_isa());
-        counters.batch_ns += choice.batch_ns * double(rays),
-            counters.embree_ns += choice.embree_ns * double(rays);
+        counters.batch_ns += choice.batch_ns * double(rays);
+        counters.embree_ns += choice.embree_ns * double(rays);
         counters.predicted_rays += rays;
         if (choice.engine == AlignedEngine::kEmbree) return false;
     }
     block.trace(visible, active_isa());
     GroupCounters& group = counters.group(lights.group);
-    group.queries += rays, group.rays += rays, group.occluded += rays - count_bits(visible);
+    group.queries += rays;
+    group.rays += rays;
+    group.occluded += rays - count_bits(visible);
     counters.batch_rays += rays;
     return true;
 }

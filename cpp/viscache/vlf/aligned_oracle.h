@@ -1,17 +1,17 @@
 #pragma once
-// Exact visibility whose shared directions may go through the batch.
+// Exact visibility that may trace shared directions with the aligned batch.
 #include "viscache/visibility/exact.h"
 #include "viscache/vlf/direction_block.h"
 
 namespace viscache {
 
-/// The exact oracle, but that blocks of shared directions (a sky's, say) are traced by the batch, where that
-/// is asked for or predicted to be cheaper. Answers may differ from the exact oracle's for rays within
-/// rounding of an edge. The choice depends on the block alone.
+/// The exact oracle, except that blocks of shared directions (such as a sky) are traced by the batch, if
+/// requested or predicted to be cheaper. Answers may differ from those of the exact oracle for rays within
+/// rounding error of an edge. The choice depends only on the block.
 class AlignedOracle final : public VisibilityOracle {
 public:
-    /// With `choose`, the engine is chosen block by block; otherwise it is the batch, but for points too far
-    /// away from it.
+    /// With `choose`, the engine is chosen for every block. Without it, the batch traces all blocks except
+    /// those with points that are too far away for it.
     AlignedOracle(const AlignedBatch& batch, const ExactOracle& exact, bool choose)
         : batch_(batch), exact_(exact), choose_(choose) {}
 

@@ -41,7 +41,8 @@ AlignedRows aligned_rows(const AlignedBatch& batch, const RayCaster& caster, flo
         for (size_t i = 0; i < points.size(); ++i)
             std::memcpy(&rows[(first + i) * visible.row_words()], visible.row(i),
                         visible.row_words() * sizeof(Word));
-        out.rays += directions.rays(), control.done += points.size();
+        out.rays += directions.rays();
+        control.done += points.size();
     }
     return out;
 }

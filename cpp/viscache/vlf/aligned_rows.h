@@ -1,5 +1,5 @@
 #pragma once
-// Rows of visibility through the engine that is cheaper.
+// Rows of visibility, traced by the cheaper engine.
 #include "viscache/visibility/visibility_rows.h"
 #include "viscache/vlf/direction_block.h"
 
@@ -7,19 +7,20 @@ namespace viscache {
 
 struct AlignedRows {
     uint64_t rays = 0;
-    EngineChoice choice;  ///< without predictions where nothing had to be predicted
+    EngineChoice choice;  ///< without predictions if the engine was given or there was nothing to trace
 };
 
-/// Who shall trace; without an engine, the one that is predicted to be cheaper.
+/// The requested engine. Without one, the engine that is predicted to be cheaper.
 struct AlignedWish {
     std::optional<AlignedEngine> engine;
     Isa isa = active_isa();
 };
 
-/// The bits of `visibility_rows`, but for rays within rounding of an edge, by the engine wished for or
-/// predicted to be cheaper; the choice depends on scene and points alone. Points go through the batch in
-/// runs of 2^14, all directions of a run in one block. Throws std::invalid_argument if the batch is wished
-/// for and points lie farther than 1e9 times the scene's size from it.
+/// The bits of `visibility_rows`, except for rays within rounding error of an edge, traced by the requested
+/// engine or by the one predicted to be cheaper. The choice depends only on the scene and the points. The
+/// batch takes points in runs of 2^14, with all directions of a run in one block. Throws
+/// std::invalid_argument if the batch is requested and points lie farther from the scene than 1e9 times its
+/// size.
 AlignedRows aligned_rows(const AlignedBatch& batch, const RayCaster& caster, float extent,
                          const RowInput& input, std::span<Word> rows, const AlignedWish& wish, int threads,
                          Control& control);

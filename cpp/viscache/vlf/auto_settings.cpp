@@ -8,12 +8,12 @@ namespace {
 
 constexpr uint32_t kCounts[] = {1, 3, 9, 33, 129, 513, 2049};
 constexpr int kTiles[] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512};
-constexpr int kDepths[] = {5, 4, 3, 2, 1, 0};  // of equals the deepest: few tiles pay for it
+constexpr int kDepths[] = {5, 4, 3, 2, 1, 0};  // of equal costs the deepest wins: few tiles pay for the depth
 
-/// Mean angle to the nearest of l axes: 2.46° at 513, half as much at four times as many.
+/// Mean angle to the nearest of l axes: 2.46° at 513 axes, half as much at four times as many.
 double mean_angle(uint32_t n_directions) { return 2.46 * kPi / 180 * std::sqrt(513.0 / n_directions); }
 
-/// Bytes by rule of thumb; the prediction decides.
+/// A rough estimate of the bytes. The prediction decides in the end.
 double rough_bytes(const FieldTriangles& triangles, const FieldSettings& s, double references) {
     const double tiles = double(s.n_tiles) * s.n_tiles;
     const double leaves =
@@ -58,11 +58,11 @@ std::vector<Candidate> candidates(const FieldTriangles& triangles, const FieldSe
 
 FieldCost expected_cost(const FieldTriangles& triangles, const FieldSettings& s) {
     const double tiles = 1 + 4 / kPi * (4.0 / 3) * std::sin(mean_angle(s.n_directions)) * s.n_tiles / 2;
-    // A disc of tiles has something in it
+    // About a disc of tiles is not empty
     const double listed =
         expected_references(triangles.in_ball(), s.n_tiles) / std::max(1.0, 0.785 * s.n_tiles * s.n_tiles);
     const double leaves = 1 << tile_depth(size_t(std::ceil(listed)), s.bsp_depth, s.leaf_target);
-    // On its way over the tiles a ray crosses the leaves of one tile once, and one more per tile
+    // Crossing the tiles, a ray passes the leaves of one tile once, plus one leaf per further tile
     const double visited = std::min(leaves * tiles, leaves + tiles);
     return {tiles, visited * listed / leaves};
 }
@@ -75,7 +75,7 @@ FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettin
                               const Control& control) {
     const bool open = given.n_directions == 0 || given.n_tiles == 0 || given.bsp_depth < 0;
     if (!open) return given;
-    // Of a lazy field as much is there as fits
+    // A lazy field keeps only as many subfields as fit
     for (const Candidate& c : candidates(triangles, given))
         if (given.lazy || predicted_peak(triangles, c.settings, threads, control).peak() <= given.max_bytes)
             return c.settings;
@@ -83,7 +83,7 @@ FieldSettings chosen_settings(const FieldTriangles& triangles, const FieldSettin
     if (given.n_directions == 0) least.n_directions = kCounts[0];
     if (given.n_tiles == 0) least.n_tiles = kTiles[0];
     if (given.bsp_depth < 0) least.bsp_depth = 0;
-    return least;  // where it is too large as well, check_budget says so
+    return least;  // if even this is too large, check_budget reports it
 }
 
 }  // namespace viscache

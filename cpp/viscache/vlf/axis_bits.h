@@ -1,18 +1,18 @@
 #pragma once
-// Answers by axis, turned into rows by point.
+// Converts visibility bits from per-axis order to one row per point.
 #include "viscache/math/bits.h"
 #include "viscache/math/parallel.h"
 #include "viscache/vlf/aligned_blocks.h"
 
 namespace viscache {
 
-/// So many axes are traced before their bits are written to the rows: two bytes per packet and axis are kept.
+/// Axes traced before their bits are written to the rows; two bytes are stored per packet and axis.
 constexpr size_t kAxesPerWave = 1024;
 static_assert(kAxesPerWave % kWordBits == 0);
 
-/// Traces all axes, wave by wave, and so many packets at a time: trace(axis, range, worker, lanes) puts the
-/// answers of one axis for a range of packets, 16 bits per packet. Then bit k of row
-/// `order[16·packet + lane]` is that of axis k.
+/// Traces all axes in waves, over ranges of packets: trace(axis, range, worker, lanes) stores the bits of
+/// one axis for a range of packets, 16 bits per packet. Bit k of row `order[16·packet + lane]` is then the
+/// bit of axis k.
 template <class Trace>
 void rows_by_axis(size_t axes, size_t packets_at_once, std::span<const uint32_t> order, std::span<Word> rows,
                   int threads, Control& control, Trace trace) {
@@ -21,7 +21,7 @@ void rows_by_axis(size_t axes, size_t packets_at_once, std::span<const uint32_t>
     std::vector<uint16_t> lanes(packets * std::min(axes, kAxesPerWave));
     for (size_t first = 0; first < axes; first += kAxesPerWave) {
         const size_t n = std::min(axes - first, kAxesPerWave), words = words_for(n);
-        // All axes of a range before the next, so that its points stay in the caches
+        // Finish all axes of one range before the next range, so that its points stay in the caches
         parallel_for(n * ranges, threads, [&](size_t i, int worker) {
             control.check();
             const size_t k = i % n, from = i / n * packets_at_once;

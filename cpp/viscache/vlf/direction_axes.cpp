@@ -6,7 +6,7 @@ namespace viscache {
 
 namespace {
 
-/// A number per direction that opposites have with opposite sign, and hardly any two others have alike.
+/// A number per direction. Opposite directions have opposite numbers; other directions rarely share one.
 double key(Vec3 d) {
     return double(d.x) + 1.4142135623730951 * double(d.y) + 1.7320508075688772 * double(d.z);
 }
@@ -32,7 +32,7 @@ std::vector<SharedAxis> axes_of(std::span<const Vec3> directions) {
     for (uint32_t i = 0; i < directions.size(); ++i) {
         if (taken[i]) continue;
         SharedAxis axis{frame_around(unit[i]), length(directions[i]), i};
-        // The first that is opposite and has no partner yet
+        // Find the first opposite direction without a partner
         const double sought = -key(unit[i]);
         for (auto at = std::lower_bound(by_key.begin(), by_key.end(), std::pair(sought - kKeySlack, 0u));
              at != by_key.end() && at->first <= sought + kKeySlack; ++at)

@@ -1,5 +1,5 @@
 #pragma once
-// One block of points × shared directions by the batch: bits asked for in, bits of what is seen out.
+// One block of points × shared directions, traced by the batch: requested bits in, visible bits out.
 #include <optional>
 
 #include "viscache/visibility/oracle.h"
@@ -9,23 +9,23 @@
 
 namespace viscache {
 
-/// The points of a block, the directions they share as axes, and who asks along which. `lights` must be
+/// The points of a block, their shared directions as axes, and the requested pairs. `lights` must be
 /// directions, and every point must satisfy `fits_batch`.
 class DirectionBlock {
 public:
     DirectionBlock(const AlignedBatch& batch, const EyeBlock& eyes, const FarEnds& lights,
                    const BitMatrix& wanted, int threads, const Control& control);
 
-    /// Predicts what both engines cost from the work along a few axes.
+    /// Predicts the cost of both engines from the work along a few axes.
     EngineChoice choose(Isa isa) const;
-    /// Sets the bits of `visible` (zeroed, of the size of `wanted`) that are wanted and free. The same for
-    /// any number of threads and any instruction set.
+    /// Sets the bits of `visible` that are requested and free. `visible` must be zero and have the size of
+    /// `wanted`. The result is the same for any number of threads and any instruction set.
     AlignedCounts trace(BitMatrix& visible, Isa isa);
     uint64_t rays() const { return rays_; }
     size_t axes() const { return axes_.size(); }
 
 private:
-    /// What a thread needs.
+    /// State of one thread.
     struct Worker {
         AxisState state;
         std::vector<uint16_t> asked;
@@ -47,11 +47,11 @@ private:
     float t_max_;
     int threads_;
     const Control& control_;
-    std::vector<uint16_t> columns_;  ///< per direction and packet: lanes asked, in the end lanes that see
+    std::vector<uint16_t> columns_;  ///< per direction and packet: requested lanes, later the visible ones
     uint64_t rays_ = 0;
 };
 
-/// True if the points are near enough to the scene for the batch.
+/// True if all points are close enough to the scene for the batch.
 bool fits_batch(const AlignedBatch& batch, std::span<const Vec3> points);
 
 }  // namespace viscache

@@ -6,8 +6,10 @@ DirectionLattice::DirectionLattice(int subdivisions) : n_(subdivisions) {
     std::vector<Double3> position(size_t(2 * n_ + 1) * size_t(2 * n_ + 1));
     position[cell(0, 0)] = {0, 0, 1};
     if (n_ > 0) {
-        position[cell(n_, 0)] = {1, 0, 0}, position[cell(-n_, 0)] = {-1, 0, 0};
-        position[cell(0, n_)] = {0, 1, 0}, position[cell(0, -n_)] = {0, -1, 0};
+        position[cell(n_, 0)] = {1, 0, 0};
+        position[cell(-n_, 0)] = {-1, 0, 0};
+        position[cell(0, n_)] = {0, 1, 0};
+        position[cell(0, -n_)] = {0, -1, 0};
     }
     for (int step = n_; step > 1; step /= 2) subdivide(position, step / 2);
     index_.resize(position.size());
@@ -16,17 +18,19 @@ DirectionLattice::DirectionLattice(int subdivisions) : n_(subdivisions) {
             if (std::abs(i) + std::abs(j) > n_ || !kept(i, j)) continue;
             index_[cell(i, j)] = size();
             if (std::abs(i) + std::abs(j) == n_) index_[cell(-i, -j)] = size();
-            places_.push_back({i, j}), axes_.push_back(position[cell(i, j)]);
+            places_.push_back({i, j});
+            axes_.push_back(position[cell(i, j)]);
         }
 }
 
-/// Puts a vertex on the sphere above the middle of every edge between vertices that are 2·half apart.
+/// Adds a vertex above the middle of every edge between vertices at distance 2·half, and moves it onto the
+/// sphere.
 void DirectionLattice::subdivide(std::vector<Double3>& position, int half) const {
     const auto odd = [half](int i) { return i / half % 2 != 0; };
     for (int i = -n_; i <= n_; i += half)
         for (int j = -n_; j <= n_; j += half) {
             if (std::abs(i) + std::abs(j) > n_ || (!odd(i) && !odd(j))) continue;
-            // Along i, along j, or along the edge of triangles that points from one axis to the other
+            // The edge runs along i, along j, or diagonally between the two axes
             const int di = odd(i) ? half : 0;
             const int dj = !odd(j) ? 0 : odd(i) && (i > 0) == (j > 0) ? -half : half;
             const Double3 &a = position[cell(i - di, j - dj)], &b = position[cell(i + di, j + dj)];

@@ -1,5 +1,5 @@
 #pragma once
-// The lattice of a subdivided octahedron and its positions on the sphere, in double.
+// The lattice of a subdivided octahedron, with its positions on the sphere in double.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -19,8 +19,8 @@ inline Double3 unit(const Double3& a) {
     return {a[0] / l, a[1] / l, a[2] / l};
 }
 
-/// Vertices (a, b, c), |a| + |b| + |c| = N, of an octahedron; opposite ones are one axis, named by its
-/// vertex of the upper half.
+/// Vertices (a, b, c), |a| + |b| + |c| = N, of an octahedron. Opposite vertices form one axis, represented
+/// by its vertex in the upper half.
 class DirectionLattice {
 public:
     explicit DirectionLattice(int subdivisions);
@@ -28,8 +28,8 @@ public:
     uint32_t size() const { return uint32_t(places_.size()); }
     /// Position of an axis, z >= 0.
     const Double3& axis(uint32_t index) const { return axes_[index]; }
-    /// Calls visit(axis, sign) for the vertices that differ from the axis's own by at most `reach` in each
-    /// coordinate, those of the lower half included; such a vertex lies at sign · axis. Its own too.
+    /// Calls visit(axis, sign) for the vertices whose coordinates differ from those of the axis by at most
+    /// `reach`, including its own vertex and vertices of the lower half. Such a vertex lies at sign · axis.
     template <class Visit>
     void around(uint32_t index, int reach, Visit visit) const {
         const auto [i, j] = places_[index];
@@ -46,9 +46,9 @@ private:
     struct Place {
         int i, j;
     };
-    /// Of a vertex of the equator and its antipode, one is the axis.
+    /// Of a vertex on the equator and its antipode, only one represents the axis.
     bool kept(int i, int j) const { return std::abs(i) + std::abs(j) < n_ || j > 0 || (j == 0 && i >= 0); }
-    /// Axis of an upper vertex, of the equator too.
+    /// Axis of a vertex of the upper half, including the equator.
     uint32_t axis_at(int i, int j) const { return index_[cell(i, j)]; }
     size_t cell(int i, int j) const { return size_t(i + n_) * size_t(2 * n_ + 1) + size_t(j + n_); }
     void subdivide(std::vector<Double3>& position, int half) const;

@@ -11,16 +11,16 @@ namespace viscache {
 
 namespace {
 
-// Steps of the lattice within which an axis's Voronoi neighbours and a cell's candidates lie: the tests
-// compare with searches of all axes.
+// Distance, in steps of the lattice, within which the Voronoi neighbours of an axis and the candidates of a
+// cell lie. The tests compare with a search over all axes.
 constexpr int kReach = 3;
-constexpr int kCellsPerStep = 8;  // cells of the map per step of the lattice: lists of 1.75 axes
+constexpr int kCellsPerStep = 8;  // cells of the map per step of the lattice; lists have 1.75 axes on average
 
 struct Place2 {
     double x, y;
 };
 
-/// The part of a convex polygon where a·x + b·y <= c.
+/// Clips a convex polygon to the half plane a·x + b·y <= c.
 std::vector<Place2> clipped(const std::vector<Place2>& polygon, double a, double b, double c) {
     std::vector<Place2> inside;
     for (size_t i = 0; i < polygon.size(); ++i) {
@@ -40,8 +40,8 @@ double triangle_solid_angle(const Double3& a, const Double3& b, const Double3& c
     return 2 * std::atan2(std::abs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
-/// Solid angle of the directions nearer to an axis than to any other vertex: its cell is a convex polygon on
-/// the axis's tangent plane, bounded by the planes half way to its neighbours.
+/// Solid angle of the directions that are nearer to an axis than to any other vertex. This cell is a convex
+/// polygon in the tangent plane of the axis, bounded by the planes half way to its neighbours.
 double cell_solid_angle(const DirectionLattice& lattice, uint32_t index) {
     const Double3 w = lattice.axis(index);
     const Double3 u = unit(cross(w, std::abs(w[0]) < 0.5 ? Double3{1, 0, 0} : Double3{0, 1, 0}));
@@ -65,7 +65,7 @@ double cell_solid_angle(const DirectionLattice& lattice, uint32_t index) {
     return sum;
 }
 
-/// Octahedral map of the upper half sphere, turned by 45° so that it fills [0, 1]².
+/// Octahedral map of the upper hemisphere, rotated by 45° to fill [0, 1]².
 Double3 upper_direction(double s, double t) {
     const double x = s + t - 1, y = s - t;
     return unit({x, y, std::max(0.0, 1 - std::abs(x) - std::abs(y))});
@@ -76,22 +76,26 @@ double angle_between_axes(const Double3& a, const Double3& b) {
     return std::atan2(std::sqrt(dot(n, n)), std::abs(dot(a, b)));
 }
 
-/// The nearest axis to d: downhill over Voronoi neighbours ends there from anywhere.
+/// Axis nearest to d. Descending over Voronoi neighbours finds it from any start.
 uint32_t nearest_from(const DirectionLattice& lattice, uint32_t start, const Double3& d) {
     for (uint32_t at = start;;) {
         uint32_t best = at;
         double cos = std::abs(dot(d, lattice.axis(at)));
         lattice.around(at, kReach, [&](uint32_t other, double) {
             const double c = std::abs(dot(d, lattice.axis(other)));
-            if (c > cos) cos = c, best = other;
+            if (c > cos) {
+                cos = c;
+                best = other;
+            }
         });
         if (best == at) return at;
         at = best;
     }
 }
 
-/// Axes that are nearest to some direction of a cell with this centre and angular radius, ascending: by the
-/// triangle inequality they are at most twice the radius farther from the centre than the nearest.
+/// Axes that are nearest to some direction of a cell with this centre and angular radius, ascending. By the
+/// triangle inequality, their distance from the centre exceeds that of the nearest axis by at most twice the
+/// radius.
 std::vector<uint16_t> candidates(const DirectionLattice& lattice, uint32_t nearest, const Double3& centre,
                                  double radius) {
     const double reach = angle_between_axes(centre, lattice.axis(nearest)) + 2 * radius;
@@ -134,11 +138,11 @@ Directions::Directions(uint32_t n_directions) {
                 return upper_direction((x + dx) / map_size_, (y + dy) / map_size_);
             };
             const Double3 centre = at(0.5, 0.5);
-            double radius = 0;  // the farthest place of a cell is a corner
+            double radius = 0;  // a corner is the farthest point of a cell
             for (int corner = 0; corner < 4; ++corner)
                 radius = std::max(radius, angle_between_axes(centre, at(corner & 1, corner >> 1)));
             nearest = nearest_from(lattice, nearest, centre);
-            // A twentieth more, for the rounding of directions and of cells
+            // 5 % larger, to allow for the rounding of directions and cells
             const auto list = candidates(lattice, nearest, centre, 1.05 * radius);
             candidates_.insert(candidates_.end(), list.begin(), list.end());
             first_.push_back(uint32_t(candidates_.size()));
@@ -147,7 +151,7 @@ Directions::Directions(uint32_t n_directions) {
 
 uint32_t Directions::nearest(Vec3 d) const {
     const float l = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
-    d = {d.x / l, d.y / l, d.z / l};  // not by 1/l, which overflows for the shortest
+    d = {d.x / l, d.y / l, d.z / l};  // multiplying by 1/l would overflow for the shortest vectors
     if (d.z < 0) d = -d;
     const auto place = [&](float p) {
         return std::min(map_size_ - 1, uint32_t(std::max(0.f, p * float(map_size_))));
@@ -158,7 +162,10 @@ uint32_t Directions::nearest(Vec3 d) const {
     float cos = -1;
     for (uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) {
         const float c = std::fabs(dot(d, axes_[candidates_[k]]));
-        if (c > cos) cos = c, best = candidates_[k];
+        if (c > cos) {
+            cos = c;
+            best = candidates_[k];
+        }
     }
     return best;
 }

@@ -48,12 +48,13 @@ void DynamicField::require_inside(std::span<const FlatTriangle> triangles) const
                 std::to_string(settings_.head_room));
 }
 
-/// The first of as many neighbouring ids.
+/// Reserves `count` consecutive ids; returns the first.
 uint32_t DynamicField::take_ids(uint32_t count) {
     for (Range& free : free_ids_)
         if (free.count >= count) {
             const uint32_t first = free.first;
-            free.first += count, free.count -= count;
+            free.first += count;
+            free.count -= count;
             return first;
         }
     const uint32_t first = uint32_t(triangles_.size());
@@ -62,7 +63,7 @@ uint32_t DynamicField::take_ids(uint32_t count) {
     return first;
 }
 
-/// The tiles that an object's triangles touch as they are.
+/// Calls visit(tile, entry) for the tiles that the triangles of an object touch at their current place.
 template <class Visit>
 void DynamicField::for_touches(size_t direction, const Object& object, Visit visit) const {
     for (uint32_t id = object.first; id < object.first + object.count; ++id)
@@ -72,7 +73,7 @@ void DynamicField::for_touches(size_t direction, const Object& object, Visit vis
                     });
 }
 
-void DynamicField::put_out(size_t direction, uint32_t number, const Object& object) {
+void DynamicField::remove_lists(size_t direction, uint32_t number, const Object& object) {
     if (mode_ == UpdateMode::kInPlace) {
         for_touches(direction, object,
                     [&](size_t tile, const TileEntry& entry) { editable_[direction].remove(tile, entry); });
@@ -83,7 +84,8 @@ void DynamicField::put_out(size_t direction, uint32_t number, const Object& obje
     }
 }
 
-void DynamicField::put_in(size_t direction, uint32_t number, const Object& object, SubfieldBuilder& builder) {
+void DynamicField::insert_lists(size_t direction, uint32_t number, const Object& object,
+                                SubfieldBuilder& builder) {
     if (mode_ == UpdateMode::kInPlace) {
         for_touches(direction, object,
                     [&](size_t tile, const TileEntry& entry) { editable_[direction].insert(tile, entry); });
@@ -101,12 +103,12 @@ template <class Change>
 void DynamicField::update(uint32_t number, const Object& object, bool out, bool in, int threads,
                           Change change) {
     const size_t n = directions_.size();
-    if (out) parallel_for(n, threads, [&](size_t i, int) { put_out(i, number, object); });
+    if (out) parallel_for(n, threads, [&](size_t i, int) { remove_lists(i, number, object); });
     change();
     if (!in) return;
     std::vector<SubfieldBuilder> builders(size_t(resolve_threads(threads)), SubfieldBuilder(shape_));
     parallel_for(n, threads,
-                 [&](size_t i, int worker) { put_in(i, number, object, builders[size_t(worker)]); });
+                 [&](size_t i, int worker) { insert_lists(i, number, object, builders[size_t(worker)]); });
 }
 
 uint32_t DynamicField::insert(std::vector<FlatTriangle> triangles, int threads) {
@@ -183,7 +185,7 @@ uint64_t DynamicField::bytes() const {
 
 namespace {
 
-/// Adds (tile, triangle) of all leaves; tiles by their number in the whole grid.
+/// Adds (tile, triangle) of all leaves; tiles are numbered in the whole grid.
 template <class Layer>
 void add_listed(const Layer& layer, int n, std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
     for (int y = layer.rect.y; y < layer.rect.y + layer.rect.height; ++y)
@@ -218,8 +220,10 @@ std::vector<std::pair<uint32_t, uint32_t>> DynamicField::listed_anew(uint32_t di
     std::vector<uint32_t> ids(scene_triangles_);
     for (uint32_t i = 0; i < ids.size(); ++i) ids[i] = i;
     for (const auto& [number, object] : objects_)
-        for (uint32_t id = object.first; id < object.first + object.count; ++id)
-            triangles.push_back(triangles_.in_ball()[id]), ids.push_back(id);
+        for (uint32_t id = object.first; id < object.first + object.count; ++id) {
+            triangles.push_back(triangles_.in_ball()[id]);
+            ids.push_back(id);
+        }
     std::vector<std::pair<uint32_t, uint32_t>> pairs;
     SubfieldBuilder builder(shape_);
     add_listed(builder.build(triangles, ids, directions_.frames()[direction]), shape_.grid.n, pairs);

@@ -1,5 +1,5 @@
 #pragma once
-// Objects that come, go and move in a visibility field.
+// Objects that are added, removed and moved in a visibility field.
 #include <map>
 #include <memory>
 #include <span>
@@ -14,8 +14,9 @@
 namespace viscache {
 
 enum class UpdateMode {
-    kOverlay,  ///< an object has lists of its own over the tiles it touches; the scene's stay as they are
-    kInPlace,  ///< the paper's: its triangles are taken out of and put into the scene's lists
+    kOverlay,  ///< an object has its own lists over the tiles that it touches; the lists of the scene stay
+               ///< unchanged
+    kInPlace,  ///< as in the paper: triangles are removed from the lists of the scene and inserted into them
 };
 
 /// What a ray hits.
@@ -23,25 +24,26 @@ struct DynamicHit {
     static constexpr int64_t kScene = -1, kNothing = -2;
     float t = kInfinity;
     int64_t object = kNothing;
-    uint64_t triangle = 0;  ///< of the object; of the scene, as `Scene::first_triangle` numbers them
+    uint64_t triangle = 0;  ///< index in the object; for the scene, as `Scene::first_triangle` numbers them
     float u = 0, v = 0;
 };
 
-/// [VLF Sec. 8] A field over a scene and over objects: to move one, all directions delete it from the tiles
-/// that its rasterization gives, and rasterize it anew where it went. Answers are those of a field built from
-/// scratch.
+/// [VLF Sec. 8] A field over a scene and moving objects. To move an object, every direction deletes it from
+/// the tiles given by its rasterization and rasterizes it at its new place. Answers are those of a field
+/// built from scratch.
 ///
-/// Rays may be asked from several threads, but not while an object changes.
+/// Several threads may trace rays at the same time, but not while an object changes.
 class DynamicField {
 public:
-    /// As VisibilityField; `settings.head_room` is the room that objects have. Never lazy.
+    /// As VisibilityField; `settings.head_room` is the space available to objects. Never lazy.
     DynamicField(std::shared_ptr<const Scene> scene, const FieldSettings& settings, UpdateMode mode,
                  int threads, Control& control);
 
-    /// Number of the new object. Throws std::invalid_argument where it leaves the field's ball.
+    /// Returns the number of the new object. Throws std::invalid_argument if it leaves the ball of the
+    /// field.
     uint32_t insert(std::vector<FlatTriangle> triangles, int threads);
     void remove(uint32_t object, int threads);
-    /// Puts the object where `place` sends the triangles it was inserted with.
+    /// Moves the object: applies `place` to the triangles with which it was inserted.
     void transform(uint32_t object, const Affine& place, int threads);
 
     DynamicHit nearest(const Ray& ray) const;
@@ -51,9 +53,9 @@ public:
     size_t objects() const { return objects_.size(); }
     uint64_t bytes() const;
 
-    /// (tile, triangle) of one direction's lists as they are, ascending, without repeats.
+    /// (tile, triangle) of the current lists of one direction, ascending, without duplicates.
     std::vector<std::pair<uint32_t, uint32_t>> listed(uint32_t direction) const;
-    /// The same of lists built from scratch over what is there now.
+    /// The same for lists built from scratch over the current triangles.
     std::vector<std::pair<uint32_t, uint32_t>> listed_anew(uint32_t direction) const;
 
 private:
@@ -67,11 +69,11 @@ private:
     Object& object(uint32_t number);
     void require_inside(std::span<const FlatTriangle> triangles) const;
     uint32_t take_ids(uint32_t count);
-    /// Takes the object out of all lists, changes its triangles by `change`, puts it in again.
+    /// Removes the object from all lists, calls `change`, and inserts it again.
     template <class Change>
     void update(uint32_t number, const Object& object, bool out, bool in, int threads, Change change);
-    void put_out(size_t direction, uint32_t number, const Object& object);
-    void put_in(size_t direction, uint32_t number, const Object& object, SubfieldBuilder& builder);
+    void remove_lists(size_t direction, uint32_t number, const Object& object);
+    void insert_lists(size_t direction, uint32_t number, const Object& object, SubfieldBuilder& builder);
     template <class Visit>
     void for_touches(size_t direction, const Object& object, Visit visit) const;
 
@@ -84,13 +86,14 @@ private:
     std::map<uint32_t, Object> objects_;
     uint32_t next_object_ = 0;
     std::vector<Range> free_ids_;
-    std::vector<uint32_t> owner_;  ///< object of each id beyond the scene's
-    // In place
+    std::vector<uint32_t> owner_;  ///< object of each id past those of the scene
+    // UpdateMode::kInPlace
     std::vector<EditableSubfield> editable_;
-    // Overlays
+    // UpdateMode::kOverlay
     std::vector<Subfield> static_;
-    std::vector<std::map<uint32_t, Subfield>> overlays_;  ///< by direction, then object
-    std::vector<std::vector<const Subfield*>> layers_;    ///< by direction: the scene's and the overlays
+    std::vector<std::map<uint32_t, Subfield>> overlays_;  ///< by direction, then by object
+    std::vector<std::vector<const Subfield*>>
+        layers_;  ///< by direction: the subfield of the scene and the overlays
 };
 
 }  // namespace viscache

@@ -7,7 +7,7 @@ namespace viscache {
 
 namespace {
 
-/// Room of a list that starts anew with `count` entries.
+/// Capacity of a new list with `count` entries.
 uint32_t room_for(uint32_t count) { return count + count / 4 + 1; }
 
 }  // namespace
@@ -17,7 +17,7 @@ EditableSubfield::EditableSubfield(const Subfield& built) : rect(built.rect) {
         const TileBsp b = built.bsp(i);
         tiles_.push_back({uint32_t(lists_.size()), uint32_t(b.leaves), {b.z0, b.z1}, built.occupied(i)});
         if (b.borders) {
-            borders_.resize(lists_.size());  // as long as the lists, where any tile has some
+            borders_.resize(lists_.size());  // if any tile has borders, as long as the lists
             borders_.insert(borders_.end(), b.borders, b.borders + b.leaves);
         }
         for (int l = 0; l < b.leaves; ++l) {
@@ -38,7 +38,8 @@ void EditableSubfield::add(List& list, uint32_t id) {
         ids_.resize(ids_.size() + room);
         std::copy_n(ids_.begin() + list.first, list.count, ids_.begin() + first);
         left_over_ += list.room;
-        list.first = first, list.room = room;
+        list.first = first;
+        list.room = room;
     }
     const auto begin = ids_.begin() + list.first, end = begin + list.count;
     const auto place = std::lower_bound(begin, end, id);
@@ -80,7 +81,8 @@ void EditableSubfield::lay_out_anew() {
         list = {first, list.count, room_for(list.count)};
         ids.resize(first + size_t(list.room));
     }
-    ids_ = std::move(ids), left_over_ = 0;
+    ids_ = std::move(ids);
+    left_over_ = 0;
 }
 
 }  // namespace viscache

@@ -1,5 +1,5 @@
 #pragma once
-// A subfield whose lists change in place.
+// A subfield whose lists are changed in place.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,16 +8,17 @@
 
 namespace viscache {
 
-/// Lists with room to grow in one pool. A list that outgrows its room moves to the pool's end; when too much
-/// of the pool is left over, all lists are laid out anew.
+/// Lists with spare capacity in one pool. A list that exceeds its capacity moves to the end of the pool.
+/// When too much of the pool is unused, all lists are laid out again.
 ///
-/// Where a tile is cut stays as it was built, so that a triangle leaves the leaves it was put into; depths
-/// beyond belong to the outermost leaves. Tiles that were empty have one leaf.
+/// The borders of leaves stay as they were built, so that a triangle is removed from the leaves into which
+/// it was inserted. Depths beyond the range belong to the outermost leaves. A tile that was empty has one
+/// leaf.
 class EditableSubfield {
 public:
     explicit EditableSubfield(const Subfield& built);
 
-    // A layer of walk_field
+    // Interface of a layer for walk_field
     TileRect rect;
     TileBsp bsp(size_t tile) const {
         const Tile& t = tiles_[tile];
@@ -31,9 +32,9 @@ public:
         return {ids_.data() + list.first, list.count};
     }
 
-    /// Lists a triangle in the tile's leaves between its depths.
+    /// Adds a triangle to the leaves of the tile between its depths.
     void insert(size_t tile, const TileEntry& entry);
-    /// Takes out what `insert` put in, or what the subfield was built with, given the same entry.
+    /// Removes a triangle, given the entry with which it was inserted or built.
     void remove(size_t tile, const TileEntry& entry);
     uint64_t bytes() const {
         return sizeof(Tile) * tiles_.size() + sizeof(List) * lists_.size() + sizeof(uint32_t) * ids_.size() +
@@ -55,7 +56,7 @@ private:
     std::vector<List> lists_;
     std::vector<uint32_t> ids_;
     std::vector<float> borders_;
-    size_t left_over_ = 0;  ///< of the pool
+    size_t left_over_ = 0;  ///< unused entries of the pool
 };
 
 }  // namespace viscache

@@ -5,20 +5,20 @@ namespace viscache {
 namespace {
 
 constexpr size_t kProbedAxes = 4;
-/// One axis is probed for so many there are, up to kProbedAxes.
+/// One axis is probed per this many axes, up to kProbedAxes.
 constexpr size_t kAxesPerProbe = 32;
-/// The batch must be cheaper by this much: below, predictions are not good enough to tell.
+/// The batch must be cheaper than Embree by this factor; predictions cannot resolve smaller differences.
 constexpr double kMargin = 0.9;
-/// And by this much where points lie apart: packets of them are wide and meet more triangles than their rays,
-/// from which Embree's cost is predicted too high.
+/// The factor for sparse points. Their packets are wide and overlap more triangles than their rays do.
+/// Embree's cost is predicted from these tests, so it is overestimated.
 constexpr double kSparseMargin = 0.72;
 constexpr uint64_t kHopelessTrianglesPerPoint = 40, kSparseTrianglesPerPoint = 8;
 
-/// What a ray, a block turned, a test of 16 boxes and a test of 16 pairs cost the batch, in nanoseconds.
-/// Fitted to 18 measurements of 8 scenes with 128² to 1024² points (AVX-512, a shared Zen 4; within 30 % of
-/// each), that of blocks to 8 with few points. The other instruction sets were measured beside it on the same
-/// machine: AVX2 takes 1.11 to 1.19 times as long, portable code 2.4 to 3.9 times (four scenes, 513
-/// directions).
+/// Cost for the batch of a ray, of rotating a block, of a test of 16 boxes and of a test of 16 pairs, in
+/// nanoseconds. Fitted to 18 measurements of 8 scenes with 128² to 1024² points (AVX-512, a shared Zen 4;
+/// within 30 % of each); the cost of blocks to 8 measurements with few points. The other instruction sets
+/// were measured on the same machine: AVX2 takes 1.11 to 1.19 times as long, portable code 2.4 to 3.9 times
+/// (four scenes, 513 directions).
 struct BatchCosts {
     double ray, block, node, test;
 };
@@ -28,8 +28,8 @@ BatchCosts batch_costs(Isa isa) {
     return {slower * avx512.ray, slower * avx512.block, slower * avx512.node, slower * avx512.test};
 }
 
-/// Nanoseconds of a ray by Embree from the batch's tests per ray, which tell how crowded its way is; the same
-/// measurements, within a factor of 1.6.
+/// Nanoseconds per ray with Embree, from the batch's tests per ray, which measure the depth complexity. From
+/// the same measurements, within a factor of 1.6.
 double embree_cost(double tests) { return 20 + 85 * tests; }
 
 }  // namespace
@@ -60,8 +60,8 @@ EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa) {
 }
 
 EngineChoice decided(EngineChoice costs, bool sparse) {
-    const bool dear = costs.batch_ns > (sparse ? kSparseMargin : kMargin) * costs.embree_ns;
-    costs.engine = dear ? AlignedEngine::kEmbree : AlignedEngine::kBatch;
+    const bool expensive = costs.batch_ns > (sparse ? kSparseMargin : kMargin) * costs.embree_ns;
+    costs.engine = expensive ? AlignedEngine::kEmbree : AlignedEngine::kBatch;
     return costs;
 }
 

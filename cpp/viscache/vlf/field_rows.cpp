@@ -12,7 +12,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kDeepestChosen = 5;  // of settings that leave the depth open (auto_settings.cpp)
+constexpr int kDeepestChosen = 5;  // for settings that leave the depth open (auto_settings.cpp)
 
 void check_axes(const VisibilityField& field, const AlignedInput& input) {
     const auto frames = field.directions().frames();
@@ -24,7 +24,7 @@ void check_axes(const VisibilityField& field, const AlignedInput& input) {
                                     std::to_string(input.axes.size()));
 }
 
-/// Any hits of a packet's points along an axis, on the side of their normals.
+/// Lanes of a packet whose ray along an axis, on the side of the normal, is free.
 uint16_t free_of(const VisibilityField& field, const PointPackets& points, const AlignedInput& input,
                  size_t p, size_t axis) {
     const Vec3 w = input.axes[axis].z;

@@ -1,12 +1,12 @@
 #pragma once
-// Nearest and any hits of one ray in the lists of one direction.
+// Nearest-hit and any-hit queries of one ray in the lists of one direction.
 #include "viscache/vlf/field_triangles.h"
 #include "viscache/vlf/field_walk.h"
 #include "viscache/vlf/visibility_field.h"
 
 namespace viscache {
 
-/// The nearest hit; its t is the caller's.
+/// The nearest hit, with t in the caller's units.
 template <class Layer>
 NearestHit nearest_hit(const FieldTriangles& triangles, std::span<const Layer* const> layers,
                        const Frame3& frame, const TileFit& fit, const FieldSettings& settings, const Ray& ray,

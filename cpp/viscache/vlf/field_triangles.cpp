@@ -6,18 +6,19 @@ namespace viscache {
 
 namespace {
 
-/// Where a scene lies far from the origin along an axis, its middle there: differences to it are exact,
-/// because all coordinates are within a factor of two of each other. 0 elsewhere.
+/// The middle of the scene along an axis if the scene is far from the origin, otherwise 0. Differences to it
+/// are exact, because all coordinates are within a factor of two of each other.
 float middle(float lo, float hi) {
     const bool far = lo > 0 ? hi <= 2 * lo : hi < 0 && lo >= 2 * hi;
     return far ? lo * 0.5f + hi * 0.5f : 0.f;
 }
 
-/// Radii within which a ray may start as it is.
+/// Rays that start within this many radii are not moved.
 constexpr double kNear = 4;
-/// Where others are moved to.
+/// Other rays are moved to this distance, in radii.
 constexpr double kEntry = 2;
-/// The ball is this much larger than the triangles' sphere: corners stay inside after rounding.
+/// Enlarges the ball beyond the bounding sphere of the triangles, so that corners stay inside after
+/// rounding.
 constexpr double kFit = 1.0001;
 
 }  // namespace
@@ -63,7 +64,8 @@ bool FieldTriangles::holds(const FlatTriangle& t) const {
 void FieldTriangles::grow(size_t count) {
     const size_t n = in_ball_.size() + count;
     if (n >= kNoHit) throw std::length_error("a field holds at most 2^32 - 2 triangles");
-    in_ball_.resize(n), sources_.resize(n, {kNoHit, kNoHit, kNoHit});
+    in_ball_.resize(n);
+    sources_.resize(n, {kNoHit, kNoHit, kNoHit});
     if (kernel_ == TriangleKernel::kWald)
         wald_.resize(n);
     else

@@ -1,5 +1,5 @@
 #pragma once
-// The triangles of a field: records for the kernels, and where each of them comes from.
+// The triangles of a field: data for the kernels, and the source of each triangle.
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,29 +11,29 @@
 
 namespace viscache {
 
-/// A ray as the kernels get it: near the scene and relative to `FieldTriangles::origin`.
+/// A ray as the kernels take it: it starts near the scene and is relative to `FieldTriangles::origin`.
 struct LocalRay {
     Ray ray;
-    double shift = 0;  ///< the caller's t is the local one plus this
+    double shift = 0;  ///< the caller's t is the local t plus this
 };
 
 class FieldTriangles {
 public:
-    /// Fits the unit ball around the triangles, `head_room` times as large.
+    /// Fits the unit ball around the triangles; its radius is `head_room` times theirs.
     FieldTriangles(std::shared_ptr<const Scene> scene, TriangleKernel kernel, double head_room);
 
     const Scene& scene() const { return *scene_; }
     const FieldSpace& space() const { return space_; }
     size_t size() const { return sources_.size(); }
     uint64_t degenerate() const { return degenerate_; }
-    /// In the unit ball, for building subfields.
+    /// The triangles in the unit ball, for building subfields.
     std::span<const FlatTriangle> in_ball() const { return in_ball_; }
     uint64_t bytes() const;
 
-    /// Rays that start far off are moved to where they come near: coordinates of thousands of radii leave
-    /// the kernels no digits.
+    /// Rays that start far away are moved close to the scene: coordinates of thousands of radii would leave
+    /// the kernels too little precision.
     LocalRay to_local(const Ray& ray, const FieldRay& in_ball) const;
-    /// Nearest of the triangles listed, if nearer than `best`.
+    /// Nearest hit of the listed triangles, if it is nearer than `best`.
     template <class Kernel>
     void nearest(const Kernel& kernel, std::span<const uint32_t> ids, NearestHit& best) const {
         for (const uint32_t id : ids) {
@@ -42,7 +42,7 @@ public:
                 best.take(hit, id);
         }
     }
-    /// Whether a ray hits any of the triangles listed before `limit`.
+    /// True if a ray hits any of the listed triangles before `limit`.
     template <class Kernel>
     bool any(const Kernel& kernel, std::span<const uint32_t> ids, float limit) const {
         for (const uint32_t id : ids) {
@@ -51,7 +51,7 @@ public:
         }
         return false;
     }
-    /// Calls work(kernel) with the kernel of this field and a ray.
+    /// Calls work(kernel) with the kernel of this field, set up for a ray.
     template <class Work>
     auto with_kernel(const Ray& local, Work work) const {
         if (kernel_ == TriangleKernel::kWald)
@@ -63,12 +63,12 @@ public:
             return intersect_watertight(corners_[id], sheared, limit, hit);
         });
     }
-    /// Whether a triangle of the scene's space lies in the ball.
+    /// True if a triangle, given in scene space, lies in the ball.
     bool holds(const FlatTriangle& world) const;
-    /// Adds ids for triangles that `set` is to give.
+    /// Adds ids for triangles that are set later.
     void grow(size_t count);
     void set(uint32_t id, const FlatTriangle& world);
-    /// What a caller gets, of a hit in the scene.
+    /// Converts a hit in the scene to the result for the caller.
     Hit hit(const NearestHit& best) const;
 
 private:
@@ -82,12 +82,12 @@ private:
     std::shared_ptr<const Scene> scene_;
     TriangleKernel kernel_;
     FieldSpace space_;
-    Vec3 origin_;  ///< of the records; not zero only for scenes far from the origin
+    Vec3 origin_;  ///< origin of the triangle data; nonzero only for scenes far from the origin
     uint64_t degenerate_ = 0;
     bool cutouts_ = false;
     std::vector<TriangleSource> sources_;
     std::vector<FlatTriangle> in_ball_;
-    std::vector<WaldTriangle> wald_;  ///< of one kernel the records are there
+    std::vector<WaldTriangle> wald_;  ///< only the data of the chosen kernel is stored
     std::vector<WatertightTriangle> corners_;
 };
 

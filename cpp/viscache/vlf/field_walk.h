@@ -1,5 +1,5 @@
 #pragma once
-// A ray's way through the lists of one direction: tiles, then leaves, near to far.
+// Walks a ray through the lists of one direction: tiles, then leaves, near to far.
 #include <span>
 
 #include "viscache/vlf/subfield.h"
@@ -7,17 +7,17 @@
 
 namespace viscache {
 
-/// What rays met on their way, summed.
+/// Totals of what rays visited.
 struct FieldSteps {
     uint64_t tiles = 0, leaves = 0, tests = 0;
 };
 
-/// How much earlier, in the unit ball, a hit must lie than the end of a leaf to be the nearest for sure:
-/// hits at grazing angles are known to less than a tile's slack.
+/// A hit is certainly the nearest if it lies before the end of a leaf by this distance in the unit ball. At
+/// grazing angles the error of a hit is smaller than the slack of a tile.
 constexpr double kHitSlack = 1e-5;
 
 /// Calls limit = leaf(ids, limit) for the leaves along a ray in one tile of one layer, until a hit is nearer
-/// than what comes next by `slack`; returns the limit.
+/// than the next leaf by `slack`. Returns the limit.
 template <class Layer, class Leaf>
 double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalRay& ray, double in,
                  double out, double slack, double limit, FieldSteps* steps, Leaf leaf) {
@@ -30,9 +30,12 @@ double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalR
     const bool upwards = g >= 0;
     const auto visit = [&](int l) {
         const std::span<const uint32_t> ids = layer.leaf(tile, l);
-        if (steps) ++steps->leaves, steps->tests += ids.size();
+        if (steps) {
+            ++steps->leaves;
+            steps->tests += ids.size();
+        }
         limit = leaf(ids, limit);
-        // Outermost leaves hold what lies beyond, too
+        // Outermost leaves also hold what lies beyond them
         const bool last = l == (upwards ? bsp.leaves - 1 : 0);
         const double end = last || g == 0 ? out : (bsp.border(l + upwards) - ray.q[2]) / g;
         return limit + slack <= std::min(end, out);
@@ -44,7 +47,7 @@ double walk_tile(const Layer& layer, size_t tile, LeafWalk how, const CanonicalR
     return limit;
 }
 
-/// The same along all tiles and in all layers of a direction; a negative limit ends the walk.
+/// The same along all tiles and in all layers of a direction. A negative limit ends the walk.
 template <class Layer, class Leaf>
 void walk_field(std::span<const Layer* const> layers, const CanonicalRay& ray, int n_tiles, LeafWalk how,
                 double limit, FieldSteps* steps, Leaf leaf) {

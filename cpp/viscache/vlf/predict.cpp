@@ -10,13 +10,13 @@ namespace {
 
 constexpr uint32_t kSamples = 8;
 
-/// Least bytes a field may have: its lists, if no tile were parted, and 16 bytes a tile.
+/// Lower bound of the bytes of a field: its lists without division into leaves, and 16 bytes per tile.
 double least_bytes(const FieldTriangles& triangles, const FieldSettings& s) {
     const double tiles = double(s.n_tiles) * s.n_tiles;
     return s.n_directions * (16 * tiles + 4 * expected_references(triangles.in_ball(), s.n_tiles));
 }
 
-/// Whether a field is predicted to fit. What is far too large is not tried.
+/// True if a field is predicted to fit. Settings that are far too large are rejected without a trial build.
 bool fits(const FieldTriangles& triangles, const FieldSettings& s, int threads, const Control& control) {
     if (least_bytes(triangles, s) > 2.0 * double(s.max_bytes)) return false;
     return predicted_peak(triangles, s, threads, control).peak() <= s.max_bytes;
@@ -79,7 +79,10 @@ PredictedBytes predicted_peak(const FieldTriangles& triangles, const FieldSettin
         bytes[i].builder = builder.bytes();
     });
     uint64_t sum = 0, builder = 0;
-    for (const PredictedBytes& b : bytes) sum += b.field, builder = std::max(builder, b.builder);
+    for (const PredictedBytes& b : bytes) {
+        sum += b.field;
+        builder = std::max(builder, b.builder);
+    }
     return {triangles.bytes() + uint64_t(double(sum) / samples * directions.size()), builder};
 }
 

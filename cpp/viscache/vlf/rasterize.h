@@ -1,5 +1,5 @@
 #pragma once
-// Which tiles of a parallel subfield a triangle touches, and how deep it lies in each.
+// Rasterization of a triangle in a parallel subfield: which tiles it touches, and its depth range in each.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,31 +10,31 @@
 
 namespace viscache {
 
-/// The n × n square tiles of [−1, 1]², half open but for the last, and what coverage is grown by.
+/// The n × n square tiles of [−1, 1]², half open except the last ones, and the dilation of coverage.
 struct TileGrid {
     int n = 1;
-    /// Covers what rounding does to projected corners (3e-7), cuts (1e-6) and the kernels (1e-6 for rays that
-    /// start within four radii; others are moved closer first).
+    /// Covers the rounding errors of projected corners (3e-7), of clipping (1e-6) and of the kernels (1e-6
+    /// for rays that start within four radii; other rays are moved closer first).
     float slack = 1e-5f;
 
-    /// Tile of a coordinate along either axis; those beyond the border belong to the outermost.
+    /// Tile of a coordinate along either axis. Coordinates beyond the border belong to the outermost tile.
     int tile_of(float x) const {
         const float place = (x + 1) * (0.5f * float(n));
         return place > 0 ? std::min(n - 1, int(std::min(place, float(n)))) : 0;
     }
-    /// Where tile i begins.
+    /// Lower border of tile i.
     float border(int i) const { return 2 * float(i) / float(n) - 1; }
 };
 
-/// The rectangle across a subfield's beams that its tiles cover: centre, and how much it is blown up to fill
-/// [−1, 1]². By default the square around the unit ball.
+/// The rectangle across the beams of a subfield that its tiles cover: its centre, and the scale that makes
+/// it fill [−1, 1]². By default the square around the unit ball.
 struct TileFit {
     float x = 0, y = 0;
     float scale_x = 1, scale_y = 1;
     float largest_scale() const { return std::max({1.f, scale_x, scale_y}); }
 };
 
-/// Corners in a subfield's canonical space: the tiles lie in x and y, beams run along z.
+/// Corners in the canonical space of a subfield: tiles lie in x and y, beams run along z.
 struct ProjectedTriangle {
     std::array<float, 3> x, y, z;
 };
@@ -46,7 +46,7 @@ inline ProjectedTriangle projected(const FlatTriangle& t, const Frame3& frame, c
     return {{x(a), x(b), x(c)}, {y(a), y(b), y(c)}, {a.z, b.z, c.z}};
 }
 
-/// A convex polygon cut out of a triangle.
+/// A convex polygon: a clipped triangle.
 struct CutPolygon {
     struct Corner {
         float x, y, z;
@@ -57,7 +57,7 @@ struct CutPolygon {
     explicit CutPolygon(const ProjectedTriangle& t) : size(3) {
         for (size_t i = 0; i < 3; ++i) corner[i] = {t.x[i], t.y[i], t.z[i]};
     }
-    /// Keeps the part with sign · (axis coordinate) <= sign · limit [Sutherland, Hodgman 1974].
+    /// Clips to sign · (axis coordinate) <= sign · limit [Sutherland, Hodgman 1974].
     void cut(float Corner::* axis, float limit, float sign) {
         const std::array<Corner, 8> before = corner;
         const int n = size;
@@ -73,20 +73,23 @@ struct CutPolygon {
             }
         }
     }
-    /// Lowest and highest of one coordinate.
+    /// Minimum and maximum of one coordinate.
     std::array<float, 2> range(float Corner::* axis) const {
         float lo = kInfinity, hi = -kInfinity;
-        for (int i = 0; i < size; ++i)
-            lo = std::min(lo, corner[size_t(i)].*axis), hi = std::max(hi, corner[size_t(i)].*axis);
+        for (int i = 0; i < size; ++i) {
+            lo = std::min(lo, corner[size_t(i)].*axis);
+            hi = std::max(hi, corner[size_t(i)].*axis);
+        }
         return {lo, hi};
     }
 };
 
-/// [VLF Sec. 3.2] Calls visit(tile_x, tile_y, z_low, z_high) for every tile whose closed square, grown by the
-/// grid's slack, meets the triangle, and with the depth range of the part inside, grown as well. Row by row:
-/// the part of a convex polygon in a strip spans one run of tiles.
+/// [VLF Sec. 3.2] Calls visit(tile_x, tile_y, z_low, z_high) for every tile whose closed square, dilated by
+/// the slack of the grid, overlaps the triangle. The depth range is that of the part inside the tile,
+/// dilated as well. Proceeds row by row: the part of a convex polygon in a strip covers one run of tiles.
 // Differs: the paper walks edges 8-connected, then fills. A diagonal step that skips a touched tile would
-// lose hits; this is the supercover. Depths are of the polygon clipped to the tile, as in its Section 5.
+// lose hits; this is the supercover. Depths are those of the polygon clipped to the tile, as in Section 5 of
+// the paper.
 template <class Visit>
 void cover_tiles(const ProjectedTriangle& t, const TileGrid& grid, Visit visit) {
     using Corner = CutPolygon::Corner;
@@ -104,7 +107,7 @@ void cover_tiles(const ProjectedTriangle& t, const TileGrid& grid, Visit visit) 
         CutPolygon strip = whole;
         if (row > first_row) strip.cut(&Corner::y, grid.border(row) - e, -1);
         if (row < last_row) strip.cut(&Corner::y, grid.border(row + 1) + e, 1);
-        if (strip.size == 0) continue;  // reached by rounding alone
+        if (strip.size == 0) continue;  // touched only by rounding
         const auto [low, high] = strip.range(&Corner::x);
         const int first = grid.tile_of(low - e), last = grid.tile_of(high + e);
         for (int column = first; column <= last; ++column) {

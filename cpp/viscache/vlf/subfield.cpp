@@ -8,10 +8,10 @@ namespace viscache {
 
 namespace {
 
-/// Boxes are blown up no more than so: what coverage is grown by is blown up with them.
+/// Largest scale of a box. The dilation of coverage is scaled as well.
 constexpr float kMostScale = 64;
 
-/// Centre and scale that make [low, high], grown by `margin`, fill [−1, 1].
+/// Centre and scale that map [low, high], widened by `margin`, to [−1, 1].
 void fit_side(float low, float high, float margin, float& centre, float& scale) {
     centre = 0.5f * (low + high);
     scale = std::min(kMostScale, 1 / std::max(0.5f * (high - low) + margin, 1e-6f));
@@ -25,8 +25,10 @@ TileFit box_of(std::span<const FlatTriangle> triangles, const Frame3& frame, flo
         const ProjectedTriangle p = projected(t, frame);
         const auto [x0, x1] = std::minmax_element(p.x.begin(), p.x.end());
         const auto [y0, y1] = std::minmax_element(p.y.begin(), p.y.end());
-        low[0] = std::min(low[0], *x0), high[0] = std::max(high[0], *x1);
-        low[1] = std::min(low[1], *y0), high[1] = std::max(high[1], *y1);
+        low[0] = std::min(low[0], *x0);
+        high[0] = std::max(high[0], *x1);
+        low[1] = std::min(low[1], *y0);
+        high[1] = std::max(high[1], *y1);
     }
     fit_side(low[0], high[0], 2 * slack, fit.x, fit.scale_x);
     fit_side(low[1], high[1], 2 * slack, fit.y, fit.scale_y);
@@ -54,13 +56,15 @@ TileRect SubfieldBuilder::touched_rect() const {
     if (touches_.empty()) return {};
     uint32_t x0 = touches_[0].tile_x, x1 = x0, y0 = touches_[0].tile_y, y1 = y0;
     for (const Touch& t : touches_) {
-        x0 = std::min(x0, t.tile_x), x1 = std::max(x1, t.tile_x);
-        y0 = std::min(y0, t.tile_y), y1 = std::max(y1, t.tile_y);
+        x0 = std::min(x0, t.tile_x);
+        x1 = std::max(x1, t.tile_x);
+        y0 = std::min(y0, t.tile_y);
+        y1 = std::max(y1, t.tile_y);
     }
     return {int(x0), int(y0), int(x1 - x0 + 1), int(y1 - y0 + 1)};
 }
 
-/// Counting sort; keeps the order of triangles.
+/// Counting sort by tile; keeps the order of triangles.
 void SubfieldBuilder::sort_by_tile(const TileRect& rect) {
     first_.assign(rect.size() + 1, 0);
     const auto tile = [&](const Touch& t) { return rect.index(int(t.tile_x), int(t.tile_y)); };
@@ -82,9 +86,12 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
     if (entries.empty()) return {};
     TileBsp bsp;
     if (shape_.tile_ranges) {
-        bsp.z0 = kInfinity, bsp.z1 = -kInfinity;
-        for (const TileEntry& e : entries)
-            bsp.z0 = std::min(bsp.z0, e.low), bsp.z1 = std::max(bsp.z1, e.high);
+        bsp.z0 = kInfinity;
+        bsp.z1 = -kInfinity;
+        for (const TileEntry& e : entries) {
+            bsp.z0 = std::min(bsp.z0, e.low);
+            bsp.z1 = std::max(bsp.z1, e.high);
+        }
     }
     bsp.leaves = 1 << tile_depth(entries.size(), shape_.bsp_depth, shape_.leaf_target);
     const size_t leaves = size_t(bsp.leaves);
@@ -104,7 +111,8 @@ Subfield::Tile SubfieldBuilder::add_tile(std::span<const TileEntry> entries) {
     uint64_t sum = 0;
     for (size_t l = 0; l < leaves; ++l) {
         const uint32_t count = pool_[ends + l];
-        pool_[ends + l] = uint32_t(sum), sum += count;  // where it begins, for now
+        pool_[ends + l] = uint32_t(sum);
+        sum += count;  // the start for now; filling advances it to the end
     }
     require_room(sum);
     pool_.resize(ids + sum);
@@ -121,7 +129,8 @@ Subfield SubfieldBuilder::build(std::span<const FlatTriangle> triangles, std::sp
     rasterize(triangles, ids, frame, made.fit);
     made.rect = tight ? touched_rect() : TileRect{0, 0, shape_.grid.n, shape_.grid.n};
     sort_by_tile(made.rect);
-    pool_.clear(), borders_.clear();
+    pool_.clear();
+    borders_.clear();
     made.tiles_.reserve(made.tiles());
     for (size_t tile = 0; tile < made.tiles(); ++tile)
         made.tiles_.push_back(

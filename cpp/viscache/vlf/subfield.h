@@ -1,5 +1,5 @@
 #pragma once
-// One parallel subfield: the tiles of one direction and the triangles each of them lists.
+// One parallel subfield: the tiles of one direction, with the triangles that each of them lists.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -10,14 +10,15 @@
 
 namespace viscache {
 
-/// Of every subfield of a field.
+/// Settings shared by all subfields of a field.
 struct SubfieldShape {
     TileGrid grid;
-    int bsp_depth = 0;    ///< most halvings of a tile's depth
+    int bsp_depth = 0;    ///< maximum number of halvings of a tile's depth
     int leaf_target = 4;  ///< see tile_depth
     DepthSplit split = DepthSplit::kUniform;
-    bool tile_ranges = true;  ///< depth range per tile, else [−1, 1] for all
-    bool fit_box = false;     ///< the tiles cover the triangles' box across the beams, else the ball's square
+    bool tile_ranges = true;  ///< depth range per tile; false: [−1, 1] for all
+    bool fit_box = false;     ///< tiles cover the bounding box of the triangles across the beams; false: the
+                              ///< square around the ball
 };
 
 /// Tiles [x, x + width) × [y, y + height) of the grid.
@@ -30,9 +31,9 @@ struct TileRect {
     size_t index(int column, int row) const { return size_t(row - y) * size_t(width) + size_t(column - x); }
 };
 
-/// Lists in compressed rows, tile by tile: where each leaf ends, then the triangles of all its leaves, side
-/// by side. What a ray needs of a tile lies in two places of memory, not in five: a ray without neighbours
-/// waits for memory most of the time.
+/// Lists in compressed rows, tile by tile: the end of each leaf, then the triangles of all leaves, one after
+/// the other. The data of a tile is in two places of memory instead of five, because an incoherent ray
+/// mostly waits for memory.
 class Subfield {
 public:
     struct Range {
@@ -42,15 +43,15 @@ public:
     TileFit fit;
 
     size_t tiles() const { return rect.size(); }
-    /// Its leaves are 0 where there is nothing.
+    /// `leaves` is 0 for an empty tile.
     TileBsp bsp(size_t tile) const {
         const Tile& t = tiles_[tile];
         const float* borders = cut_at_borders(t) ? borders_.data() + pool_[t.first] : nullptr;
         return {t.z0, t.z1, int(t.leaves), borders};
     }
-    /// Depths at which there is something.
+    /// Depth range that is not empty.
     Range occupied(size_t tile) const { return {tiles_[tile].z0, tiles_[tile].z1}; }
-    /// Ascending.
+    /// Triangles of a leaf, ascending.
     std::span<const uint32_t> leaf(size_t tile, int l) const {
         const Tile& t = tiles_[tile];
         const uint32_t* ends = pool_.data() + t.first + cut_at_borders(t);
@@ -65,7 +66,7 @@ public:
 private:
     friend class SubfieldBuilder;
     struct Tile {
-        uint32_t first = 0;  ///< in the pool
+        uint32_t first = 0;  ///< start in the pool
         uint32_t leaves = 0;
         float z0 = -1, z1 = 1;
     };
@@ -73,19 +74,19 @@ private:
 
     std::vector<Tile> tiles_;
     std::vector<uint32_t> pool_;  ///< per tile: index of its borders, if any; ends of leaves; triangles
-    std::vector<float> borders_;  ///< of tiles that are cut at medians: [l] is where leaf l begins
+    std::vector<float> borders_;  ///< for tiles split at medians: [l] is the start of leaf l
 };
 
-/// Builds subfields one after another; keeps its buffers.
+/// Builds subfields one after another and reuses its buffers.
 class SubfieldBuilder {
 public:
     explicit SubfieldBuilder(const SubfieldShape& shape) : shape_(shape) {}
-    /// Of triangles in the unit ball; triangle i is listed as `ids[i]`, or as i without ids (ascending).
-    /// Covers the whole grid, or with `tight` the tiles that are touched. Throws std::length_error for 2^32
-    /// entries or more.
+    /// Builds the subfield of triangles in the unit ball. Triangle i is listed as `ids[i]`, or as i without
+    /// ids; ids are ascending. Covers the whole grid, or with `tight` only the touched tiles. Throws
+    /// std::length_error for 2^32 entries or more.
     Subfield build(std::span<const FlatTriangle> triangles, std::span<const uint32_t> ids,
                    const Frame3& frame, bool tight = false);
-    /// Of its buffers, which it keeps while it builds.
+    /// Bytes of the buffers, which live as long as the builder.
     uint64_t bytes() const {
         return sizeof(Touch) * touches_.capacity() + sizeof(size_t) * first_.capacity() +
                sizeof(TileEntry) * sorted_.capacity() + sizeof(uint32_t) * pool_.capacity() +
@@ -106,7 +107,7 @@ private:
 
     SubfieldShape shape_;
     std::vector<Touch> touches_;
-    std::vector<size_t> first_;  ///< (tiles + 1) into sorted_
+    std::vector<size_t> first_;  ///< (tiles + 1) offsets into sorted_
     std::vector<TileEntry> sorted_;
     std::vector<uint32_t> pool_;
     std::vector<float> borders_, middles_;

@@ -4,7 +4,8 @@ namespace viscache {
 
 void SubfieldStore::build_all(std::span<const FlatTriangle> triangles, int threads, Control& control) {
     all_.resize(directions_.size());
-    control.total = directions_.size(), control.done = 0;
+    control.total = directions_.size();
+    control.done = 0;
     std::vector<SubfieldBuilder> builders(size_t(resolve_threads(threads)), SubfieldBuilder(shape_));
     parallel_for(directions_.size(), threads, [&](size_t i, int worker) {
         control.check();
@@ -32,10 +33,12 @@ SubfieldLease SubfieldStore::get_lazily(uint32_t direction) const {
     return {field.get(), field};
 }
 
-/// Keeps a new subfield and gives up those that were not used for longest. Rays on their way keep theirs.
+/// Stores a new subfield and evicts those that were not used for longest. Rays in flight keep their
+/// subfields alive.
 void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> field) const {
     const std::lock_guard lock(room_);
-    bytes_ += field->bytes(), ++built_;
+    bytes_ += field->bytes();
+    ++built_;
     slots_[direction].exchange(std::move(field));
     while (bytes_ > max_bytes_) {
         uint32_t oldest = direction;
@@ -44,7 +47,8 @@ void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> fi
             if (i != direction && older && slots_[i].load()) oldest = i;
         }
         if (oldest == direction) return;
-        bytes_ -= slots_[oldest].exchange(nullptr)->bytes(), ++given_up_;
+        bytes_ -= slots_[oldest].exchange(nullptr)->bytes();
+        ++given_up_;
     }
 }
 

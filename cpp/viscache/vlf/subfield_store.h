@@ -1,5 +1,6 @@
 #pragma once
-// The subfields of a field: all built at once, or each on first use and the longest unused ones given up.
+// The subfields of a field. Either all are built at once, or each is built on first use and the least
+// recently used ones are evicted.
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -13,10 +14,10 @@
 
 namespace viscache {
 
-/// A subfield that stays while this does.
+/// Keeps a subfield alive.
 struct SubfieldLease {
     const Subfield* field = nullptr;
-    std::shared_ptr<const Subfield> keep;  ///< of one that might be given up
+    std::shared_ptr<const Subfield> keep;  ///< set if the subfield may be evicted
     const Subfield* operator->() const { return field; }
 };
 
@@ -25,22 +26,23 @@ public:
     SubfieldStore(const Directions& directions, const SubfieldShape& shape)
         : directions_(directions), shape_(shape) {}
 
-    /// Builds all, in parallel over directions; the same for any number of threads.
+    /// Builds all subfields in parallel over directions. The result is the same for any number of threads.
     void build_all(std::span<const FlatTriangle> triangles, int threads, Control& control);
-    /// From now on subfields are built when asked for, and given up when all together exceed the budget.
+    /// From now on, subfields are built on first use and evicted when their total size exceeds the budget.
     void be_lazy(std::span<const FlatTriangle> triangles, uint64_t max_bytes) {
         slots_ = std::make_unique<Slot[]>(directions_.size());
-        triangles_ = triangles, max_bytes_ = max_bytes;
+        triangles_ = triangles;
+        max_bytes_ = max_bytes;
     }
     bool lazy() const { return slots_ != nullptr; }
-    /// May be called from any thread.
+    /// Thread-safe.
     SubfieldLease get(uint32_t direction) const {
         if (!lazy()) return {all_[direction].get(), nullptr};
         return get_lazily(direction);
     }
-    /// Gives away one of those built at once.
+    /// Moves out one of the subfields that were built at once.
     Subfield take(uint32_t direction) { return std::move(*all_[direction]); }
-    /// Those that are there now.
+    /// The subfields that currently exist.
     std::vector<std::shared_ptr<const Subfield>> present() const;
     uint64_t built() const { return built_; }
     uint64_t given_up() const { return given_up_; }
@@ -55,7 +57,7 @@ private:
             const std::lock_guard lock(access);
             return field;
         }
-        /// The one before.
+        /// Replaces the subfield; returns the previous one.
         std::shared_ptr<const Subfield> exchange(std::shared_ptr<const Subfield> other) {
             const std::lock_guard lock(access);
             return std::exchange(field, std::move(other));
@@ -67,12 +69,12 @@ private:
     const Directions& directions_;
     SubfieldShape shape_;
     std::vector<std::shared_ptr<Subfield>> all_;
-    // Lazy
+    // For lazy fields
     std::unique_ptr<Slot[]> slots_;
     std::span<const FlatTriangle> triangles_;
     uint64_t max_bytes_ = 0;
     mutable std::mutex room_;
-    mutable uint64_t bytes_ = 0;  ///< of those present; guarded by room_
+    mutable uint64_t bytes_ = 0;  ///< bytes of the existing subfields; guarded by room_
     mutable std::atomic<uint64_t> clock_{0}, built_{0}, given_up_{0};
 };
 

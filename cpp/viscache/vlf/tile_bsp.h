@@ -1,5 +1,5 @@
 #pragma once
-// A tile's polygons parted along its depth.
+// Divides the polygons of a tile along its depth.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,22 +8,23 @@
 
 namespace viscache {
 
-/// Where a tile is cut.
+/// Where a tile is divided.
 enum class DepthSplit {
     kUniform,  ///< 2^depth equal slabs
-    kObject,   ///< at medians of the polygons' depths
+    kObject,   ///< at medians of the depths of the polygons
 };
 /// How a ray finds its leaves.
 enum class LeafWalk {
     kLinear,  ///< from the first leaf to the last, by index
-    kStack,   ///< splitting the segment at the planes, near half first
+    kStack,   ///< by splitting the segment at the planes, near half first
 };
 
 constexpr int kMostBspDepthOfTile = 12;
 
-/// Depth that a tile with `count` polygons gets: as many halvings as leave `leaf_target` in a leaf of a tile
-/// evenly filled, at most `depth`; 0 as target asks for all of them.
-// Differs: the paper says one depth for all; at 5, 513 subfields of 128² tiles would take 1 GB for offsets.
+/// Depth of a tile with `count` polygons. It has as many halvings as leave `leaf_target` polygons per leaf
+/// of an evenly filled tile, at most `depth`. A target of 0 always gives `depth`.
+// Differs: the paper uses one depth for all tiles; at 5, 513 subfields of 128² tiles would take 1 GB for
+// offsets.
 inline int tile_depth(size_t count, int depth, int leaf_target) {
     if (leaf_target == 0) return count ? depth : 0;
     int d = 0;
@@ -31,21 +32,22 @@ inline int tile_depth(size_t count, int depth, int leaf_target) {
     return d;
 }
 
-/// [VLF Sec. 4] The 1D partition of one tile, leaves in the order of depth in a plain array, so that a depth
-/// gives its leaf directly.
-// Differs: "median split" and look-up by t exclude each other; slabs are equal unless kObject is asked for.
+/// [VLF Sec. 4] The 1D partition of one tile. The leaves are in a plain array, ordered by depth, so that a
+/// depth gives its leaf directly.
+// Differs: "median split" and lookup by t exclude each other; slabs are equal unless kObject is requested.
 struct TileBsp {
-    float z0 = -1, z1 = 1;           ///< range of depth
+    float z0 = -1, z1 = 1;           ///< depth range
     int leaves = 1;                  ///< a power of two
-    const float* borders = nullptr;  ///< kObject: [l] is where leaf l begins, from 1 on
+    const float* borders = nullptr;  ///< for kObject: [l] is the start of leaf l, for l >= 1
 
-    /// Leaf of a depth, the outermost for depths beyond; never decreases with z, whatever the rounding.
+    /// Leaf of a depth; the outermost leaf for depths beyond the range. Never decreases with z, despite
+    /// rounding.
     int leaf_of(float z) const {
         if (borders) return int(std::upper_bound(borders + 1, borders + leaves, z) - borders) - 1;
         const float place = (z - z0) * (float(leaves) / (z1 - z0));
         return place > 0 ? std::min(leaves - 1, int(std::min(place, float(leaves)))) : 0;
     }
-    /// Where leaf l begins; of `leaves`, where the last one ends.
+    /// Start of leaf l; l = `leaves` gives the end of the last one.
     float border(int l) const {
         if (l == 0) return z0;
         if (l == leaves) return z1;
@@ -53,11 +55,11 @@ struct TileBsp {
     }
 };
 
-/// What rounding may do to a depth on its way to a leaf.
+/// Bound of the rounding error of a depth when its leaf is computed.
 constexpr float kDepthSlack = 1e-6f;
 
-/// Calls visit(leaf) for the leaves that depths [low, high] meet, upwards or downwards, until it returns
-/// true; returns whether it did.
+/// Calls visit(leaf) for the leaves that overlap depths [low, high], upwards or downwards, until it returns
+/// true. Returns whether it did.
 template <class Visit>
 bool walk_leaves(const TileBsp& bsp, float low, float high, bool upwards, Visit visit) {
     const int first = bsp.leaf_of(low - kDepthSlack), last = bsp.leaf_of(high + kDepthSlack);
@@ -71,8 +73,8 @@ bool walk_leaves(const TileBsp& bsp, float low, float high, bool upwards, Visit 
     return false;
 }
 
-/// The same by the paper's other way: the segment is split at the planes of the tree, a stack keeps the far
-/// halves.
+/// The same with the other method of the paper: the segment is split at the planes of the tree, and a stack
+/// keeps the far halves.
 template <class Visit>
 bool walk_leaves_by_stack(const TileBsp& bsp, float low, float high, bool upwards, Visit visit) {
     struct Node {
@@ -81,7 +83,8 @@ bool walk_leaves_by_stack(const TileBsp& bsp, float low, float high, bool upward
     Node stack[kMostBspDepthOfTile + 1];
     int entries = 0;
     Node node{0, bsp.leaves};
-    low -= kDepthSlack, high += kDepthSlack;
+    low -= kDepthSlack;
+    high += kDepthSlack;
     for (;;) {
         while (node.count > 1) {
             const int half = node.count / 2;
@@ -108,7 +111,7 @@ struct TileEntry {
     float low, high;  ///< depth range inside the tile
 };
 
-/// Borders of leaves at the medians of the entries' middles; [0] is not used.
+/// Borders of leaves at the medians of the middle depths of the entries; [0] is not used.
 inline void object_borders(std::span<const TileEntry> entries, int leaves, std::vector<float>& middles,
                            float* borders) {
     middles.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// A ray's way over the tiles of a parallel subfield.
+// Walks a ray over the tiles of a parallel subfield.
 #include <algorithm>
 #include <cmath>
 
@@ -9,29 +9,32 @@
 
 namespace viscache {
 
-/// Where a field's unit ball lies in the scene.
+/// Position and size of the unit ball of a field in the scene.
 struct FieldSpace {
     double center[3] = {0, 0, 0};
     double radius = 1;
 };
 
-/// A ray in a field's unit ball; t is the scene's. In double: the walk must not stray from the true ray by
-/// what coverage is grown by.
+/// A ray in the unit ball of a field; t is that of the scene. In double: the walk must not deviate from the
+/// true ray by the dilation of coverage.
 struct FieldRay {
     double o[3], d[3];
 
     FieldRay(const Ray& ray, const FieldSpace& space) {
         const double s = 1 / space.radius;
         const float from[3] = {ray.o.x, ray.o.y, ray.o.z}, along[3] = {ray.d.x, ray.d.y, ray.d.z};
-        for (int i = 0; i < 3; ++i) o[i] = (from[i] - space.center[i]) * s, d[i] = along[i] * s;
+        for (int i = 0; i < 3; ++i) {
+            o[i] = (from[i] - space.center[i]) * s;
+            d[i] = along[i] * s;
+        }
     }
 };
 
-/// The same in one subfield's canonical space, cut to the cube [−1, 1]³.
+/// The same ray in the canonical space of one subfield, clipped to the cube [−1, 1]³.
 struct CanonicalRay {
     double q[3], g[3];  ///< origin and direction
-    double t0, t1;      ///< the part inside; empty when t0 > t1
-    double length;      ///< of g in the unit ball
+    double t0, t1;      ///< the part inside; empty if t0 > t1
+    double length;      ///< length of g in the unit ball
 
     CanonicalRay(const FieldRay& ray, const Frame3& frame, double t_min, double t_max,
                  const TileFit& fit = {})
@@ -42,27 +45,31 @@ struct CanonicalRay {
             g[i] = ray.d[0] * rows[i]->x + ray.d[1] * rows[i]->y + ray.d[2] * rows[i]->z;
         }
         length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        q[0] = (q[0] - fit.x) * fit.scale_x, g[0] *= fit.scale_x;
-        q[1] = (q[1] - fit.y) * fit.scale_y, g[1] *= fit.scale_y;
+        q[0] = (q[0] - fit.x) * fit.scale_x;
+        g[0] *= fit.scale_x;
+        q[1] = (q[1] - fit.y) * fit.scale_y;
+        g[1] *= fit.scale_y;
         for (int i = 0; i < 3; ++i) {
             if (g[i] == 0) {
                 if (std::fabs(q[i]) > 1) t1 = -kInfinity;
                 continue;
             }
             const double inverse = 1 / g[i], a = (-1 - q[i]) * inverse, b = (1 - q[i]) * inverse;
-            t0 = std::max(t0, std::min(a, b)), t1 = std::min(t1, std::max(a, b));
+            t0 = std::max(t0, std::min(a, b));
+            t1 = std::min(t1, std::max(a, b));
         }
     }
 };
 
 /// [VLF Sec. 3.3] Calls visit(tile_x, tile_y, t_in, t_out) for the tiles that a ray crosses, front to back,
-/// until it returns true [Amanatides, Woo 1987]. Crossings are computed from the borders, one by one, so
-/// that their errors do not add up.
+/// until it returns true [Amanatides, Woo 1987]. Each crossing is computed from its border, so that errors
+/// do not accumulate.
 template <class Visit>
 void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
     if (!(ray.t0 <= ray.t1)) return;
     const double half = 0.5 * n, width = 2.0 / n;
-    // Along an axis that the ray hardly follows it stays in its tile: it moves less than coverage is grown
+    // Along an axis on which the ray hardly moves it stays in its tile: it moves less than the dilation of
+    // coverage
     const double least = 3e-7 * ray.length;
     int tile[2], step[2];
     double inverse[2], next[2];
@@ -76,7 +83,8 @@ void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
         if (inverse[i] == 0) return double(kInfinity);
         return ((tile[i] + (step[i] > 0)) * width - 1 - ray.q[i]) * inverse[i];
     };
-    next[0] = crossing(0), next[1] = crossing(1);
+    next[0] = crossing(0);
+    next[1] = crossing(1);
     double in = ray.t0;
     for (;;) {
         const int axis = next[0] < next[1] ? 0 : 1;
@@ -84,7 +92,8 @@ void walk_tiles(const CanonicalRay& ray, int n, Visit visit) {
         if (visit(tile[0], tile[1], in, out) || next[axis] >= ray.t1) return;
         tile[axis] += step[axis];
         if (tile[axis] < 0 || tile[axis] >= n) return;
-        next[axis] = crossing(axis), in = out;
+        next[axis] = crossing(axis);
+        in = out;
     }
 }
 

@@ -59,13 +59,17 @@ VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const Field
 
 FieldStats VisibilityField::stats() const {
     FieldStats s{.triangles = triangles_.size(), .degenerate = triangles_.degenerate()};
-    s.built = store_.built(), s.given_up = store_.given_up(), s.bytes = triangles_.bytes();
+    s.built = store_.built();
+    s.given_up = store_.given_up();
+    s.bytes = triangles_.bytes();
     for (const auto& field : store_.present()) {
         const Subfield& f = *field;
-        ++s.subfields, s.tiles += f.tiles();
+        ++s.subfields;
+        s.tiles += f.tiles();
         for (size_t i = 0; i < f.tiles(); ++i) {
             const int leaves = f.bsp(i).leaves;
-            s.leaves += uint64_t(leaves), s.empty_tiles += leaves == 0;
+            s.leaves += uint64_t(leaves);
+            s.empty_tiles += leaves == 0;
             for (int l = 0; l < leaves; ++l) s.references += f.leaf(i, l).size();
         }
         s.bytes += f.bytes();
@@ -94,15 +98,15 @@ bool VisibilityField::any(const Ray& ray, uint32_t direction, FieldSteps* steps)
     return any_in({*lease.field, directions_.frames()[direction]}, ray, steps);
 }
 
-/// The ray itself, or as `snap` sends it.
+/// The ray itself, or with `snap` the ray along its axis.
 Ray VisibilityField::aimed(const Ray& ray, uint32_t direction) const {
     if (!settings_.snap) return ray;
     const Vec3 axis = directions_.axes()[direction];
     return {ray.o, ray.t_min, axis * std::copysign(length(ray.d), dot(ray.d, axis)), ray.t_max};
 }
 
-/// Calls trace(i, view, ray) for all rays that have a direction. A lazy field is asked direction by
-/// direction: as few subfields as may be are alive at a time.
+/// Calls trace(i, view, ray) for all rays with a nonzero direction. For a lazy field the rays are sorted by
+/// direction, to keep as few subfields alive as possible.
 template <class Trace>
 void VisibilityField::for_rays(std::span<const Ray> rays, Trace trace) const {
     const auto frames = directions_.frames();
@@ -145,7 +149,7 @@ uint16_t VisibilityField::occluded16(uint16_t mask, RayPacket16& p, Coherence) c
         rays[i] = {{p.ox[i], p.oy[i], p.oz[i]}, p.t_min[i], {p.dx[i], p.dy[i], p.dz[i]}, p.t_max[i]};
     }
     uint32_t answer = 0;
-    // Lanes outside of the mask have no direction
+    // Lanes outside the mask have direction zero
     for_rays(rays, [&](size_t i, const View& view, const Ray& ray) {
         answer |= uint32_t(any_in(view, ray, nullptr)) << i;
     });

@@ -1,5 +1,5 @@
 #pragma once
-// The visibility field: which triangles lie along beams in fixed directions, and rays by look-up.
+// The visibility field: lists of triangles along beams in fixed directions; rays are traced by lookup.
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,28 +14,29 @@
 
 namespace viscache {
 
-/// What the tiles of a direction cover: the square around the scene's ball, or the scene's own box there.
+/// What the tiles of a direction cover: the square around the ball of the scene, or the bounding box of the
+/// scene in that direction.
 enum class FieldFit { kSphere, kBox };
 
 struct FieldSettings {
-    uint32_t n_directions = 513;  ///< l: 1 or 2·4^k + 1; 0 = chosen to fit the budget
-    int n_tiles = 128;            ///< n; in [1, 4096]; 0 = chosen
-    int bsp_depth = -1;           ///< most halvings of a tile's depth; in [0, 12]; −1 = chosen
-    int leaf_target = 4;          ///< triangles a leaf may keep; 0 = every tile gets the full depth
+    uint32_t n_directions = 513;  ///< l: 1 or 2·4^k + 1; 0: chosen to fit the budget
+    int n_tiles = 128;            ///< n; in [1, 4096]; 0: chosen
+    int bsp_depth = -1;           ///< maximum number of halvings of a tile's depth; in [0, 12]; −1: chosen
+    int leaf_target = 4;          ///< triangles per leaf to aim for; 0: every tile gets the full depth
     DepthSplit split = DepthSplit::kUniform;
     LeafWalk walk = LeafWalk::kLinear;
-    bool tile_ranges = true;  ///< depth range per tile; else [−1, 1] for all
+    bool tile_ranges = true;  ///< depth range per tile; false: [−1, 1] for all
     FieldFit fit = FieldFit::kSphere;
     TriangleKernel kernel = TriangleKernel::kWatertight;
-    double head_room = 1;                    ///< the field's ball over the scene's sphere; in [1, 1000]
-    bool lazy = false;                       ///< subfields are built by the first ray of their direction
-    bool snap = false;                       ///< rays run along their nearest axis: approximate
+    double head_room = 1;  ///< radius of the ball over that of the scene's sphere; in [1, 1000]
+    bool lazy = false;     ///< subfields are built by the first ray of their direction
+    bool snap = false;     ///< rays run along their nearest axis: approximate
     uint64_t max_bytes = uint64_t{2} << 30;  ///< of subfields and triangles
-    double max_build_s = 0;                  ///< CPU seconds that what is chosen may take to build; 0 = any
+    double max_build_s = 0;  ///< limit on the estimated CPU seconds to build chosen settings; 0: none
 
-    /// Throws std::invalid_argument that says what must hold.
+    /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
-    /// Of settings without anything left to choose.
+    /// The shape of the subfields. The settings must leave nothing open.
     SubfieldShape shape() const;
 };
 constexpr int kMostTiles = 4096;
@@ -44,19 +45,19 @@ void check_tiles(int n_tiles);
 
 struct FieldStats {
     uint64_t triangles = 0, degenerate = 0;
-    uint64_t built = 0, given_up = 0;  ///< subfields, ever
-    /// Of the subfields present:
+    uint64_t built = 0, given_up = 0;  ///< total numbers of subfields built and evicted
+    /// Of the existing subfields:
     uint64_t subfields = 0, tiles = 0, empty_tiles = 0, leaves = 0, references = 0;
-    uint64_t bytes = 0;  ///< subfields and triangles
+    uint64_t bytes = 0;  ///< of subfields and triangles
 };
 
-/// Rays by look-up. Its hits are those of its triangle kernel, whatever direction, tiles and leaves lead
-/// there; they may differ from Embree's within rounding of an edge.
+/// Traces rays by lookup. The hits are those of its triangle kernel, regardless of the direction, tiles and
+/// leaves that lead to them. They may differ from those of Embree within rounding error of an edge.
 class VisibilityField final : public RayCaster {
 public:
-    /// Builds all subfields, in parallel over directions, or leaves that to the rays; the same for any number
-    /// of threads. Throws std::invalid_argument, or OverBudget for a field that would be larger than
-    /// `settings.max_bytes`. A lazy field keeps below that by giving up subfields.
+    /// Builds all subfields in parallel over directions, or leaves that to the rays if lazy. The result is
+    /// the same for any number of threads. Throws std::invalid_argument, or OverBudget if the field would
+    /// exceed `settings.max_bytes`. A lazy field stays within that limit by evicting subfields.
     VisibilityField(std::shared_ptr<const Scene> scene, const FieldSettings& settings, int threads,
                     Control& control);
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override;
@@ -69,12 +70,13 @@ public:
     const FieldTriangles& triangles() const { return triangles_; }
     SubfieldLease subfield(uint32_t direction) const { return store_.get(direction); }
     FieldStats stats() const;
-    /// Nearest hit by way of a given direction's subfield: the same hit, by more or fewer tiles.
+    /// Nearest hit through the subfield of a given direction. The hit is the same; the number of tiles
+    /// varies.
     Hit nearest(const Ray& ray, uint32_t direction, FieldSteps* steps = nullptr) const;
     bool any(const Ray& ray, uint32_t direction, FieldSteps* steps = nullptr) const;
 
 private:
-    /// A direction's subfield and its rotation.
+    /// The subfield of a direction, with its rotation.
     struct View {
         const Subfield& field;
         const Frame3& frame;
@@ -86,7 +88,7 @@ private:
     Ray aimed(const Ray& ray, uint32_t direction) const;
 
     FieldTriangles triangles_;
-    FieldSettings settings_;  ///< nothing left to choose
+    FieldSettings settings_;  ///< nothing left open
     const Directions& directions_;
     SubfieldStore store_;
 };

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
@@ -15,6 +13,7 @@ from viscache.render import render
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
+from viscache.sources import scene_file
 
 __all__ = ["aqvc_frame"]
 
@@ -79,15 +78,6 @@ QUICK = (Case(size=(128, 128), spp=1, n_vpls=64, c_e=10, repeats=2, with_slow=Tr
 FILES = ("living-room", "veach-ajar")
 #: The error up to which a ratio with a goal counts.
 REL_L1_GOAL = 0.01
-
-
-def scene_file(name: str) -> Path | None:
-    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`, where there is one."""
-    folder = os.environ.get("VISCACHE_SCENES")
-    candidates = (
-        [Path(folder) / name / f"scene.{kind}" for kind in ("xml", "pbrt")] if folder else []
-    )
-    return next((path for path in candidates if path.exists()), None)
 
 
 def aqvc_frame(quick: bool = False) -> Outcome:

@@ -7,8 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from viscache.bench.aqvc_frame import scene_file
 from viscache.bench.common import Outcome, figure
+from viscache.sources import scene_file
 
 __all__ = ["memory"]
 

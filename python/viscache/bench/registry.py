@@ -19,7 +19,7 @@ from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
-from viscache.settings.by_name import nearest
+from viscache.settings.spelling import nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
 

@@ -19,9 +19,9 @@ from typing import Any
 
 from viscache.bench.common import Outcome, Sample, at_most_figure, figure, interleave
 from viscache.settings.integrators import Whitted
-from viscache.sweeps.executors import process_pool
 from viscache.sweeps.store import Store
 from viscache.sweeps.sweep import sweep as run_sweep
+from viscache.workers import process_pool
 
 __all__ = ["sweep"]
 

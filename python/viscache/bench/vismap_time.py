@@ -10,8 +10,7 @@ import statistics
 from dataclasses import dataclass, replace
 
 from viscache.bench.common import Outcome, build_scene, figure
-from viscache.figures.vismap_equal_time import samples_in
-from viscache.figures.vismap_renders import Picture, images, paper_maps
+from viscache.cases.map_renders import Picture, images, paper_maps, samples_in
 from viscache.frame import Frame
 from viscache.settings.visibility import VisMaps
 from viscache.variance import variance_ratio

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +17,7 @@ from viscache.correlation.rows import VisibilityRows
 from viscache.render import render
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import AmbientOcclusion
+from viscache.sources import made_by_others
 from viscache.vlf import direction_frames, trace_aligned
 
 __all__ = ["CASES", "Case", "vlf_ao"]
@@ -169,9 +168,8 @@ def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
 def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
     """A whole frame of a closed room: camera rays, shadow rays, sums."""
     label = f"AO living-room {side}x{side} frame"
-    folder = os.environ.get("VISCACHE_SCENES")
-    path = Path(folder) / "living-room" / "scene.xml" if folder else None
-    if path is None or not path.is_file():
+    path = made_by_others("living-room/scene.xml")
+    if path is None:
         outcome.skip(f"{label} vs embree", "VISCACHE_SCENES holds no living-room/scene.xml")
         return
     scene, frames = load_scene(path), {}

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 
 from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
-from viscache.figures.vlf_objects import STOPS, ball, with_object
-from viscache.figures.vlf_sweeps import chords
+from viscache.cases.beams import chords
+from viscache.cases.moving_object import STOPS, ball, with_object
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 from viscache.vlf.dynamic import DynamicField

@@ -1,4 +1,4 @@
-"""`viscache correlate SCENE -o out.nc`: Section 4 statistics of a scene's visibility."""
+"""`viscache correlate SCENE -o out.nc`: correlation statistics of a scene's visibility."""
 
 from __future__ import annotations
 
@@ -23,32 +23,55 @@ from viscache.plots import FORMATS
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
     parser.add_argument("-o", "--output", metavar="OUT.nc", required=True)
-    parser.add_argument("--points", type=at_least_one, default=20_000, metavar="N",
-                        help="surface points (default: 20000; the paper: 195000)")  # fmt: skip
-    parser.add_argument("--on", choices=["camera", "area"],
-                        help="points seen by the camera, or evenly on all surfaces")  # fmt: skip
-    parser.add_argument("--map-size", type=at_least_one, default=96, metavar="M",
-                        help="edge of the map of directions (default: 96)")  # fmt: skip
+    parser.add_argument(
+        "--points",
+        type=at_least_one,
+        default=20_000,
+        metavar="N",
+        help="surface points (default: 20000; the paper: 195000)",
+    )
+    parser.add_argument(
+        "--on",
+        choices=["camera", "area"],
+        help="points seen by the camera, or evenly on all surfaces",
+    )
+    parser.add_argument(
+        "--map-size",
+        type=at_least_one,
+        default=96,
+        metavar="M",
+        help="edge of the map of directions (default: 96)",
+    )
     parser.add_argument("--pairs", type=_pairs, default="all", metavar="all|N")
     parser.add_argument("--d-max", type=float, metavar="D", help="end of the bins of distance")
     parser.add_argument("--d-bins", type=at_least_one, default=128, metavar="N")
     parser.add_argument("--theta-bins", type=at_least_one, default=180, metavar="N")
     parser.add_argument("--directions", choices=["centres", "jittered", "lloyd"], default="centres")
     parser.add_argument("--domain", choices=["sphere", "joint", "union"], default="sphere")
-    parser.add_argument("--normals", choices=["geometric", "shading"], default="geometric",
-                        help="of the angle between points")  # fmt: skip
-    parser.add_argument("--t-max", type=float, metavar="T",
-                        help="local visibility: occluders within T only")  # fmt: skip
-    parser.add_argument("--engine", choices=get_args(RowEngine), default="embree",
-                        help="who traces the rows; auto: by predicted cost")  # fmt: skip
+    parser.add_argument(
+        "--normals",
+        choices=["geometric", "shading"],
+        default="geometric",
+        help="of the angle between points",
+    )
+    parser.add_argument(
+        "--t-max", type=float, metavar="T", help="local visibility: occluders within T only"
+    )
+    parser.add_argument(
+        "--engine",
+        choices=get_args(RowEngine),
+        default="embree",
+        help="who traces the rows; auto: by predicted cost",
+    )
     parser.add_argument("--camera", metavar="NAME", help="name or index")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
     add_workers(parser)
     parser.add_argument("--store", metavar="DIR", help="keeps finished blocks; resumes there")
     parser.add_argument("--plot", metavar="DIR", help="pictures of the result")
-    parser.add_argument("--format", action="append", choices=FORMATS,
-                        help="of --plot; repeat for more (png)")  # fmt: skip
+    parser.add_argument(
+        "--format", action="append", choices=FORMATS, help="of --plot; repeat for more (png)"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -109,14 +132,16 @@ def _print(summary: dict[str, Any]) -> None:
 
 
 def _summary(dataset: Any, path: str) -> dict[str, Any]:
-    """What the command prints."""
+    """The summary that the command prints."""
     a = dataset.attrs
     rows = [
         {"theta_deg": float(dataset["theta"][t])}
-        | {f"d_at_{level:g}": float(dataset["correlation_length"][k, t])
-           for k, level in enumerate(dataset["level"].values)}
+        | {
+            f"d_at_{level:g}": float(dataset["correlation_length"][k, t])
+            for k, level in enumerate(dataset["level"].values)
+        }
         for t in range(0, dataset.sizes["theta"], max(1, dataset.sizes["theta"] // 18))
-    ]  # fmt: skip
+    ]
     ratios = dataset["predicted_variance_ratio"]
     return {
         "scene": a["scene"], "n_points": a["n_points"], "n_pairs": a["n_pairs"],

@@ -27,8 +27,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.html is not None:
         name, reference_name = (Path(p).name for p in (arguments.image, arguments.reference))
         report.write_difference(
-            image, reference, arguments.html, name=name, reference_name=reference_name,
+            image,
+            reference,
+            arguments.html,
+            name=name,
+            reference_name=reference_name,
             width=image.size[0],
-        )  # fmt: skip
+        )
     (print_json if arguments.json else print_table)(result.as_dict())
     return 0

@@ -1,14 +1,14 @@
-"""`viscache doctor`: versions, and a self-test of ten seconds."""
+"""`viscache doctor`: versions, and a self-test of about ten seconds."""
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import os
 from typing import Any
 
 import numpy as np
 
+import viscache as vc
 from viscache import provenance
 from viscache.commands.shared import print_json
 
@@ -36,15 +36,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def checks(active: str, best: str) -> list[dict[str, Any]]:
-    """Every check of the self-test: its name, value, limit, and whether it holds."""
+    """The checks of the self-test: name, value, limit, and whether each passes."""
     scene = _scene()
     asked = os.environ.get("VISCACHE_ISA")
     result = [
-        _check("the kernels run the best variant this CPU has (or the one asked for)",
-               int(active != (asked or best)), 0),
+        _check(
+            "the kernels run the best variant this CPU has (or the one asked for)",
+            int(active != (asked or best)),
+            0,
+        ),
         _check("visible() agrees with plane geometry", _wrong_answers(scene), 0),
-    ]  # fmt: skip
-    vc: Any = importlib.import_module("viscache")
+    ]
     direct = vc.Direct()
     exact = vc.render(scene, direct, size=(48, 32))
     shadow = float(np.mean(exact.image[:, :, 0] > 0))
@@ -53,8 +55,10 @@ def checks(active: str, best: str) -> list[dict[str, Any]]:
     error = vc.metrics.compare(tiny, exact, metrics=["max_abs"]).max_abs
     result.append(_check("the quantized cache at C_E = 0.01 gives the exact picture", error, 0))
     cached = vc.Aqvc(c_e=8)
-    frames = [vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
-              for t in (1, 2, 3)]  # fmt: skip
+    frames = [
+        vc.render(scene, direct, visibility=cached, size=(80, 64), threads=t).sha256
+        for t in (1, 2, 3)
+    ]
     name = "1, 2 and 3 threads give the same bytes"
     result.append(_check(name, len(set(frames)) - 1, 0))
     return result
@@ -67,8 +71,7 @@ def _check(name: str, value: Any, limit: Any) -> dict[str, Any]:
 
 
 def _scene() -> Any:
-    """A floor, a triangle hovering over it, a point light above, a camera."""
-    vc: Any = importlib.import_module("viscache")
+    """A floor, a triangle above it, a point light, a camera."""
     description = vc.SceneDescription()
     floor = np.array([[-4, 0, -4], [4, 0, -4], [4, 0, 4], [-4, 0, 4]], np.float32)
     quads = np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
@@ -85,7 +88,7 @@ _A, _B, _C = (-1.0, 1.0, -1.0), (1.0, 1.0, -1.0), (0.0, 1.0, 1.0)
 
 
 def _wrong_answers(scene: Any) -> int:
-    """Segments through the triangle's plane whose answer is not that of plane geometry."""
+    """Number of segments through the triangle's plane whose answer is wrong."""
     rng, n = np.random.default_rng(0), 4000
     below = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 0.5), rng.uniform(-2, 2, n)])
     above = np.column_stack([rng.uniform(-2, 2, n), np.full(n, 1.5), rng.uniform(-2, 2, n)])

@@ -1,4 +1,4 @@
-"""`viscache info SCENE`: what a scene holds."""
+"""`viscache info SCENE`: the content of a scene."""
 
 from __future__ import annotations
 
@@ -23,13 +23,18 @@ def run(arguments: argparse.Namespace) -> int:
     cameras = [f"{c['name'] or 'unnamed'} ({c['size'][0]}x{c['size'][1]})" for c in info["cameras"]]
     share = info["coplanar_share"]
     plain = {k: v for k, v in info.items() if k not in ("warnings", "memory_bytes")}
-    print_table(plain | {
-        "bounds": " to ".join("(" + ", ".join(f"{v:g}" for v in c) + ")" for c in info["bounds"]),
-        "lights": ", ".join(f"{n} {kind}" for kind, n in kinds.items()) or "none",
-        "cameras": ", ".join(cameras) or "none",
-        "coplanar_share": "not counted" if share is None else f"{share:.1%}",
-        "memory": f"{info['memory_bytes'] / 2**20:,.1f} MiB with the ray caster (estimate)",
-    })  # fmt: skip
+    print_table(
+        plain
+        | {
+            "bounds": " to ".join(
+                "(" + ", ".join(f"{v:g}" for v in c) + ")" for c in info["bounds"]
+            ),
+            "lights": ", ".join(f"{n} {kind}" for kind, n in kinds.items()) or "none",
+            "cameras": ", ".join(cameras) or "none",
+            "coplanar_share": "not counted" if share is None else f"{share:.1%}",
+            "memory": f"{info['memory_bytes'] / 2**20:,.1f} MiB with the ray caster (estimate)",
+        }
+    )
     for warning in info["warnings"]:
         print(f"warning: {warning}")
     return 0

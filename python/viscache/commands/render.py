@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
+import viscache as vc
 from viscache import sources
 from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
 from viscache.settings import by_name
@@ -22,14 +21,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rays", default="embree", choices=list(by_name.NAMES["rays"]))
     parser.add_argument(
-        "--visibility", default="exact",
+        "--visibility",
+        default="exact",
         choices=[*by_name.NAMES["visibility"], *by_name.RAYS_AS_VISIBILITY],
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--use", choices=["replace", "correct"], help="how an approximation is used"
     )
-    parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
-                        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256")  # fmt: skip
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a parameter by its symbol: c_e=8, integrator.n_vpls=256",
+    )
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
     parser.add_argument("--seed", type=int, default=0)
@@ -53,7 +58,6 @@ def run(arguments: argparse.Namespace) -> int:
     known = [camera.name for camera in scene.cameras]
     wish: str | None = arguments.camera
     index = wish is not None and wish not in known and wish.isdecimal()
-    vc: Any = importlib.import_module("viscache")
     options = {} if arguments.size is None else {"size": arguments.size}
     frame = vc.render(
         scene, chosen["integrator"], rays=chosen["rays"], visibility=chosen["visibility"],

@@ -12,20 +12,26 @@ from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import open_dataset
 
-MOST_NAMED = 5  # files of a directory that holds no sweep
+MOST_NAMED = 5  # names shown of the files in a directory without a sweep
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR")
     parser.add_argument("-o", "--output", metavar="FILE.html", help="DIR/report.html by default")
     parser.add_argument(
-        "--flip-maps", type=int, default=report.MOST_FLIP_MAPS, metavar="N",
+        "--flip-maps",
+        type=int,
+        default=report.MOST_FLIP_MAPS,
+        metavar="N",
         help="most FLIP maps, which take seconds each; the best settings first (%(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--width", type=int, default=MAX_WIDTH_PX, metavar="PX",
+        "--width",
+        type=int,
+        default=MAX_WIDTH_PX,
+        metavar="PX",
         help="widest picture; wider frames are shown as means over pixels (%(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--plots", metavar="FOLDER", help="write the plots there too, each as a file for papers"
     )
@@ -40,9 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
         raise ValueError("--format must come with --plots FOLDER")
     _check_holds_a_sweep(Path(arguments.directory))
     written = report.write(
-        arguments.directory, arguments.output, flip_maps=arguments.flip_maps,
-        width=arguments.width, progress=sys.stderr.isatty(),
-    )  # fmt: skip
+        arguments.directory,
+        arguments.output,
+        flip_maps=arguments.flip_maps,
+        width=arguments.width,
+        progress=sys.stderr.isatty(),
+    )
     drawn: list[Path] = []
     if arguments.plots is not None:
         formats = arguments.format or plots.FORMATS
@@ -56,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_holds_a_sweep(directory: Path) -> None:
-    """Says what must hold of DIR and what it is instead."""
+    """Raises an error unless DIR contains a sweep; the message says what it contains instead."""
     if not directory.exists():
         raise ValueError(f"no such directory: {directory}")
     must = "DIR must be a directory that `viscache sweep FILE.toml -o DIR` filled"

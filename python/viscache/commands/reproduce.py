@@ -13,13 +13,20 @@ from viscache.commands.shared import size as pixels
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME|all|list")
-    parser.add_argument("-o", "--output", metavar="DIR", default="out/reproduce",
-                        help="where pictures and tables go (default: out/reproduce)")  # fmt: skip
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR",
+        default="out/reproduce",
+        help="where pictures and tables go (default: out/reproduce)",
+    )
     parser.add_argument("--quick", action="store_true", help="small sizes")
-    parser.add_argument("--size", metavar="WxH", type=pixels,
-                        help="of the pictures of the figures that allow it")  # fmt: skip
-    parser.add_argument("--older", action="store_true",
-                        help="all: take what other versions of the code left in DIR")  # fmt: skip
+    parser.add_argument(
+        "--size", metavar="WxH", type=pixels, help="of the pictures of the figures that allow it"
+    )
+    parser.add_argument(
+        "--older", action="store_true", help="all: take what other versions of the code left in DIR"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -51,9 +58,13 @@ def _all(arguments: argparse.Namespace) -> int:
         sys.stdout.flush()
 
     summary = figures.reproduce_all(
-        arguments.output, quick=arguments.quick, size=arguments.size, older=arguments.older,
-        progress=sys.stderr.isatty(), on_result=None if arguments.json else told,
-    )  # fmt: skip
+        arguments.output,
+        quick=arguments.quick,
+        size=arguments.size,
+        older=arguments.older,
+        progress=sys.stderr.isatty(),
+        on_result=None if arguments.json else told,
+    )
     if arguments.json:
         print_json(summary)
     else:
@@ -87,5 +98,5 @@ def _list(as_json: bool) -> int:
         print_json({"figures": [{"figure": name} for name in FIGURES]})
         return 0
     for name, info in FIGURES.items():
-        print(name, f"({info.description})")
+        print(f"{name} ({info.description})")
     return 0

@@ -1,4 +1,4 @@
-"""What several sub-commands share: printing, sizes, settings from options."""
+"""Functions shared by sub-commands: printing, sizes, settings from options."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
 
-from viscache.json_values import finite
+from viscache import workers
+from viscache.files import finite
 from viscache.provenance import thread_count
 from viscache.settings import by_name
-from viscache.sweeps import executors
 
 
 def print_json(value: Any) -> None:
@@ -47,7 +47,7 @@ def at_least_one(text: str) -> int:
 
 
 def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
-    """Integrator, rays and visibility of the options, with `--set` applied."""
+    """Integrator, rays and visibility from the options, with `--set` applied."""
     rays, visibility = arguments.rays, arguments.visibility
     if visibility in by_name.RAYS_AS_VISIBILITY:
         if rays not in ("embree", visibility):
@@ -66,20 +66,25 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
 def add_workers(parser: argparse.ArgumentParser) -> None:
     """`--workers N` and `--dask ADDRESS`."""
     which = parser.add_mutually_exclusive_group()
-    which.add_argument("--workers", type=at_least_one, default=1, metavar="N",
-                       help="processes; they disturb each other's timings")  # fmt: skip
+    which.add_argument(
+        "--workers",
+        type=at_least_one,
+        default=1,
+        metavar="N",
+        help="processes; they disturb each other's timings",
+    )
     which.add_argument("--dask", metavar="ADDRESS", help="the workers of a dask scheduler")
 
 
 def chosen_executor(arguments: argparse.Namespace) -> AbstractContextManager[Executor | None]:
-    """What `add_workers` asked for; None is this process."""
+    """The executor chosen by the options of `add_workers`; None: this process."""
     if arguments.dask is not None:
-        return executors.dask_executor(arguments.dask)
-    return executors.process_pool(arguments.workers)
+        return workers.dask_executor(arguments.dask)
+    return workers.process_pool(arguments.workers)
 
 
 def threads_of_a_worker(arguments: argparse.Namespace) -> int | None:
-    """What each of several processes gets of this machine; None for all of it, or another's."""
+    """Threads per worker process on this machine; None for a single or a remote worker."""
     if arguments.workers == 1:
         return None
     return max(1, thread_count() // int(arguments.workers))

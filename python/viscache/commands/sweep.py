@@ -15,11 +15,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE.toml")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
     add_workers(parser)
-    parser.add_argument("--apart", action=argparse.BooleanOptionalAction, default=None,
-                        help="one frame at a time, so that timings are undisturbed (the default"
-                             " without --workers and --dask)")  # fmt: skip
-    parser.add_argument("--references", metavar="DIR",
-                        help="where sweeps share their finished references")  # fmt: skip
+    parser.add_argument(
+        "--apart",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="one frame at a time, so that timings are undisturbed (the default"
+        " without --workers and --dask)",
+    )
+    parser.add_argument(
+        "--references", metavar="DIR", help="where sweeps share their finished references"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
@@ -29,9 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
         sweep = replace(sweep, threads=threads_of_a_worker(arguments))
     with chosen_executor(arguments) as executor:
         dataset = sweep.run(
-            arguments.output, executor=executor, apart=arguments.apart,
-            references=arguments.references, progress=True,
-        )  # fmt: skip
+            arguments.output,
+            executor=executor,
+            apart=arguments.apart,
+            references=arguments.references,
+            progress=True,
+        )
     table = Path(arguments.output) / "table.csv"
     if arguments.json:
         sizes = {str(k): v for k, v in dataset.sizes.items()}

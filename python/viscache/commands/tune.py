@@ -12,11 +12,21 @@ from viscache.sweeps.tune import tune
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
-    parser.add_argument("--error", type=float, default=0.01, metavar="REL_L1",
-                        help="that is wanted against exact visibility (default: 0.01)")  # fmt: skip
+    parser.add_argument(
+        "--error",
+        type=float,
+        default=0.01,
+        metavar="REL_L1",
+        help="that is wanted against exact visibility (default: 0.01)",
+    )
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
-    parser.add_argument("--set", metavar="NAME=VALUE", action="append", default=[],
-                        help="a parameter by its symbol: c_n=8, integrator.n_vpls=256")  # fmt: skip
+    parser.add_argument(
+        "--set",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a parameter by its symbol: c_n=8, integrator.n_vpls=256",
+    )
     parser.add_argument("--size", type=size, metavar="WxH", default=(640, 400))
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--seed", type=int, default=0)

@@ -1,6 +1,7 @@
 """Correlation statistics of visibility: Section 4 of the visibility-map paper.
 
-Points on surfaces, a row of bits for each, and ρ of all pairs over distance and angle.
+Places points on surfaces, traces a row of bits for each, and correlates all pairs over distance and
+angle.
 """
 
 from viscache.correlation import plots

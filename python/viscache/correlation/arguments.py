@@ -1,4 +1,4 @@
-"""Arguments of `measure` and `correlate`: what must hold, and what is made of them."""
+"""Validates and converts the arguments of `measure` and `correlate`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Words: TypeAlias = npt.NDArray[np.uint64]
 
 DOMAINS = ("sphere", "joint", "union")
 UNDEFINED = ("skip", "one_if_both")
-#: Every pair of groups has a table of its own.
+#: Each pair of groups has its own table, so their number is limited.
 MAX_GROUPS = 32
 
 
@@ -31,7 +31,7 @@ def check_seed(seed: int) -> None:
 def checked_words(
     bits: npt.ArrayLike, name: str, n_directions: int | None = None
 ) -> tuple[Words, int]:
-    """Rows (N, W) with W a multiple of 8, and the number of directions, all bits by default."""
+    """Rows (N, W) with W a multiple of 8, and the number of directions (all bits by default)."""
     array = np.asarray(bits)
     fits = array.ndim == 2 and array.dtype == np.uint64 and array.shape[1] >= 1
     require(fits, f"{name} must be uint64 of shape (N, W)", f"{array.dtype} {array.shape}")
@@ -51,15 +51,18 @@ def checked_words(
 
 
 def checked_rows(
-    bits: npt.ArrayLike, n_directions: int | None, positions: npt.ArrayLike,
-    normals: npt.ArrayLike, group: npt.ArrayLike | None,
-) -> tuple[Words, int, Points]:  # fmt: skip
-    """Rows and points in order of their groups, and the number of directions."""
+    bits: npt.ArrayLike,
+    n_directions: int | None,
+    positions: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    group: npt.ArrayLike | None,
+) -> tuple[Words, int, Points]:
+    """Rows and points sorted by group, and the number of directions."""
     rows, count = checked_words(bits, "bits", n_directions)
     places, directions = (np.asarray(v, dtype=np.float32) for v in (positions, normals))
     for name, array in (("positions", places), ("normals", directions)):
-        require(array.shape == (len(rows), 3), f"{name} must have shape ({len(rows)}, 3)",
-                array.shape)  # fmt: skip
+        fits = array.shape == (len(rows), 3)
+        require(fits, f"{name} must have shape ({len(rows)}, 3)", array.shape)
         require(bool(np.isfinite(array).all()), f"{name} must be finite", name)
     require(len(rows) >= 2, "bits must have at least 2 rows", len(rows))
     labels = _rows.spatial_groups(places) if group is None else np.asarray(group)
@@ -68,35 +71,46 @@ def checked_rows(
     known, labels = np.unique(labels, return_inverse=True)
     require(len(known) <= MAX_GROUPS, f"group must have at most {MAX_GROUPS} values", len(known))
     order = np.argsort(labels, kind="stable")
-    points = Points(positions=places[order], normals=directions[order],
-                    group=labels[order].astype(np.int32))  # fmt: skip
+    points = Points(
+        positions=places[order], normals=directions[order], group=labels[order].astype(np.int32)
+    )
     return rows[order], count, points
 
 
 def chosen_bins(
-    positions: npt.NDArray[np.float32], d_edges: Edges, theta_edges_deg: Edges, *,
-    d_max: float | None, slice_d: float, slice_theta_deg: float, seed: int,
-) -> Bins:  # fmt: skip
-    """Bins from edges, or from numbers of evenly spaced bins."""
-    require(d_max is None or isinstance(d_edges, int), "d_max must be left out with edges of d",
-            d_max)  # fmt: skip
+    positions: npt.NDArray[np.float32],
+    d_edges: Edges,
+    theta_edges_deg: Edges,
+    *,
+    d_max: float | None,
+    slice_d: float,
+    slice_theta_deg: float,
+    seed: int,
+) -> Bins:
+    """Bins from given edges, or from given numbers of evenly spaced bins."""
+    fits = d_max is None or isinstance(d_edges, int)
+    require(fits, "d_max must be left out with edges of d", d_max)
     end, even = d_max, 1.0
     if isinstance(d_edges, int):
         end = even = pilot_d_max(positions, seed) if d_max is None else float(d_max)
     spread = linear_bins(
-        even, d_edges if isinstance(d_edges, int) else 1,
+        even,
+        d_edges if isinstance(d_edges, int) else 1,
         theta_edges_deg if isinstance(theta_edges_deg, int) else 1,
-    )  # fmt: skip
+    )
     return Bins(
         d_edges=spread.d_edges if isinstance(d_edges, int) else checked_edges(d_edges, "d_edges"),
-        theta_edges_deg=spread.theta_edges_deg if isinstance(theta_edges_deg, int)
+        theta_edges_deg=spread.theta_edges_deg
+        if isinstance(theta_edges_deg, int)
         else checked_edges(theta_edges_deg, "theta_edges_deg"),
-        slice_d=slice_d, slice_theta_deg=slice_theta_deg, d_end=end,
-    )  # fmt: skip
+        slice_d=slice_d,
+        slice_theta_deg=slice_theta_deg,
+        d_end=end,
+    )
 
 
 def sampled_pairs(pairs: Literal["all"] | int, n_points: int) -> int | None:
-    """How many pairs to choose; None for all there are."""
+    """Number of pairs to sample; None for all pairs."""
     if pairs == "all":
         return None
     fits = is_whole(pairs) and int(pairs) >= 1
@@ -105,11 +119,17 @@ def sampled_pairs(pairs: Literal["all"] | int, n_points: int) -> int | None:
 
 
 def pair_options(
-    points: Points, bins: Bins, n_directions: int, *, sampled: bool, domain: Domain,
+    points: Points,
+    bins: Bins,
+    n_directions: int,
+    *,
+    sampled: bool,
+    domain: Domain,
     undefined: Undefined,
-    min_bits: int, directions: Any,
-) -> PairOptions:  # fmt: skip
-    """How pairs are counted."""
+    min_bits: int,
+    directions: Any,
+) -> PairOptions:
+    """Options for counting pairs."""
     require(domain in DOMAINS, f"domain must be one of {DOMAINS}", domain)
     require(undefined in UNDEFINED, f"undefined must be one of {UNDEFINED}", undefined)
     require(is_whole(min_bits) and min_bits >= 1, "min_bits must be a whole number >= 1", min_bits)

@@ -1,8 +1,8 @@
-"""Bins of pairs over distance d and angle θ, and the two slices beside them.
+"""Bins of pairs over distance d and angle θ, and the bins of the two slices.
 
-Pairs are counted once, in cells fine enough that every bin of the table and of both slices is a
-union of cells. Cells are half-open and counts and sums are integers, so a bin's sums are those of
-its pairs, exactly.
+Pairs are counted once, in cells so fine that every bin of the table and of both slices is a union
+of cells. Cells are half-open, and counts and sums are integers, so the sums of a bin are exactly
+those of its pairs.
 """
 
 from __future__ import annotations
@@ -17,37 +17,38 @@ from viscache.settings.checks import require
 
 Floats = npt.NDArray[np.float64]
 
-#: Bins of each slice, and of the table unless asked otherwise.
+#: Number of bins of each slice, and the default for the table.
 N_SLICE = 64
 N_D = 128
 N_THETA = 180
-#: Pairs of a pilot's points; their 99th percentile ends the linear bins of d.
+#: Size of the pilot sample. The 99th percentile of its pair distances is the end of the linear bins
+#: of d.
 PILOT_POINTS = 1000
 PILOT_PERCENTILE = 99.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Bins:
-    """Edges of the table, limits of the slices, and the cells that serve both.
+    """Edges of the table, limits of the slices, and the cells used for both.
 
     Parameters
     ----------
     d_edges : (D + 1,) float
-        Rising, from 0 or more, in scene units; the last may be inf.
+        Increasing, >= 0, in scene units; the last may be inf.
     theta_edges_deg : (T + 1,) float
-        Rising, in [0, 180] degrees. A last edge of 180 includes it.
+        Increasing, in [0, 180] degrees. If the last edge is 180, the last bin includes it.
     slice_d : float > 0
-        The slice over θ takes pairs with d < slice_d.
+        The slice over θ contains the pairs with d < slice_d.
     slice_theta_deg : float > 0
-        The slice over d takes pairs with θ < slice_theta_deg degrees.
+        The slice over d contains the pairs with θ < slice_theta_deg degrees.
     d_end : float > 0, optional
-        Where the evenly spaced bins of the slice over d end; by default the last finite edge, or
-        one bin further where d_edges is open.
+        End of the evenly spaced bins of the slice over d. By default the last finite edge, or one
+        bin further if the last edge is infinite.
 
     Raises
     ------
     ValueError
-        Edges that do not rise, or lie out of range.
+        The edges do not increase, or they are out of range.
     """
 
     d_edges: Floats
@@ -56,7 +57,7 @@ class Bins:
     slice_theta_deg: float = 2.0
     d_end: float | None = None
     slice_d_edges: Floats = field(init=False)
-    """(65,) edges in d of the slice θ < slice_theta_deg; the last is open where d_edges' is."""
+    """(65,) edges in d of the slice θ < slice_theta_deg; the last is inf if that of d_edges is."""
     slice_theta_edges_deg: Floats = field(init=False)
     """(65,) edges in degrees of the slice d < slice_d."""
     d_cells: Floats = field(init=False)
@@ -68,8 +69,8 @@ class Bins:
         require(bool(np.isfinite(d[:-1]).all()), "d_edges must be finite but for the last", d)
         require(bool(theta[-1] <= 180.0), "theta_edges_deg must lie in [0, 180]", theta)
         require(self.slice_d > 0, "slice_d must be > 0", self.slice_d)
-        require(0 < self.slice_theta_deg <= 180, "slice_theta_deg must be in (0, 180]",
-                self.slice_theta_deg)  # fmt: skip
+        fits = 0 < self.slice_theta_deg <= 180
+        require(fits, "slice_theta_deg must be in (0, 180]", self.slice_theta_deg)
         require(self.d_end is None or 0 < self.d_end < np.inf, "d_end must be > 0", self.d_end)
         set_ = object.__setattr__
         set_(self, "d_edges", d)
@@ -83,14 +84,15 @@ class Bins:
         set_(self, "slice_theta_edges_deg", over_theta)
         d_known, theta_known = np.union1d(d, over_d), np.union1d(theta, over_theta)
         set_(self, "slice_d", float(_snap(np.array([self.slice_d]), d_known)[0]))
-        set_(self, "slice_theta_deg",
-             float(_snap(np.array([self.slice_theta_deg]), theta_known)[0]))  # fmt: skip
+        set_(
+            self, "slice_theta_deg", float(_snap(np.array([self.slice_theta_deg]), theta_known)[0])
+        )
         set_(self, "d_cells", np.union1d(d_known, [0.0, self.slice_d]))
         set_(self, "theta_cells", np.union1d(theta_known, [0.0, self.slice_theta_deg]))
 
 
 def _linear_end(edges: Floats) -> float:
-    """Where evenly spaced bins end: the last edge, or one bin behind the last finite one."""
+    """End of evenly spaced bins: the last edge, or one bin past the last finite edge."""
     if np.isfinite(edges[-1]):
         return float(edges[-1])
     if len(edges) == 2:
@@ -99,7 +101,7 @@ def _linear_end(edges: Floats) -> float:
 
 
 def checked_edges(value: npt.ArrayLike, name: str) -> Floats:
-    """Edges of bins from a list; ValueError where they do not rise from 0 or more."""
+    """Edges of bins from a list; ValueError unless they increase and are >= 0."""
     found = np.array(value, dtype=np.float64)
     fits = found.ndim == 1 and found.size >= 2 and found[0] >= 0
     fits = fits and bool((np.diff(found) > 0).all())
@@ -108,19 +110,19 @@ def checked_edges(value: npt.ArrayLike, name: str) -> Floats:
 
 
 def _snap(edges: Floats, known: Floats) -> Floats:
-    """Edges that rounding alone tells from a known one become it."""
+    """Replaces edges that differ from a known edge only by rounding."""
     finite = known[np.isfinite(known)]
     nearest = finite[np.abs(edges[:, None] - finite).argmin(axis=1)]
     return np.where(np.isclose(nearest, edges, rtol=1e-9, atol=0.0), nearest, edges)
 
 
 def merge(cells: npt.NDArray[Any], axis: int, fine: Floats, edges: Floats) -> npt.NDArray[Any]:
-    """Sums of cells with the edges `fine` in bins with the edges `edges`, along one axis.
+    """Sums cells with the edges `fine` over bins with the edges `edges`, along one axis.
 
     Raises
     ------
     ValueError
-        An edge that is not among the fine ones.
+        An edge is not among the fine ones.
     """
     at = np.searchsorted(fine, edges)
     known = bool((at < len(fine)).all()) and bool((fine[at] == edges).all())
@@ -130,7 +132,7 @@ def merge(cells: npt.NDArray[Any], axis: int, fine: Floats, edges: Floats) -> np
 
 
 def centers(edges: Floats) -> Floats:
-    """Middles of bins; an open last bin is taken as wide as the one before it."""
+    """Centres of bins; a last bin that ends at inf is taken as wide as the one before it."""
     closed = edges.copy()
     if np.isinf(closed[-1]):
         closed[-1] = _linear_end(edges)
@@ -138,19 +140,19 @@ def centers(edges: Floats) -> Floats:
 
 
 def pilot_d_max(positions: npt.NDArray[np.float32], seed: int) -> float:
-    """99th percentile of the distances of all pairs of a pilot of points, to 3 digits, upwards.
+    """99th percentile of the pair distances of a pilot sample, rounded up to 3 digits.
 
     Parameters
     ----------
     positions : (N, 3) float32
     seed : int
-        Chooses the pilot, at most 2000 points.
+        Seed of the pilot sample of at most 1000 points.
     """
     rng = np.random.Generator(np.random.Philox(key=np.array([seed, 0x9D], dtype=np.uint64)))
     chosen = rng.permutation(len(positions))[:PILOT_POINTS]
     p = positions[np.sort(chosen)].astype(np.float64)
     first, second = np.triu_indices(len(p), 1)
-    step = 1 << 20  # pairs at a time, so that memory stays small
+    step = 1 << 20  # pairs at a time, to limit memory
     parts = [
         np.sqrt(((p[first[i : i + step]] - p[second[i : i + step]]) ** 2).sum(axis=1))
         for i in range(0, len(first), step)
@@ -163,15 +165,19 @@ def pilot_d_max(positions: npt.NDArray[np.float32], seed: int) -> float:
 
 
 def linear_bins(
-    d_max: float, n_d: int = N_D, n_theta: int = N_THETA, *, slice_d: float = 0.2,
+    d_max: float,
+    n_d: int = N_D,
+    n_theta: int = N_THETA,
+    *,
+    slice_d: float = 0.2,
     slice_theta_deg: float = 2.0,
-) -> Bins:  # fmt: skip
-    """Evenly spaced bins: `n_d` over [0, d_max], the last one open, and `n_theta` over 180°.
+) -> Bins:
+    """Evenly spaced bins: `n_d` over [0, d_max], the last one without end, and `n_theta` over 180°.
 
     Raises
     ------
     ValueError
-        d_max not above 0 or not finite, or a number of bins out of range.
+        d_max is not finite and > 0, or a number of bins is out of range.
     """
     require(0 < d_max < np.inf, "d_max must be finite and > 0", d_max)
     require(1 <= n_d <= 1024, "the number of d bins must be in [1, 1024]", n_d)

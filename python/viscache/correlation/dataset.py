@@ -1,4 +1,4 @@
-"""The result as an `xarray.Dataset`, and the way to a NetCDF file and back."""
+"""Converts results to an `xarray.Dataset`; saves and loads NetCDF files."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from viscache.correlation.derived import (
 )
 from viscache.correlation.run import Counted
 from viscache.correlation.statistics import Sums, statistics
+from viscache.files import whole_file
 from viscache.provenance import provenance
-from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray
@@ -35,25 +35,25 @@ MEANINGS = {
     "n_undefined": "pairs without a correlation: a point sees nothing",
     "variance_ratio": "mean of 1 - rho^2: variance left by a control variate",
 }
-#: Record spacings of the table, as shares of the end of the d bins.
+#: Record spacings of the table, as fractions of the end of the d bins.
 SPACINGS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
 
 
 def to_dataset(counted: Counted, bins: Bins) -> xarray.Dataset:
-    """Statistics of counted pairs.
+    """Convert counted pairs to statistics.
 
     Returns
     -------
     xarray.Dataset
-        On (d, theta): mean, sigma, se, se_naive, n, n_undefined, variance_ratio. On `theta_near`
-        the slice d < slice_d, as near_mean, near_sigma, …; on `d_aligned` the slice
-        θ < slice_theta_deg, as aligned_mean, …: bins of their own. Coordinates are the bins'
-        middles, with `_low` and `_high` ends, in scene units and degrees. `corner` is the mean of
-        both slices' common pairs. correlation_length on (level, theta): d at which ρ̄ falls to the
-        level. predicted_variance_ratio on (spacing,): of records that far apart with normals within
-        10°. pair_share on (d,): share of all pairs that were counted; 1 where pass was exhaustive.
-        Attributes: box_d_max and box_theta_max_deg of the spatial maps, d_near, slice_d,
-        slice_theta_deg, n_pairs, pairs_s, provenance.
+        On (d, theta): mean, sigma, se, se_naive, n, n_undefined, variance_ratio. On `theta_near`:
+        the slice d < slice_d, as near_mean, near_sigma, … On `d_aligned`: the slice θ <
+        slice_theta_deg, as aligned_mean, … The slices have their own bins. Coordinates are bin
+        centres, with `_low` and `_high` limits, in scene units and degrees. `corner` is the mean
+        over the pairs common to both slices. correlation_length on (level, theta): d at which ρ̄
+        falls to the level. predicted_variance_ratio on (spacing,): for records with this spacing
+        and normals within 10°. pair_share on (d,): fraction of all pairs that was counted; 1 where
+        the pass was exhaustive. Attributes: box_d_max and box_theta_max_deg of the spatial maps,
+        d_near, slice_d, slice_theta_deg, n_pairs, pairs_s, provenance.
     """
     import xarray
 
@@ -63,19 +63,24 @@ def to_dataset(counted: Counted, bins: Bins) -> xarray.Dataset:
     over_d = table.merged(0, bins.d_cells, bins.d_edges)
     variables = (
         _variables("", ("d", "theta"), over_d.merged(1, bins.theta_cells, bins.theta_edges_deg))
-        | _variables("near_", ("one", "theta_near"),
-                     near.merged(1, bins.theta_cells, bins.slice_theta_edges_deg))
-        | _variables("aligned_", ("d_aligned", "one"),
-                     aligned.merged(0, bins.d_cells, bins.slice_d_edges))
-    )  # fmt: skip
-    dataset = xarray.Dataset(variables).squeeze("one").assign_coords(
+        | _variables(
+            "near_",
+            ("one", "theta_near"),
+            near.merged(1, bins.theta_cells, bins.slice_theta_edges_deg),
+        )
+        | _variables(
+            "aligned_", ("d_aligned", "one"), aligned.merged(0, bins.d_cells, bins.slice_d_edges)
+        )
+    )
+    coordinates = (
         _coordinates("d", bins.d_edges, "scene units", bins.d_end)
         | _coordinates("theta", bins.theta_edges_deg, "degrees", None)
         | _coordinates("d_aligned", bins.slice_d_edges, "scene units", bins.d_end)
         | _coordinates("theta_near", bins.slice_theta_edges_deg, "degrees", None)
-    )  # fmt: skip
-    dataset["pair_share"] = ("d", np.where(bins.d_edges[1:] <= exhaustive_to, 1.0,
-                                           counted.far_share))  # fmt: skip
+    )
+    dataset = xarray.Dataset(variables).squeeze("one").assign_coords(coordinates)
+    share = np.where(bins.d_edges[1:] <= exhaustive_to, 1.0, counted.far_share)
+    dataset["pair_share"] = ("d", share)
     _add_corner(dataset, near, bins)
     _add_derived(dataset)
     box = high_correlation_box(dataset)
@@ -90,10 +95,10 @@ def to_dataset(counted: Counted, bins: Bins) -> xarray.Dataset:
 
 
 def _table(counted: Counted, bins: Bins) -> tuple[Sums, float]:
-    """All cells, the near ones from the exhaustive pass; and the edge of d up to which all are."""
+    """All cells, with near ones from the exhaustive pass; and the limit of that pass."""
     if counted.near is None or counted.d_near is None:
         return counted.far, np.inf if counted.far_share == 1.0 else 0.0
-    # An edge of the table and of the slice, so that no bin of either mixes the passes
+    # An edge shared by table and slice, so that no bin mixes the two passes
     shared = np.intersect1d(bins.d_edges, bins.slice_d_edges)
     edge = float(shared[shared <= counted.d_near].max(initial=0.0))
     n_cells = int(np.searchsorted(bins.d_cells, edge))
@@ -101,7 +106,7 @@ def _table(counted: Counted, bins: Bins) -> tuple[Sums, float]:
 
 
 def _near_slice(counted: Counted, bins: Bins) -> tuple[Sums, bool]:
-    """Pairs with d < slice_d in one bin of d and all cells of θ; whether all pairs are there."""
+    """Pairs with d < slice_d in one bin of d and all cells of θ; True if all pairs were counted."""
     limits = np.array([0.0, bins.slice_d])
     if counted.near is not None and counted.d_near is not None and bins.slice_d <= counted.d_near:
         cells = bins.d_cells[bins.d_cells <= counted.d_near]
@@ -149,23 +154,28 @@ def _add_derived(dataset: xarray.Dataset) -> None:
     unit = {"units": "scene units"}
     dataset.coords["level"] = ("level", np.array(LEVELS))
     dataset["correlation_length"] = (
-        ("level", "theta"), correlation_lengths(dataset),
+        ("level", "theta"),
+        correlation_lengths(dataset),
         unit | {"long_name": "distance at which the mean correlation falls to the level"},
-    )  # fmt: skip
+    )
     ends = dataset["d_high"].values
     largest = float(ends[np.isfinite(ends)].max(initial=float(dataset["d"].values[-1])))
     spacing = np.array(SPACINGS) * largest
     dataset.coords["spacing"] = ("spacing", spacing, unit)
     theta = max(10.0, float(dataset["theta_high"].values[0]))
     dataset["predicted_variance_ratio"] = (
-        "spacing", predicted_variance_ratio(dataset, spacing, theta),
-        {"units": "1", "long_name": "variance left with records this far apart",
-         "theta_max_deg": theta},
-    )  # fmt: skip
+        "spacing",
+        predicted_variance_ratio(dataset, spacing, theta),
+        {
+            "units": "1",
+            "long_name": "variance left with records this far apart",
+            "theta_max_deg": theta,
+        },
+    )
 
 
 def save_dataset(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a NetCDF file, whole or not at all."""
+    """Write a NetCDF file atomically: completely or not at all."""
     with whole_file(Path(path)) as partial:
         dataset.to_netcdf(partial, engine="h5netcdf")
 
@@ -176,7 +186,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     Raises
     ------
     ValueError
-        The file is none of ours.
+        The file does not hold correlation statistics.
     """
     import xarray
 

@@ -1,4 +1,4 @@
-"""What follows from the correlation: how far it reaches, and what a record nearby is worth."""
+"""Quantities derived from the correlation: correlation lengths and predicted variance."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 
-#: Bins with fewer pairs are "not enough data": white in plots, left out here.
+#: Bins with fewer pairs have too little data: white in plots, excluded here.
 ENOUGH_PAIRS = 100
-#: Mean ρ̄ of the red part of the table, which spatial maps are averaged over.
+#: Minimum mean ρ̄ of the box of high correlation, over which spatial maps are averaged.
 HIGH_CORRELATION = 0.8
 LEVELS = (0.9, 0.5)
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A corner of the table: d < d_max and θ < theta_max_deg."""
+    """A box at the corner of the table: d < d_max and θ < theta_max_deg."""
 
     d_max: float
     theta_max_deg: float
@@ -35,13 +35,13 @@ class Box:
 def correlation_lengths(dataset: xarray.Dataset, levels: tuple[float, ...] = LEVELS) -> Floats:
     """Distance at which ρ̄ falls to a level, for each θ.
 
-    Between bin centres ρ̄ is taken as linear. Bins with n < 100 are skipped.
+    ρ̄ is interpolated linearly between bin centres. Bins with n < 100 are skipped.
 
     Returns
     -------
     (levels, T) float64
-        Scene units. 0 where ρ̄ begins below the level; inf where it never falls to it; NaN where
-        no bin of that θ has enough pairs.
+        In scene units. 0 if ρ̄ starts below the level; inf if it never falls to it; NaN if no bin
+        of that θ has enough pairs.
     """
     d = dataset["d"].values
     mean, n = dataset["mean"].values, dataset["n"].values
@@ -69,12 +69,12 @@ def _falls_to(d: Floats, mean: Floats, level: float) -> float:
 def predicted_variance_ratio(
     dataset: xarray.Dataset, spacing: npt.ArrayLike, theta_max_deg: float = 10.0
 ) -> Floats:
-    """Variance left by a control variate made from records this far apart: mean of 1 − ρ².
+    """Variance left by a control variate from records with this spacing: mean of 1 − ρ².
 
-    A record per spacing² of surface serves the points around it within r = spacing/√π, a disc of
-    that area. The mean is over all pairs with d < r and θ < theta_max_deg, whose share in d is that
-    of a point and its record where points lie evenly. With the best α a control variate leaves
-    1 − ρ² of the variance (Eq. 5 of the paper).
+    With one record per spacing² of surface, a record is used for the points within r = spacing/√π,
+    a disc of that area. The mean is over all pairs with d < r and θ < theta_max_deg. For evenly
+    distributed points, these pairs have the same distribution of d as a point and its record. With
+    the best α a control variate leaves 1 − ρ² of the variance (Eq. 5 of the paper).
 
     Parameters
     ----------
@@ -82,17 +82,17 @@ def predicted_variance_ratio(
     spacing : float or (S,) float > 0
         Scene units.
     theta_max_deg : float
-        How far a record's normal may be from the point's; at least the first bin of θ.
+        Largest angle between the normals of record and point; at least the first bin of θ.
 
     Returns
     -------
     (S,) float64
-        NaN where no pair is that near, or r lies beyond the bins.
+        NaN if no pair is that near, or if r lies beyond the bins.
 
     Raises
     ------
     ValueError
-        A spacing that is not above 0, or an angle below the first bin's end.
+        A spacing is not > 0, or the angle is below the end of the first bin.
     """
     radius = np.atleast_1d(np.asarray(spacing, dtype=np.float64)) / np.sqrt(np.pi)
     require(bool((radius > 0).all()), "spacing must be > 0", spacing)
@@ -102,7 +102,7 @@ def predicted_variance_ratio(
     left = np.nan_to_num(dataset["variance_ratio"].values[:, kept]) * weight
     edges = np.append(dataset["d_low"].values, dataset["d_high"].values[-1])
     finite = np.isfinite(edges)
-    # Pairs within r, between the edges by area: evenly in r²
+    # Pairs within r; between the edges they are proportional to the area, linear in r²
     pairs = np.append(0.0, np.cumsum(weight.sum(axis=1)))[finite]
     sums = np.append(0.0, np.cumsum(left.sum(axis=1)))[finite]
     inside, total = (np.interp(radius**2, edges[finite] ** 2, v) for v in (pairs, sums))
@@ -113,9 +113,9 @@ def predicted_variance_ratio(
 def high_correlation_box(dataset: xarray.Dataset, least: float = HIGH_CORRELATION) -> Box:
     """The largest box d < d_max, θ < θ_max whose pairs have a mean ρ of at least `least`.
 
-    Largest by the area of its bins with n >= 100, so that empty parts of the table do not count;
-    among equals the one with the smaller θ_max and d_max. Where not even the first bin reaches
-    `least`, that bin.
+    The size of a box is the area of its bins with n >= 100, so that empty parts of the table do not
+    count. Of equal ones, the box with the smaller θ_max, then d_max, is chosen. If not even the
+    first bin reaches `least`, that bin is returned.
     """
     weight = pairs_of_bins(dataset)
     mean = np.nan_to_num(dataset["mean"].values)
@@ -135,11 +135,11 @@ def high_correlation_box(dataset: xarray.Dataset, least: float = HIGH_CORRELATIO
 
 
 def _corner_sums(values: Floats) -> Floats:
-    """Sums of all bins up to each, from the corner d = θ = 0."""
+    """Cumulative sums of the bins from the corner d = θ = 0."""
     return np.asarray(values.cumsum(axis=0).cumsum(axis=1))
 
 
 def pairs_of_bins(dataset: xarray.Dataset) -> Floats:
-    """Pairs of each bin, sampled ones scaled up to all."""
+    """Number of pairs of each bin; sampled counts are scaled up to all pairs."""
     share = dataset["pair_share"].values
     return np.asarray(dataset["n"].values / np.where(share > 0, share, 1.0)[:, None])

@@ -1,4 +1,4 @@
-"""The directions in which visibility is asked, and the order of their bits."""
+"""The directions of visibility rows, and the order of their bits."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ PATCHES = (PACKET_BITS, 64, 16, 4, 1)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DirectionSet:
-    """Directions over the whole sphere, the same for every point, in world space.
+    """Directions over the whole sphere in world space, the same for every point.
 
-    One direction in each cell of the equal-area octahedral map, whose cells have equal solid
-    angles. Bit k of a row is direction k; bits are ordered so that each packet of 512 is a compact
-    patch of sky (16 x 32 cells where the map divides into such), each word and each 16 bits too.
+    There is one direction in each cell of the equal-area octahedral map, whose cells have equal
+    solid angles. Bit k of a row is direction k. The bits are ordered so that each packet of 512
+    bits is a compact patch of sky (16 x 32 cells where the map can be divided this way), and so is
+    each word and each group of 16 bits.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ class DirectionSet:
         Cells along an edge of the map; the paper's 96 x 96.
     kind : {"centres", "jittered", "lloyd"}
         Centres of the cells; uniform in each cell; or spread evenly over the sphere by Lloyd's
-        iteration, without leaving the cells.
+        iteration, each direction staying in its cell.
     seed : int >= 0
         Of the random kinds.
 
@@ -58,12 +59,12 @@ class DirectionSet:
 
     @property
     def directions(self) -> npt.NDArray[np.float32]:
-        """Unit vectors (map_size², 3) in the order of the bits; not to be written to."""
+        """Unit vectors (map_size², 3) in the order of the bits; read-only."""
         return _directions(self.map_size, self.kind, self.seed)
 
     @property
     def packet_axes(self) -> npt.NDArray[np.float32]:
-        """Unit vectors (packets, 3): the middle of each packet's patch."""
+        """Unit vectors (packets, 3): the mean direction of each packet."""
         first = np.arange(0, self.map_size**2, PACKET_BITS)
         sums = np.add.reduceat(self.directions.astype(np.float64), first)
         axes: npt.NDArray[np.float64] = sums / np.linalg.norm(sums, axis=1, keepdims=True)
@@ -81,10 +82,11 @@ def _directions(map_size: int, kind: str, seed: int) -> npt.NDArray[np.float32]:
 
 
 def patch_order(map_size: int) -> Indices:
-    """Cells of a square map, row-major numbers, so that neighbours in the order are near.
+    """Order of the cells of a square map (row-major indices) in which close positions are close
+    cells.
 
-    The square is halved again and again across its longer side, each part a whole number of
-    packets, below that of words, of 16 and of 4 cells, and with straight cuts where they exist.
+    The square is halved repeatedly across its longer side. Each part is a whole number of packets,
+    then of words, then of 16 and of 4 cells. Cuts are straight where possible.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def _halved(places: Indices, cells: Indices, level: int) -> Indices:
 
 
 def _cut(n: int, patch: int, width: int) -> int:
-    """The multiple of `patch` nearest to half of n; rather a straight cut across `width` cells."""
+    """The multiple of `patch` nearest to n / 2, preferably a straight cut across `width` cells."""
     cuts = np.arange(patch, n, patch)
     straight = cuts[(cuts % width == 0) & (4 * cuts >= n) & (4 * cuts <= 3 * n)]
     chosen: Any = straight if len(straight) else cuts

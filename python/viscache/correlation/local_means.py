@@ -1,4 +1,4 @@
-"""Mean ρ of every point with its surroundings: the spatial maps of Figures 3 and 4."""
+"""Mean ρ of every point with its neighbourhood: the spatial maps of Figures 3 and 4."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from viscache.correlation.run import Run
 if TYPE_CHECKING:
     import xarray
 
-#: Neighbours that a mean is taken over, on average; σ/√512 is below 0.02.
+#: Average number of neighbours in a mean; the standard error is below 0.02 for σ < 0.45.
 NEIGHBOURS = 512
-#: Pairs whose distance and angle may be looked at, in both directions.
+#: Maximum number of candidate pairs, counted in both directions.
 CANDIDATES = 4e9
 
 
 def add_local_means(dataset: xarray.Dataset, run: Run, seed: int, threads: int | None) -> None:
     """Add `local_mean` on (point,): mean ρ with the points within the box of high correlation.
 
-    Where points have more than 512 such neighbours on average, they are dealt into random parts
-    and a point's mean is over those in its own part (attribute `local_share`).
+    If points have more than 512 such neighbours on average, they are divided into random parts, and
+    the mean of a point is over its own part (attribute `local_share`).
     """
     d_max, theta = dataset.attrs["box_d_max"], dataset.attrs["box_theta_max_deg"]
     n = len(run.points.group)

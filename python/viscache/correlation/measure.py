@@ -1,20 +1,19 @@
-"""Section 4 of the visibility-map paper: measure a scene, or correlate any rows of bits."""
+"""Correlation of visibility (visibility-map paper, Section 4): a scene, or any rows of bits."""
 
 from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import sources
-from viscache.cameras import find_camera
 from viscache.correlation import pairs as _pairs
 from viscache.correlation import rows as _rows
 from viscache.correlation.arguments import (
@@ -42,9 +41,10 @@ from viscache.correlation.tasks import (
 )
 from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
-from viscache.progress import progress_bar
-from viscache.provenance import version
+from viscache.progress import Progress, progress_bar
+from viscache.provenance import VERSION
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.sweeps.store import content_key
 
@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["correlate", "measure", "phi"]
-
-Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 
 def measure(
@@ -90,53 +88,60 @@ def measure(
     scene : Scene or str
         A string is a file or a built-in name (`room?triangles=200000`).
     n_points : int >= 16
-        Points on the surfaces. 195,000 with all pairs are the 1.9·10¹⁰ estimates of the paper.
+        Number of points on surfaces. 195,000 points with all pairs give the 1.9·10¹⁰ estimates of
+        the paper.
     map_size : int
-        Edge of the map of directions: 96 for the paper's 96×96.
+        Edge of the map of directions; 96 as in the paper (96×96).
     pairs : "all" or int
-        Every pair, or about this many in random tiles; near pairs are then counted exhaustively in
-        a pass of their own, and no bin mixes the two (`d_near`).
+        All pairs, or about this many in random tiles. In the second case all near pairs are counted
+        in a separate exhaustive pass, and no bin mixes the two passes (`d_near`).
     points : "camera" or "area", optional
-        Where a camera sees the scene, or evenly over all surfaces; the camera where there is one.
+        Points seen by a camera, or points uniform over all surfaces. By default the camera if there
+        is one.
     camera : str, int or Camera, optional
         As in `viscache.render`.
     seed : int >= 0
-        Same seed, same bytes, for any number of threads and any executor.
+        The same seed gives the same bytes for any number of threads and any executor.
     d_edges : int or (D + 1,) float
-        Edges in scene units; a number of bins is spread evenly over [0, d_max], the last one open.
+        Edges in scene units, or a number of even bins over [0, d_max], the last one without end.
     theta_edges_deg : int or (T + 1,) float
-        Edges in degrees; a number of bins is spread evenly over 180°.
+        Edges in degrees, or a number of even bins over 180°.
     d_max : float > 0, optional
-        End of evenly spaced bins; by default the 99th percentile of the pair distances of a pilot.
+        End of evenly spaced bins. By default the 99th percentile of the pair distances of a pilot
+        sample.
     slice_d, slice_theta_deg : float
-        The slices: pairs with d < slice_d over θ, pairs with θ < slice_theta_deg over d.
+        Limits of the slices: pairs with d < slice_d over θ, and pairs with θ < slice_theta_deg over
+        d.
     directions : "centres", "jittered" or "lloyd"
-        Where in its cell of the map a direction lies.
+        Position of a direction in its cell of the map.
     domain : "sphere", "joint" or "union"
-        Directions that count: all (the paper), those above both planes, those above either.
+        Directions over which ρ is taken: all (as in the paper), those above both tangent planes, or
+        those above at least one.
     normals : "geometric" or "shading"
-        Of the angle θ. The hemisphere of a point is always that of the geometric normal.
+        Normals for the angle θ. The hemisphere of a point is always that of the geometric normal.
     undefined : "skip" or "one_if_both"
-        What a pair counts for when a point sees nothing at all: nothing, or ρ = 1 if both do.
+        How to count a pair if a point sees nothing: skip the pair, or take ρ = 1 if both points see
+        nothing.
     min_bits : int >= 1
         A row with fewer visible directions has no ρ.
     t_max : float > 0
-        Occluders farther than this are no occluders: local visibility. inf for the sky.
+        Length of the rays: farther occluders are ignored (local visibility). inf: visibility of the
+        sky.
     engine : {"embree", "batch", "field", "auto"}
-        Who traces the rows, as in `visibility_rows`; the attribute "batch_rays" says how many rays
-        the batch traced.
+        Engine that traces the rows, as in `visibility_rows`. The attribute "batch_rays" is the
+        number of rays that the batch traced.
     spatial : bool
-        Also the mean ρ of every point with its surroundings.
+        Also compute the mean ρ of every point with its neighbourhood.
     store : path, optional
-        Folder where finished blocks are kept: an interrupted run resumes there, repeats nothing.
+        Folder for finished blocks. An interrupted run resumes from it and repeats nothing.
     executor : concurrent.futures.Executor, optional
-        Does the blocks; this process merges them. Its workers must see the store's folder (a
-        temporary one by default) and open the scene themselves, so `scene` must be a file or a
-        built-in name. Give `threads=1` where the workers share a machine.
+        Computes the blocks; this process merges them. Its workers must have access to the folder of
+        the store (a temporary one by default). They open the scene themselves, so `scene` must be a
+        file or a built-in name. Use `threads=1` if the workers share a machine.
     threads : int, optional
-        Of each block; all cores by default.
+        Threads per block; all cores by default.
     progress : bool or callable
-        A bar, or a function of (done, total) blocks.
+        True shows a progress bar; a callable is called with (done, total) blocks.
 
     Returns
     -------
@@ -146,11 +151,11 @@ def measure(
     Raises
     ------
     ValueError
-        A parameter out of range; the message says what must hold.
+        A parameter is out of range; the message says what must hold.
     SceneError
         The scene's file is missing or malformed.
     KeyboardInterrupt
-        Ctrl-C; finished blocks are kept in the store.
+        Ctrl-C was pressed; finished blocks are kept in the store.
 
     Examples
     --------
@@ -164,15 +169,18 @@ def measure(
     check_seed(seed)
     where = points or ("camera" if opened.cameras or camera is not None else "area")
     require(t_max > 0, "t_max must be > 0", t_max)
-    require(domain == "sphere" or normals == "geometric",
-            'domain must be "sphere" with shading normals', domain)  # fmt: skip
+    fits = domain == "sphere" or normals == "geometric"
+    require(fits, 'domain must be "sphere" with shading normals', domain)
     spec = scene if isinstance(scene, str) else opened.spec
-    require(executor is None or isinstance(spec, str),
-            "scene must be a file or a built-in name when an executor's workers trace it",
-            scene)  # fmt: skip
+    require(
+        executor is None or isinstance(spec, str),
+        "scene must be a file or a built-in name when an executor's workers trace it",
+        scene,
+    )
     chosen = _rows.DirectionSet(map_size=map_size, kind=directions, seed=seed)
-    found = _rows.surface_points(opened, n_points, points=where, camera=camera, seed=seed,
-                                 normals=normals, threads=threads)  # fmt: skip
+    found = _rows.surface_points(
+        opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
+    )
     geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
     bins = chosen_bins(found.positions, d_edges, theta_edges_deg, d_max=d_max, slice_d=slice_d,
                        slice_theta_deg=slice_theta_deg, seed=seed)  # fmt: skip
@@ -180,14 +188,16 @@ def measure(
     options = pair_options(geometry, bins, len(chosen.directions), sampled=n_pairs is not None,
                            domain=domain, undefined=undefined, min_bits=min_bits,
                            directions=chosen)  # fmt: skip
-    require(engine in get_args(RowEngine),
-            'engine must be "embree", "batch", "field" or "auto"', engine)  # fmt: skip
-    key = content_key({
-        "viscache": version(), "scene": opened.content_hash, "t_max": t_max,
+    fits = engine in get_args(RowEngine)
+    require(fits, 'engine must be "embree", "batch", "field" or "auto"', engine)
+    described: dict[str, Any] = {
+        "viscache": VERSION,
+        "scene": opened.content_hash,
+        "t_max": t_max,
         "directions": [map_size, directions, seed],
         "points": digest(found.positions, found.normals, found.theta_normals),
-        **({} if engine == "embree" else {"engine": engine}),
-    })  # fmt: skip
+    }
+    key = content_key(described if engine == "embree" else described | {"engine": engine})
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
@@ -244,20 +254,20 @@ def correlate(
     threads: int | None = None,
     progress: Progress = False,
 ) -> xarray.Dataset:
-    """Correlation of any rows of bits, over distance d and angle θ of the points they belong to.
+    """Correlation of any rows of bits, over distance d and angle θ of their points.
 
     Parameters
     ----------
     bits : (N, W) uint64
-        Row i belongs to point i; bit k is bit k % 64 of word k // 64; bits from n_directions on
+        Row i belongs to point i. Bit k is bit k % 64 of word k // 64. Bits from n_directions on
         must be 0.
     positions, normals : (N, 3) float
-        In scene units; of unit length.
+        Positions in scene units; unit normals.
     n_directions : int, optional
         64·W by default.
     group : (N,) int, optional
-        Groups 0, 1, … that the jackknife leaves out one by one; 16 blocks of space by default.
-        Points of a group must be in random order where pairs are sampled.
+        Groups 0, 1, … that the jackknife leaves out one by one; 16 spatial groups by default. If
+        pairs are sampled, the points of a group must be in random order.
     pairs, seed, d_edges, theta_edges_deg, d_max, slice_d, slice_theta_deg, undefined, min_bits
         As `measure` takes them.
     store, executor, threads, progress
@@ -266,12 +276,12 @@ def correlate(
     Returns
     -------
     xarray.Dataset
-        As `measure`'s, without points and spatial means.
+        As from `measure`, without points and spatial means.
 
     Raises
     ------
     ValueError
-        Shapes that do not fit, or a parameter out of range.
+        Shapes do not match, or a parameter is out of range.
 
     Examples
     --------
@@ -290,8 +300,8 @@ def correlate(
     n_pairs = sampled_pairs(pairs, len(rows))
     options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
                            undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
-    key = content_key({"viscache": version(), "rows": digest(
-        rows, geometry.positions, geometry.normals, geometry.group)})  # fmt: skip
+    rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
+    key = content_key({"viscache": VERSION, "rows": rows_digest})
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
                   executor=executor, threads=threads, report=report)  # fmt: skip
@@ -307,7 +317,7 @@ def correlate(
 def phi(
     bits_a: npt.ArrayLike, bits_b: npt.ArrayLike, n_directions: int | None = None
 ) -> npt.NDArray[np.float32]:
-    """ρ of every row of one matrix with every row of another, for small problems.
+    """ρ of every row of one matrix with every row of another; for small problems.
 
     Parameters
     ----------
@@ -318,7 +328,7 @@ def phi(
     Returns
     -------
     (NA, NB) float32
-        NaN where a row is all 0 or all 1.
+        NaN if a row is all 0 or all 1.
     """
     a, count = checked_words(bits_a, "bits_a", n_directions)
     b, _ = checked_words(bits_b, "bits_b", count)
@@ -330,7 +340,7 @@ def phi(
 def _folder(
     store: str | os.PathLike[str] | None, executor: Executor | None
 ) -> Iterator[Path | None]:
-    """Where blocks are kept: the store, a temporary folder for workers, or nowhere."""
+    """Folder for blocks: the store, a temporary folder for workers, or None."""
     if store is not None or executor is None:
         yield None if store is None else Path(store)
         return
@@ -339,7 +349,7 @@ def _folder(
 
 
 def _add_points(dataset: xarray.Dataset, found: Any) -> None:
-    """The points themselves, and where they lie in the camera's image."""
+    """Adds the points and their position in the camera's image."""
     dataset["position"] = (("point", "axis"), found.positions, {"units": "scene units"})
     dataset["normal"] = (("point", "axis"), found.theta_normals, {"units": "1"})
     dataset["group"] = ("point", found.group, {"long_name": "block of space of the jackknife"})

@@ -1,4 +1,4 @@
-"""How far the exhaustive pass over near pairs reaches when the others are sampled."""
+"""Chooses the limit of the exhaustive pass over near pairs when other pairs are sampled."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import numpy as np
 from viscache.correlation.bins import Bins
 from viscache.correlation.tasks import Points
 
-#: The near pass may count this many pairs, or this share of the sampled ones, whichever is more.
-#: Rows of near points lie apart in memory: such a pair costs about 30 times a pair of a tile.
+#: The near pass may count this many pairs, or this fraction of the sampled ones, whichever is more.
+#: The rows of near points are scattered in memory, so a near pair costs about 30 times as much as a
+#: pair of a tile.
 NEAR_PAIRS = 5e6
 NEAR_SHARE = 0.03
 PILOT = 512
@@ -18,14 +19,14 @@ def near_limit(points: Points, bins: Bins, sampled: float, seed: int) -> float |
     """The largest edge below which all pairs can be counted without costing much.
 
     Random pairs are rarely near: of 10¹⁰ pairs a few thousand may have d < 0.2. Up to this limit
-    pairs are enumerated instead. Candidates are the edges that the table and the slice over d
-    share, and `slice_d`; the number of pairs below each is estimated from a pilot of 512 points
+    all pairs are enumerated instead. The candidates are the edges shared by the table and the slice
+    over d, and `slice_d`. The number of pairs below each is estimated from a pilot of 512 points
     against all points.
 
     Returns
     -------
     float or None
-        None where not even the nearest candidate is affordable.
+        None if not even the smallest candidate is affordable.
     """
     from scipy.spatial import cKDTree
 

@@ -16,29 +16,29 @@ __all__ = ["SUMS", "PairTable"]
 Floats: TypeAlias = npt.NDArray[np.float64]
 Ints: TypeAlias = npt.NDArray[np.int64]
 
-#: Integer arrays of a table, as they are called in its file.
+#: Names of the integer arrays of a table, also in its file.
 SUMS = ("n", "n_undefined", "sum_q", "sum_q2_high", "sum_q2_low")
-#: So many pairs of one cell keep Σ q within 63 bits.
+#: Maximum number of pairs in a cell, so that Σ q fits into 63 bits.
 MAX_PAIRS = 1 << 42
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PairTable:
-    """Sums over pairs per pair of groups, bin of distance and bin of angle.
+    """Sums over pairs, by pair of groups, bin of distance and bin of angle.
 
     Attributes
     ----------
     n, n_undefined : (P, D, A) int64
-        Pairs with a ρ, and pairs without because a row has too few bits or all of them. Group
-        pairs (g, h), g <= h, are in order (0, 0), (0, 1), …, (1, 1), …
+        Number of pairs with ρ, and of pairs without ρ because a row has too few bits or all of
+        them. The group pairs (g, h), g <= h, are in the order (0, 0), (0, 1), …, (1, 1), …
     sum_q : (P, D, A) int64
         Σ q over the n pairs, q = round(ρ·2²⁰).
     sum_q2_high, sum_q2_low : (P, D, A) int64
         Σ q² = high·2³² + low with 0 <= low < 2³².
     d_edges : (D + 1,) float64
-        Bins of distance, half open, scene units.
+        Half-open bins of distance, in scene units.
     theta_edges_deg : (A + 1,) float64
-        Bins of the angle between normals, half open, degrees; 180 closes the last bin.
+        Half-open bins of the angle between normals, in degrees. A last edge of 180 is included.
     """
 
     n: Ints
@@ -57,12 +57,12 @@ class PairTable:
             require(fits, f"{name} must be int64 of shape {cells}", (array.dtype, array.shape))
 
     def __add__(self, other: PairTable) -> PairTable:
-        """The table of both sets of pairs.
+        """Add the sums of another set of pairs.
 
         Raises
         ------
         ValueError
-            Other bins or groups, or more than 2⁴² pairs in a cell.
+            Bins or groups differ, or a cell has more than 2⁴² pairs.
         """
         if not isinstance(other, PairTable):
             return NotImplemented

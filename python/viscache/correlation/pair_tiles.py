@@ -12,28 +12,28 @@ from viscache.settings.checks import is_whole, require
 
 __all__ = ["TILE", "choose_tiles", "group_count", "tile_list", "tile_numbers", "tile_side"]
 
-#: Most points along a side of a tile.
+#: Maximum number of points along a side of a tile.
 TILE = 2048
 
 
 def tile_list(group: npt.NDArray[np.int32], tile: int = TILE) -> npt.NDArray[Any]:
-    """All tiles of pairs, in their fixed numbering.
+    """List all tiles of pairs, in their fixed order.
 
-    A tile holds the pairs of two blocks of at most `tile` points, each within one group; all pairs
-    i < j of the points lie in exactly one. Tiles of a pair of groups have consecutive numbers.
+    A tile holds the pairs of two blocks of at most `tile` points, each block within one group.
+    Every pair i < j is in exactly one tile. The tiles of a pair of groups have consecutive numbers.
 
     Parameters
     ----------
     group : (N,) int32
         Group of every point, never decreasing.
     tile : int
-        Points along a block's edge, at most.
+        Maximum number of points in a block.
 
     Returns
     -------
     (K,) structured array
-        a, b: groups; i0, i1, j0, j1: points [i0, i1) of a and [j0, j1) of b; pairs. Where i0 = j0
-        the tile holds the pairs i < j of its points.
+        a, b: groups; i0, i1, j0, j1: points [i0, i1) of a and [j0, j1) of b; pairs: their number.
+        If i0 = j0 the tile holds the pairs i < j of its points.
     """
     group = np.asarray(group)
     rows = _core.correlation.tiles(group, group_count(group), tile_side(tile))
@@ -44,11 +44,10 @@ def tile_list(group: npt.NDArray[np.int32], tile: int = TILE) -> npt.NDArray[Any
 def choose_tiles(
     group: npt.NDArray[np.int32], n_pairs: int, seed: int = 0, tile: int = TILE
 ) -> npt.NDArray[np.int64]:
-    """Numbers of random tiles that hold about `n_pairs` pairs, without replacement.
+    """Choose random tiles with about `n_pairs` pairs in total, without replacement.
 
-    Every tile is as likely as any other, and of each pair of groups the same share is taken, to
-    one tile: the share of a pair of groups that is no whole number of tiles is rounded up or down
-    at random so that its mean holds. Increasing.
+    All tiles are equally likely. The same fraction of tiles is taken from each pair of groups; a
+    fractional number of tiles is rounded up or down at random, without bias. The numbers increase.
     """
     require(is_whole(n_pairs) and n_pairs >= 1, "n_pairs must be a whole number >= 1", n_pairs)
     tiles = tile_list(group, tile)
@@ -63,18 +62,18 @@ def choose_tiles(
 
 
 def group_count(group: npt.NDArray[np.int32]) -> int:
-    """One more than the greatest number of a group."""
+    """One more than the largest group number."""
     return int(np.max(group, initial=0)) + 1
 
 
 def tile_side(tile: int) -> int:
-    """Points along a tile's side, checked."""
+    """Validated number of points along the side of a tile."""
     require(is_whole(tile) and tile >= 1, "tile must be a whole number >= 1", tile)
     return int(tile)
 
 
 def tile_numbers(tiles: npt.ArrayLike) -> list[int]:
-    """Numbers of tiles as Python's, checked."""
+    """Validated tile numbers as Python integers."""
     numbers = np.asarray(tiles)
     fits = numbers.ndim == 1 and (numbers.size == 0 or np.issubdtype(numbers.dtype, np.integer))
     require(fits, "tiles must be a list of whole numbers", tiles)

@@ -1,13 +1,12 @@
 """Statistics of ρ over pairs of points, from their rows of bits.
 
 Every pair adds q = round(ρ·2²⁰) and q² to the cell of its two groups, its distance and its angle.
-The sums are integers: tables of parts of the pairs add up to the same bytes in any order, and
-neither threads nor instruction sets change them.
+The sums are integers, so tables of parts of the pairs add up to the same bytes in any order, with
+any number of threads and any instruction set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -23,7 +22,7 @@ from viscache.correlation.pair_tiles import (
     tile_numbers,
     tile_side,
 )
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.settings.checks import is_whole, require
 
 __all__ = [
@@ -39,7 +38,6 @@ __all__ = [
     "tile_list",
 ]
 
-Progress: TypeAlias = bool | Callable[[int, int], None]
 Domain: TypeAlias = Literal["sphere", "joint", "union"]
 Undefined: TypeAlias = Literal["skip", "one_if_both"]
 
@@ -69,59 +67,60 @@ def pair_statistics(
     skip_dead: bool = True,
     progress: Progress = False,
 ) -> PairTable:
-    """Sums of ρ over all pairs of points, or those of some tiles (VisMap Sec. 4.1).
+    """Sums of ρ over all pairs of points, or over the pairs of some tiles (VisMap Sec. 4.1).
 
     ρ is the Pearson correlation of two rows of bits, (T·n11 − n1·n2)/(√(n1(T − n1)) √(n2(T − n2))),
-    from exact integers. d² = (x² + y²) + z² of the difference of positions in float32 lies at or
-    past an edge if it is >= the edge's square in float64. The angle does likewise by the squared
-    chord `|n − n'|²` and 4 sin²(edge/2), which is exact to 1e-5 degrees below 179.
+    from exact integers. A pair is at or past an edge of d if d² = (x² + y²) + z², computed in
+    float32 from the difference of positions, is >= the square of the edge in float64. For the
+    angle, the squared chord `|n − n'|²` is compared with 4 sin²(edge/2), which is exact to 1e-5
+    degrees below 179.
 
     Parameters
     ----------
     bits : (N, W) uint64
-        Rows of bits; direction k is bit k % 64 of word k // 64, 1 = visible, bits past
-        n_directions 0.
+        Rows of bits: direction k is bit k % 64 of word k // 64; 1 = visible. Bits past n_directions
+        are 0.
     n_directions : int
         T, at most 46340.
     positions, normals : (N, 3) float32
-        Scene units; unit vectors.
+        Positions in scene units; unit normals.
     group : (N,) int32
-        Spatial group of every point, never decreasing. Points of a group must be in random order
-        where tiles are chosen.
+        Spatial group of every point, not decreasing. If tiles are chosen, the points of a group
+        must be in random order.
     d_edges, theta_edges_deg : (D + 1,), (A + 1,)
-        Increasing; half-open bins. Pairs outside are not counted. The last d may be infinite, an
-        angle of 180 closes its bin.
+        Increasing edges of half-open bins. Pairs outside are not counted. The last d may be
+        infinite; an angle of 180 is included in the last bin.
     tiles : (K,) int, optional
-        Numbers of tiles in `tile_list(group, tile)`; all where None.
+        Numbers of tiles in `tile_list(group, tile)`; None: all.
     tile : int
-        Points along a tile's edge, at most, as in `tile_list`.
+        Maximum number of points along the edge of a tile, as in `tile_list`.
     d_near : float, optional
-        An edge of d: only pairs at or past it are counted, since `near_pairs` counts the others.
+        An edge of d. Only pairs at or past it are counted; `near_pairs` counts the others.
     domain : {"sphere", "joint", "union"}
-        Directions over which ρ is taken: all; those above the planes of both points; of either.
-        A point sees nothing below its own plane where this is not the sphere.
+        Directions over which ρ is taken: all; those above the tangent planes of both points; those
+        above at least one. Except for "sphere", bits below a point's own plane count as 0.
     directions : (T, 3) float32
-        Needed for "joint" and "union".
+        Required for "joint" and "union".
     min_bits : int
-        A row with fewer bits set has no ρ, and one with all bits set has none.
+        A row with fewer set bits has no ρ; a row with all bits set has none either.
     undefined : {"skip", "one_if_both"}
-        A pair with such a row is counted in n_undefined; "one_if_both": ρ = 1 where both rows have
-        too few bits, or both have all.
+        A pair with such a row is counted in n_undefined. "one_if_both": ρ = 1 if both rows have too
+        few bits, or both have all bits set.
     n_groups : int, optional
-        Highest group + 1 where None.
+        None: highest group + 1.
     threads : int, optional
         All cores where None.
     isa : {"portable", "avx2", "avx512"}, optional
         Variant of the kernels; the best where None. Without effect on the result.
     skip_dead : bool
-        Leave out directions that no point of one side sees. Without effect on the result.
+        Skip directions that no point of one side sees. Does not change the result.
     progress : bool or callable
-        A bar, or a function of (pairs done, all pairs).
+        True shows a progress bar; a callable is called with (done, total) pairs.
 
     Raises
     ------
     ValueError
-        An argument that is out of range, with what must hold and what was given.
+        An argument is out of range; the message says what must hold and what was given.
     """
     edges, angles = _edges(d_edges, "d_edges"), _edges(theta_edges_deg, "theta_edges_deg")
     groups = group_count(group) if n_groups is None else n_groups
@@ -157,10 +156,10 @@ def near_pairs(
     isa: str | None = None,
     progress: Progress = False,
 ) -> PairTable:
-    """Sums of ρ over all pairs nearer than `d_near`, an edge of d, found with a uniform grid.
+    """Sums of ρ over all pairs nearer than `d_near`, an edge of d.
 
-    Random pairs are hardly ever near: bins of small d need all there are. Parameters are those of
-    `pair_statistics`; the bins past d_near stay empty.
+    Random pairs are rarely near, so bins of small d need all pairs. They are found with a uniform
+    grid. Parameters are those of `pair_statistics`; the bins past d_near stay empty.
     """
     edges, angles = _edges(d_edges, "d_edges"), _edges(theta_edges_deg, "theta_edges_deg")
     groups = group_count(group) if n_groups is None else n_groups
@@ -170,9 +169,13 @@ def near_pairs(
                  min_bits, undefined)  # fmt: skip
     with progress_bar(progress, unit="point") as report:
         sums = _core.correlation.near_pairs(
-            rows, edges[: last + 1].tolist(), angles.tolist(), threads=_threads(threads), isa=isa,
+            rows,
+            edges[: last + 1].tolist(),
+            angles.tolist(),
+            threads=_threads(threads),
+            isa=isa,
             progress=report,
-        )  # fmt: skip
+        )
     return _table(sums, edges, angles, 0)
 
 
@@ -196,7 +199,7 @@ def spatial_map(
     Returns
     -------
     (N,) float32
-        NaN where a point has no ρ with any neighbour.
+        NaN if a point has no ρ with any neighbour.
     """
     if n_directions is None:
         n_directions = 64 * bits.shape[-1]
@@ -215,7 +218,7 @@ def intersections(
     threads: int | None = None,
     isa: str | None = None,
 ) -> npt.NDArray[np.int32]:
-    """n11, the number of bits set in both rows, of every row of a with every row of b.
+    """n11, the number of bits set in both rows, for every row of a with every row of b.
 
     Parameters
     ----------
@@ -245,7 +248,7 @@ def phi(
     Returns
     -------
     (NA, NB) float32
-        NaN where all bits of a row are equal.
+        NaN if all bits of a row are equal.
     """
     a, b = _bits(bits_a, "bits_a"), _bits(bits_b, "bits_b")
     fits = is_whole(n_directions) and 1 <= n_directions <= 64 * a.shape[1]
@@ -260,13 +263,21 @@ def phi(
 
 
 def _rows(
-    bits: npt.NDArray[np.uint64], n_directions: int, positions: Any, normals: Any, group: Any,
-    n_groups: int, domain: str, directions: Any, min_bits: int, undefined: str,
-) -> Any:  # fmt: skip
+    bits: npt.NDArray[np.uint64],
+    n_directions: int,
+    positions: Any,
+    normals: Any,
+    group: Any,
+    n_groups: int,
+    domain: str,
+    directions: Any,
+    min_bits: int,
+    undefined: str,
+) -> Any:
     known = undefined in ("skip", "one_if_both")
     require(known, "undefined must be skip or one_if_both", undefined)
-    require(domain == "sphere" or directions is not None,
-            "directions must be given unless domain is sphere", directions)  # fmt: skip
+    fits = domain == "sphere" or directions is not None
+    require(fits, "directions must be given unless domain is sphere", directions)
     if directions is None or domain == "sphere":
         directions = np.zeros((0, 3), np.float32)
     return _core.correlation.PairRows(
@@ -301,7 +312,7 @@ def _edge_number(edges: Floats, d: float) -> int:
 
 
 def _table(sums: dict[str, Ints], edges: Floats, angles: Floats, first: int) -> PairTable:
-    """A table over all edges of d from sums over those from number `first` on."""
+    """A table over all edges of d from sums over the edges from index `first` on."""
     shape = (len(sums["n"]), len(edges) - 1, len(angles) - 1)
     bins = sums["n"].shape[1]
     if bins == shape[1]:

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.derived import ENOUGH_PAIRS
-from viscache.drawing import new_figure
 from viscache.plots import COLORS, save
+from viscache.plots.drawing import new_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_map", "draw_table", "local_image", "maps", "save_all", "slices", "table"]
 
-#: From dark blue to yellow, told apart by colour-blind readers too; clamped to [0, 1] as printed.
+#: From dark blue to yellow, distinguishable by colour-blind readers; clamped to [0, 1] as in the
+#: paper.
 COLORMAP = "cividis"
 MEAN_LABEL = r"mean correlation $\bar\rho$"
 D_LABEL = "distance $d$ [scene units]"
@@ -37,7 +38,7 @@ def table(dataset: xarray.Dataset) -> Figure:
 
 
 def draw_table(axes: Axes, dataset: xarray.Dataset) -> Any:
-    """`table` into axes of another figure; returns the coloured mesh."""
+    """Draw `table` into axes of another figure; returns the coloured mesh."""
     shown = dataset["mean"].where(dataset["n"] >= ENOUGH_PAIRS).values
     d = _edges(dataset, "d")
     theta = _edges(dataset, "theta")
@@ -55,9 +56,8 @@ def slices(dataset: xarray.Dataset) -> Figure:
     figure, both = _figure(9.0, 3.6, columns=2)
     parts = (
         ("near", "theta_near", THETA_LABEL, f"$d < {dataset.attrs['slice_d']:g}$"),
-        ("aligned", "d_aligned", D_LABEL,
-         rf"$\theta < {dataset.attrs['slice_theta_deg']:g}°$"),
-    )  # fmt: skip
+        ("aligned", "d_aligned", D_LABEL, rf"$\theta < {dataset.attrs['slice_theta_deg']:g}°$"),
+    )
     for axes, (prefix, name, label, title) in zip(both, parts, strict=True):
         enough = dataset[f"{prefix}_n"].values >= ENOUGH_PAIRS
         x = dataset[name].values
@@ -84,7 +84,8 @@ def slices(dataset: xarray.Dataset) -> Figure:
 
 
 def maps(dataset: xarray.Dataset) -> Figure:
-    """Mean ρ of every point with its surroundings, in the camera's view; from above without one.
+    """Mean ρ of every point with its neighbourhood, in the camera's view; without a camera from
+    above.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def maps(dataset: xarray.Dataset) -> Figure:
 
 
 def draw_map(axes: Axes, dataset: xarray.Dataset) -> Any:
-    """`maps` into axes of another figure; returns what the colours belong to."""
+    """Draw `maps` into axes of another figure; returns the mappable for a colour bar."""
     if "local_mean" not in dataset:
         raise ValueError("the dataset must have local means: measure with spatial=True")
     style: dict[str, Any] = {"cmap": COLORMAP, "vmin": 0.0, "vmax": 1.0}
@@ -117,9 +118,9 @@ def draw_map(axes: Axes, dataset: xarray.Dataset) -> Any:
 
 
 def local_image(dataset: xarray.Dataset) -> npt.NDArray[np.float32]:
-    """(height, width) local means in the camera's image, NaN where there is no surface.
+    """(height, width) local means in the camera's image; NaN where there is no surface.
 
-    A pixel whose point was not drawn takes the median of its neighbours, where most have one.
+    A pixel without a point takes the median of its neighbours if most of them have a value.
     """
     height, width = dataset.attrs["height"], dataset.attrs["width"]
     image = np.full(height * width, np.nan, dtype=np.float32)
@@ -136,7 +137,7 @@ def local_image(dataset: xarray.Dataset) -> npt.NDArray[np.float32]:
 
 
 def _neighbours(image: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    """(8, height, width): the pixels around each, NaN beyond the border."""
+    """(8, height, width): the neighbours of each pixel; NaN beyond the border."""
     padded = np.pad(image, 1, constant_values=np.nan)
     h, w = image.shape
     around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -146,13 +147,13 @@ def _neighbours(image: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
 def save_all(
     dataset: xarray.Dataset, folder: str | os.PathLike[str], formats: Iterable[str] = ("png",)
 ) -> list[Path]:
-    """Write `table`, `slices` and, with local means, `map`, each as PNG, SVG or PDF.
+    """Write `table`, `slices` and, if there are local means, `map`, each as PNG, SVG or PDF.
 
     Parameters
     ----------
     dataset : Dataset of `measure`
     folder : path
-        Is made.
+        Created if missing.
     formats : iterable of {"svg", "png", "pdf"}
 
     Returns
@@ -169,13 +170,13 @@ def save_all(
 
 
 def _figure(width: float, height: float, columns: int = 1) -> tuple[Figure, Any]:
-    """A figure, and its axes in a row."""
+    """A figure and its axes in one row."""
     figure = new_figure(width, height)
     return figure, figure.subplots(1, columns)
 
 
 def _edges(dataset: xarray.Dataset, name: str) -> npt.NDArray[np.float64]:
-    """Edges of a coordinate; an open last bin is drawn as wide as its middle says."""
+    """Edges of a coordinate; a last bin that ends at inf is drawn symmetric around its centre."""
     low, high = dataset[f"{name}_low"].values, dataset[f"{name}_high"].values
     end = high[-1] if np.isfinite(high[-1]) else 2 * dataset[name].values[-1] - low[-1]
     return np.append(low, end)

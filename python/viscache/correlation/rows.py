@@ -1,4 +1,4 @@
-"""Points on surfaces, and the row of bits that says what each of them sees of the sky."""
+"""Points on surfaces, and one row of visibility bits for each point."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.correlation.directions import DirectionSet
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
 
@@ -31,7 +31,6 @@ __all__ = [
 ]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
-Progress: TypeAlias = bool | Callable[[int, int], None]
 RowEngine: TypeAlias = Literal["embree", "batch", "field", "auto"]
 
 N_GROUPS = 16
@@ -39,26 +38,26 @@ N_GROUPS = 16
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SurfacePoints:
-    """N points on the surfaces of a scene, ordered by group and at random inside a group."""
+    """N points on the surfaces of a scene, sorted by group, in random order within a group."""
 
     positions: Floats
     """(N, 3), in scene units."""
     normals: Floats
-    """(N, 3), unit geometric normals: visibility is that of their hemisphere."""
+    """(N, 3), unit geometric normals; visibility is that of their hemispheres."""
     theta_normals: Floats
     """(N, 3), unit normals between which the angle θ is measured."""
     group: npt.NDArray[np.int32]
-    """(N,) in [0, 16): compact blocks of space whose sizes differ by one at most."""
+    """(N,) in [0, 16): compact spatial groups whose sizes differ by at most one."""
     stratum: npt.NDArray[np.uint32]
-    """(N,), each once: pixel y·width + x of the camera's image, or number along the surfaces."""
+    """(N,), unique: pixel y·width + x of the camera's image, or index along the surfaces."""
     width: int
-    """Columns of the camera's image; of area-uniform points the number of strata."""
+    """Columns of the camera's image; for area-uniform points the number of strata."""
     height: int
     """Rows of the camera's image; 1 for area-uniform points."""
     n_bad_normals: int
-    """Strata left out because the triangle there is degenerate."""
+    """Strata skipped because their triangle is degenerate."""
     n_misses: int
-    """Strata left out because there is no surface, or a hole cut by an alpha mask."""
+    """Strata skipped because there is no surface, or a hole cut by an alpha mask."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -70,17 +69,17 @@ class VisibilityRows:
     lower hemisphere and the padding are 0."""
     n_directions: int
     n_rays: int
-    """Rays traced: the directions above the points' planes."""
+    """Number of traced rays: the directions above the tangent planes."""
     seconds: float
     """Wall time."""
     engine: Literal["embree", "batch", "field"]
-    """What traced the rays."""
+    """The engine that traced the rays."""
     reason: str
     """Why it was chosen."""
 
     @property
     def rays_per_second(self) -> float:
-        """Of all threads together."""
+        """Rays per second of all threads together."""
         return self.n_rays / self.seconds
 
 
@@ -94,9 +93,9 @@ def surface_points(
     normals: Literal["geometric", "shading"] = "geometric",
     threads: int | None = None,
 ) -> SurfacePoints:
-    """Spread points over the surfaces of a scene.
+    """Distribute points over the surfaces of a scene.
 
-    Geometry alone decides what is a surface: mirrors and glass are; holes of alpha masks and the
+    Geometry alone defines a surface: mirrors and glass are included; holes of alpha masks and the
     spheres of sphere lights are not.
 
     Parameters
@@ -104,15 +103,15 @@ def surface_points(
     scene : Scene
     n_points : int in [16, 2^26]
     points : {"camera", "area"}
-        Primary hits of a camera, one at a random place of each pixel of an image just fine enough;
-        or uniform over the area of all placed triangles.
+        Primary hits of a camera, one at a random position in each pixel of an image that is just
+        fine enough; or points uniform over the area of all placed triangles.
     camera : str, int or Camera, optional
-        As `viscache.render` takes it. Its normals look at the camera; those of "area" follow the
-        winding of the triangles.
+        As in `viscache.render`. Normals face the camera; those of "area" follow the winding of the
+        triangles.
     seed : int >= 0
-        Same seed, same points, whatever the number of threads.
+        The same seed gives the same points for any number of threads.
     normals : {"geometric", "shading"}
-        Those of the angle θ; visibility always belongs to the geometric ones.
+        Normals for the angle θ; visibility always uses the geometric normals.
     threads : int, optional
         All cores by default.
 
@@ -123,7 +122,7 @@ def surface_points(
     Raises
     ------
     ValueError
-        A parameter out of range, or surfaces that fill less than 1/1024 of the camera's image.
+        A parameter is out of range, or surfaces fill less than 1/1024 of the camera's image.
 
     Examples
     --------
@@ -161,7 +160,7 @@ def surface_points(
 
 
 def spatial_groups(positions: npt.ArrayLike) -> npt.NDArray[np.int32]:
-    """Blocks of space as `surface_points` makes them: numbers in [0, 16) of points (N, 3)."""
+    """Spatial groups in [0, 16) of points (N, 3), as in `surface_points`."""
     return _core.correlation.spatial_groups(checked_points(positions, "positions"))
 
 
@@ -175,7 +174,7 @@ def visibility_rows(
     threads: int | None = None,
     progress: Progress = False,
 ) -> VisibilityRows:
-    """The visibility function V(x, ω) of points, one bit per direction.
+    """Trace the visibility function V(x, ω) of points, one bit per direction.
 
     Parameters
     ----------
@@ -183,24 +182,25 @@ def visibility_rows(
     points : SurfacePoints
     directions : DirectionSet
     t_max : float > 0
-        How far the points look, in scene units.
+        Length of the rays in scene units.
     engine : {"embree", "batch", "field", "auto"}
         "batch": direction by direction, opposite ones together, all triangles stream past all
-        points (VLF Sec. 7), which pays where points are about as many as triangles or more.
-        "field": single rays through `Vlf()`. "auto": batch or Embree, by predicted
-        cost, which depends on scene, points and the instruction set, not on time. All are exact;
-        they may differ for rays within rounding of an edge.
+        points (VLF Sec. 7). This pays off if there are at least about as many points as triangles.
+        "field": single rays through `Vlf()`. "auto": batch or Embree, by predicted cost, which
+        depends on the scene, the points and the instruction set, but not on timing. All are exact;
+        they may differ for rays within rounding error of an edge.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
-        True shows a bar; a callable gets (done, total) points.
+        True shows a progress bar; a callable is called with (done, total) points.
 
     Raises
     ------
     ValueError
-        A parameter out of range; for the batch also points 1e9 times the scene's size away.
+        A parameter is out of range; for the batch also points farther away than 1e9 times the
+        scene's size.
     MemoryError
-        A field that does not fit the budget of `Vlf()`.
+        The field does not fit the budget of `Vlf()`.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
 
@@ -230,7 +230,7 @@ def trace_rows(
     threads: int | None = None,
     progress: Progress = False,
 ) -> VisibilityRows:
-    """`visibility_rows` of any points (N, 3) on surfaces, with unit normals (N, 3)."""
+    """`visibility_rows` for any points (N, 3) on surfaces with unit normals (N, 3)."""
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     require(isinstance(directions, DirectionSet), "directions must be a DirectionSet", directions)
     known = engine in typing.get_args(RowEngine)
@@ -248,9 +248,13 @@ def trace_rows(
             costs = (0.0, 0.0)
         else:
             bits, n_rays, is_batch, batch_ns, embree_ns = _core.correlation.aligned_rows(
-                scene._core, scene.aligned_batch(), scene.caster(), *asked,
-                choose=engine == "auto", **more,
-            )  # fmt: skip
+                scene._core,
+                scene.aligned_batch(),
+                scene.caster(),
+                *asked,
+                choose=engine == "auto",
+                **more,
+            )
             by, costs = "batch" if is_batch else "embree", (batch_ns, embree_ns)
     return VisibilityRows(
         bits=bits,

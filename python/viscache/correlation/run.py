@@ -1,4 +1,4 @@
-"""One measurement at work: rows, near pass and far pass, block by block."""
+"""Runs one measurement block by block: rows, near pass and far pass."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ Report = Callable[[int, int], None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Counted:
-    """Sums of all pairs.
+    """Sums over pairs.
 
     Attributes
     ----------
     far : Sums
-        Of all pairs, or of the sampled ones, at any distance.
+        Over all pairs, or over the sampled ones, at any distance.
     near : Sums, optional
-        Of all pairs with d < d_near; None where `far` has all pairs, or none is near enough.
+        Over all pairs with d < d_near; None if `far` has all pairs, or if there is no near pass.
     far_share : float
-        Of all pairs in `far`.
+        Fraction of all pairs in `far`.
     seconds : float
-        Spent on pairs, all blocks together.
+        Time spent on pairs, over all blocks.
     """
 
     far: Sums
@@ -56,38 +56,48 @@ class Counted:
 
 
 class Run:
-    """The blocks of one measurement and where they are kept.
+    """The blocks of one measurement and their store.
 
     Parameters
     ----------
     key : str
-        Content hash of everything that decides the rows.
+        Content hash of everything that determines the rows.
     n_pairs : int, optional
-        About so many random pairs, and all near ones; None for all pairs.
+        About this many random pairs, and all near ones; None: all pairs.
     seed : int
-        Chooses the pairs.
+        Seed of the choice of pairs.
     folder : path, optional
         None keeps everything in memory.
     executor : Executor, optional
-        Needs a folder.
+        Requires a folder.
     report : callable, optional
-        Gets the numbers of finished and of all blocks.
+        Called with the numbers of finished and of all blocks.
     rows_per_block : int, optional
-        Points whose rows are traced together.
+        Number of points whose rows are traced together.
     """
 
     def __init__(
-        self, key: str, points: Points, bins: Bins, options: PairOptions,
-        *, n_pairs: int | None, seed: int, folder: Path | None, executor: Executor | None,
-        threads: int | None, report: Report | None, rows_per_block: int | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        key: str,
+        points: Points,
+        bins: Bins,
+        options: PairOptions,
+        *,
+        n_pairs: int | None,
+        seed: int,
+        folder: Path | None,
+        executor: Executor | None,
+        threads: int | None,
+        report: Report | None,
+        rows_per_block: int | None = None,
+    ) -> None:
         self.points, self.bins, self.options = points, bins, options
         self.executor, self.threads, self.report = executor, threads, report
         shape = (len(points.group), -(-options.n_directions // 512) * 8)
         self.store: WorkStore
         if folder is None:
             self.folder = None
-            # Pages that are not written cost nothing
+            # Pages that are never written take no memory
             self.store = MemoryStore(np.zeros(shape, dtype=np.uint64))
         else:
             self.folder = folder / key[:20]
@@ -100,8 +110,10 @@ class Run:
 
     def _pair_tasks(self, blocks: list[PairBlock]) -> list[PairTask]:
         common: dict[str, Any] = {
-            "folder": self.folder, "options": self.options, "threads": self.threads
-        }  # fmt: skip
+            "folder": self.folder,
+            "options": self.options,
+            "threads": self.threads,
+        }
         tasks = [PairTask(block=block, d_near=None, **common) for block in blocks]
         if self.d_near is not None:
             whole = PairBlock(0, tuple(group_pairs(int(self.points.group.max()) + 1)))
@@ -111,7 +123,7 @@ class Run:
     def trace_rows(
         self, make: Callable[[int, int], RowsTask], work: Callable[[RowsTask], Arrays]
     ) -> None:
-        """Trace the rows that the store lacks; `work` runs here or in a worker."""
+        """Trace the rows that are not in the store; `work` runs here or in a worker."""
         todo = []
         for first, last in self.row_blocks:
             known = self.store.get(_rows_name(first, last))
@@ -133,7 +145,7 @@ class Run:
         self._step()
 
     def set_rows(self, bits: npt.NDArray[np.uint64]) -> None:
-        """Take rows that exist already."""
+        """Use existing rows instead of tracing."""
         if isinstance(self.store, MemoryStore):
             self.store.bits = bits
         for first, last in self.row_blocks:
@@ -143,7 +155,7 @@ class Run:
             self._step()
 
     def count_pairs(self) -> Counted:
-        """Count the pairs that the store lacks, and merge all blocks."""
+        """Count the pairs that are not in the store, and merge all blocks."""
         began = time.perf_counter()
         folder = f"pairs-{self._pairs_key()[:20]}"
         results: dict[str, Arrays] = {}
@@ -172,12 +184,14 @@ class Run:
         return Counted(
             far=merge_blocks(list(results.values())),
             near=None if near is None else merge_blocks([near]),
-            d_near=self.d_near, far_share=looked_at / (n * (n - 1) / 2), n_pairs=looked_at,
+            d_near=self.d_near,
+            far_share=looked_at / (n * (n - 1) / 2),
+            n_pairs=looked_at,
             seconds=time.perf_counter() - began,
-        )  # fmt: skip
+        )
 
     def _pairs_key(self) -> str:
-        """Content hash of everything that decides the blocks of pairs, given the rows."""
+        """Content hash of everything that determines the blocks of pairs, given the rows."""
         o = self.options
         blocks = [
             [task.block.pairs, [tiles.tolist() for tiles in task.block.tiles or ()]]
@@ -196,14 +210,15 @@ class Run:
 
 
 def merge_blocks(blocks: list[Arrays]) -> Sums:
-    """Blocks of different group pairs as one; the same bytes in any order."""
+    """Merge blocks of different group pairs; the same bytes in any order."""
     pair = np.concatenate([block["pair"] for block in blocks])
     order = np.lexsort((pair[:, 1], pair[:, 0]))
     n, n_undefined, q, high, low = (
-        blocks[0][name] if len(blocks) == 1
+        blocks[0][name]
+        if len(blocks) == 1
         else np.concatenate([block[name] for block in blocks])[order]
         for name in SUMS
-    )  # fmt: skip
+    )
     wide = high.sum(axis=0).astype(object) * 2**32 + low.sum(axis=0).astype(object)
     first, second = pair[order].T
     return Sums(n=n, n_undefined=n_undefined, q=q, q2=wide, first=first, second=second)

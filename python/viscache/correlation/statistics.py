@@ -1,7 +1,8 @@
-"""From integer sums over pairs of groups to means, spreads and standard errors.
+"""Computes means, standard deviations and standard errors from integer sums over pairs of groups.
 
-A pair (i, j) adds q = round(ρ·2²⁰) and q² to its cell, apart for each pair of spatial groups, so
-every statistic below is a function of integers: the same bytes however the pairs were split.
+A pair (i, j) adds q = round(ρ·2²⁰) and q² to its cell, separately for each pair of spatial groups.
+Every statistic below is a function of integers, so the bytes do not depend on how the pairs were
+divided into blocks.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from viscache.correlation.bins import Floats, merge
 from viscache.correlation.pairs import SCALE
 
 Ints = npt.NDArray[np.int64]
-#: Python integers, because squares of many pairs need more than 64 bits.
+#: Python integers, because sums of squares need more than 64 bits.
 Wide = npt.NDArray[np.object_]
 
 
@@ -27,11 +28,11 @@ class Sums:
     Attributes
     ----------
     n, n_undefined : (P, D, T) int64
-        Pairs of each group pair whose ρ is defined, and the others.
+        For each group pair, number of pairs with defined ρ, and of the others.
     q : (P, D, T) int64
         Σ q.
     q2 : (D, T) object
-        Σ q² over all group pairs, Python integers.
+        Σ q² over all group pairs, as Python integers.
     first, second : (P,) int
         The two groups of each group pair.
     """
@@ -44,32 +45,36 @@ class Sums:
     second: Ints
 
     def merged(self, axis: int, cells: Floats, edges: Floats) -> Sums:
-        """Cells merged to bins along d (axis 0) or θ (axis 1)."""
+        """Merge cells into bins along d (axis 0) or θ (axis 1)."""
         return Sums(
             n=merge(self.n, axis + 1, cells, edges),
             n_undefined=merge(self.n_undefined, axis + 1, cells, edges),
             q=merge(self.q, axis + 1, cells, edges),
             q2=merge(self.q2, axis, cells, edges),
-            first=self.first, second=self.second,
-        )  # fmt: skip
+            first=self.first,
+            second=self.second,
+        )
 
     def with_near(self, near: Sums, n_cells: int) -> Sums:
-        """These sums with the first cells of d taken from another pass, never from both."""
+        """These sums with the first cells of d replaced by those of the near pass."""
 
         def joined(far: Any, close: Any, axis: int) -> Any:
             rest = np.take(far, range(n_cells, far.shape[axis]), axis=axis)
             return np.concatenate([np.take(close, range(n_cells), axis=axis), rest], axis=axis)
 
         return Sums(
-            n=joined(self.n, near.n, 1), n_undefined=joined(self.n_undefined, near.n_undefined, 1),
-            q=joined(self.q, near.q, 1), q2=joined(self.q2, near.q2, 0),
-            first=self.first, second=self.second,
-        )  # fmt: skip
+            n=joined(self.n, near.n, 1),
+            n_undefined=joined(self.n_undefined, near.n_undefined, 1),
+            q=joined(self.q, near.q, 1),
+            q2=joined(self.q2, near.q2, 0),
+            first=self.first,
+            second=self.second,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Statistics:
-    """Statistics of every bin, NaN where there are too few pairs for them.
+    """Statistics of every bin; NaN if a bin has too few pairs.
 
     Attributes
     ----------
@@ -80,7 +85,7 @@ class Statistics:
     se : (D, T) float64
         Standard error of the mean, by the jackknife over spatial groups.
     se_naive : (D, T) float64
-        σ/√n, which takes pairs for independent and is far too small: pairs share points.
+        σ/√n, as if pairs were independent. It is far too small, because pairs share points.
     n, n_undefined : (D, T) int64
     """
 
@@ -112,15 +117,15 @@ def statistics(sums: Sums) -> Statistics:
 
 
 def jackknife(sums: Sums) -> Floats:
-    """Standard error of the mean ρ by leaving out one spatial group at a time.
+    """Standard error of the mean ρ by the jackknife over spatial groups.
 
-    Without group g all pairs with an end in g are gone. With G groups, the mean m₍g₎ without g and
-    m̄ the mean of the m₍g₎: SE² = (G − 1)/G · Σ (m₍g₎ − m̄)².
+    Leaving out group g removes all pairs with an end in g. Let m₍g₎ be the mean without g, m̄ the
+    mean of the m₍g₎ and G the number of groups: SE² = (G − 1)/G · Σ (m₍g₎ − m̄)².
 
     Returns
     -------
     (D, T) float64
-        NaN where there is one group, or where all pairs of a bin have an end in the same group.
+        NaN if there is only one group, or if all pairs of a bin have an end in the same group.
     """
     groups = int(sums.second.max()) + 1 if len(sums.second) else 0
     n, q = sums.n.sum(axis=0), sums.q.sum(axis=0)

@@ -1,7 +1,7 @@
-"""What a worker does: trace the rows of a block of points, count the pairs of a block of groups.
+"""Tasks of a worker: trace the rows of a block of points, count the pairs of a block of groups.
 
-Tasks carry the scene's file or name and the folder of the rows, never the scene or the bits, so
-they run in any process that sees the same files.
+A task holds the file or name of the scene and the folder of the rows, not the scene or the bits. So
+it can run in any process with access to the same files.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from viscache.correlation.pair_table import SUMS
 from viscache.correlation.pair_tiles import tile_list
 from viscache.correlation.work import PairBlock
 from viscache.correlation.work_store import Arrays, write_arrays
-from viscache.newest import Newest
+from viscache.workers import Newest
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Points:
-    """The points of rows, ordered by group."""
+    """The points of rows, sorted by group."""
 
     positions: npt.NDArray[np.float32]
     normals: npt.NDArray[np.float32]
-    """Of the angle θ."""
+    """Normals for the angle θ."""
     group: npt.NDArray[np.int32]
 
     def of_groups(self, groups: list[int]) -> npt.NDArray[np.intp]:
@@ -43,7 +43,7 @@ class Points:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PairOptions:
-    """How every pair is counted; the same for all blocks."""
+    """Options for counting pairs; the same for all blocks."""
 
     n_directions: int
     d_cells: Floats
@@ -54,7 +54,7 @@ class PairOptions:
     undefined: _pairs.Undefined
     min_bits: int
     tile: int
-    """Points along a tile of pairs, at most."""
+    """Maximum number of points along a tile of pairs."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,7 +74,7 @@ class RowsTask:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PairTask:
-    """Pairs of a block of group pairs; with `d_near` all pairs nearer than it."""
+    """Pairs of a block of group pairs; with `d_near`, all pairs nearer than that."""
 
     block: PairBlock
     folder: Path | None
@@ -84,32 +84,34 @@ class PairTask:
 
     @property
     def name(self) -> str:
-        """Of the block in the store."""
+        """Name of the block in the store."""
         return "near" if self.d_near is not None else f"pairs-{self.block.index:05d}"
 
 
 def trace(
     task: RowsTask, scene: Any, positions: npt.NDArray[np.float32], normals: npt.NDArray[np.float32]
 ) -> Arrays:
-    """Rows of a block, in this process; positions and normals are those of all points."""
+    """Trace the rows of a block in this process; positions and normals are those of all points."""
     block = slice(task.first, task.last)
     rows = _rows.trace_rows(scene, positions[block], normals[block], task.directions,
                             t_max=task.t_max, engine=task.engine,
                             threads=task.threads)  # fmt: skip
     return {
-        "bits": rows.bits, "n_rays": np.array(rows.n_rays), "seconds": np.array(rows.seconds),
+        "bits": rows.bits,
+        "n_rays": np.array(rows.n_rays),
+        "seconds": np.array(rows.seconds),
         "batch_rays": np.array(rows.n_rays if rows.engine == "batch" else 0),
-    }  # fmt: skip
+    }
 
 
 def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Arrays:
-    """Integer sums of a block's pairs, in this process.
+    """Integer sums over the pairs of a block, computed in this process.
 
     Returns
     -------
     dict
-        pair (k, 2): groups; the arrays of `pairs.SUMS` (k, D, T), of these group pairs alone;
-        evaluated: pairs looked at, before binning; seconds.
+        pair (k, 2): groups; the arrays of `pairs.SUMS` (k, D, T) for these group pairs; evaluated:
+        number of pairs before binning; seconds.
     """
     began = time.perf_counter()
     options = task.options
@@ -119,9 +121,12 @@ def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Array
     rows = bits if whole else bits[chosen]
     label = np.searchsorted(groups, points.group[chosen]).astype(np.int32)
     settings: dict[str, Any] = {
-        "domain": options.domain, "undefined": options.undefined, "min_bits": options.min_bits,
-        "n_groups": len(groups), "threads": task.threads,
-    }  # fmt: skip
+        "domain": options.domain,
+        "undefined": options.undefined,
+        "min_bits": options.min_bits,
+        "n_groups": len(groups),
+        "threads": task.threads,
+    }
     if options.domain != "sphere" and options.directions is not None:
         settings["directions"] = options.directions.directions
     geometry = (points.positions[chosen], points.normals[chosen], label)
@@ -145,9 +150,11 @@ def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Array
         ]
         sums = {name: array[wanted] for name, array in sums.items()}
     return {
-        "pair": np.array(task.block.pairs, dtype=np.int64).reshape(-1, 2), **sums,
-        "evaluated": np.array(evaluated), "seconds": np.array(time.perf_counter() - began),
-    }  # fmt: skip
+        "pair": np.array(task.block.pairs, dtype=np.int64).reshape(-1, 2),
+        **sums,
+        "evaluated": np.array(evaluated),
+        "seconds": np.array(time.perf_counter() - began),
+    }
 
 
 def _index(a: int, b: int, n_groups: int) -> int:
@@ -158,7 +165,7 @@ def _index(a: int, b: int, n_groups: int) -> int:
 def _tiles(
     block: PairBlock, label: npt.NDArray[np.int32], groups: list[int], tile: int
 ) -> tuple[npt.NDArray[np.int64], int]:
-    """Tiles of the block's group pairs, numbered among those of its points; their pairs."""
+    """Tiles of the block's group pairs, as numbers among its points' tiles; and their pairs."""
     tiles = tile_list(label, tile)
     kept = []
     for k, (a, b) in enumerate(block.pairs):
@@ -169,16 +176,21 @@ def _tiles(
 
 
 def write_points(folder: Path, points: Points, hemisphere: npt.NDArray[np.float32]) -> None:
-    """Leave the points beside the rows, for workers; `hemisphere` are the normals of the rows."""
+    """Save the points beside the rows for workers; `hemisphere` are the normals of the rows."""
     if not (folder / "points.npz").is_file():
-        write_arrays(folder / "points.npz", {
-            "positions": points.positions, "normals": points.normals, "group": points.group,
-            "hemisphere": hemisphere,
-        })  # fmt: skip
+        write_arrays(
+            folder / "points.npz",
+            {
+                "positions": points.positions,
+                "normals": points.normals,
+                "group": points.group,
+                "hemisphere": hemisphere,
+            },
+        )
 
 
 def count_in_worker(task: PairTask) -> Arrays:
-    """`count` in a worker: rows and points are read from the folder."""
+    """Run `count` in a worker: reads rows and points from the folder."""
     folder = _shared_folder(task.folder)
     bits = np.load(folder / "rows.npy", mmap_mode="r")
     with np.load(folder / "points.npz") as file:
@@ -187,7 +199,7 @@ def count_in_worker(task: PairTask) -> Arrays:
 
 
 def trace_in_worker(task: RowsTask) -> Arrays:
-    """`trace` in a worker: it opens the scene itself, and keeps the newest one."""
+    """Run `trace` in a worker: opens the scene itself and keeps the newest one."""
     folder = _shared_folder(task.folder)
     scene = _SCENE.get(task.scene, lambda: sources.open_scene(str(task.scene)))
     if scene.content_hash != task.scene_hash:

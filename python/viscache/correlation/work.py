@@ -1,4 +1,4 @@
-"""Splitting a measurement into blocks that can run anywhere, and working through them."""
+"""Divides a measurement into blocks that can run anywhere, and runs them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.correlation.pair_tiles import TILE, choose_tiles, tile_list
-from viscache.sweeps.executors import window
+from viscache.workers import window
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 #: Points whose rows are traced together.
 ROWS_PER_BLOCK = 2048
-#: The batch gains by many points at a time.
+#: The batch is faster with many points at a time.
 BATCH_ROWS_PER_BLOCK = 1 << 14
-#: Pairs of a block, about: a second of one core.
+#: Approximate number of pairs per block, about a second on one core.
 PAIRS_PER_BLOCK = 1 << 27
 
 
@@ -32,7 +32,7 @@ class PairBlock:
     index: int
     pairs: tuple[tuple[int, int], ...]
     tiles: tuple[npt.NDArray[np.int64], ...] | None = None
-    """Of each group pair the chosen ones of its tiles, counted from 0; None for all of them."""
+    """For each group pair the chosen tiles, counted from 0; None: all tiles."""
 
 
 def group_pairs(n_groups: int) -> list[tuple[int, int]]:
@@ -41,7 +41,7 @@ def group_pairs(n_groups: int) -> list[tuple[int, int]]:
 
 
 def tile_size(group: npt.NDArray[np.int32], sampled: bool) -> int:
-    """Points along a tile: where pairs are sampled, few enough that a group has 8 blocks."""
+    """Points along a tile; if pairs are sampled, few enough that a group has 8 blocks."""
     if not sampled:
         return TILE
     largest = int(np.bincount(group).max())
@@ -78,7 +78,7 @@ def pair_blocks(
 
 
 def row_blocks(n_points: int, size: int | None = None) -> list[tuple[int, int]]:
-    """First and last + 1 of the points of each block, of ROWS_PER_BLOCK by default."""
+    """(first, last + 1) of the points of each block; ROWS_PER_BLOCK points by default."""
     size = size or ROWS_PER_BLOCK
     return [(i, min(i + size, n_points)) for i in range(0, n_points, size)]
 
@@ -89,9 +89,10 @@ def work_through(
     keep: Callable[[Task, Result], None],
     executor: Executor | None = None,
 ) -> None:
-    """Do every task, here or by the executor; `keep` is called here as soon as one is done.
+    """Run every task, here or in the executor; `keep` is called here as soon as a task is done.
 
-    What is finished is kept before an error or Ctrl-C is passed on; what has not begun is dropped.
+    Finished tasks are kept before an error or Ctrl-C is raised; tasks that have not started are
+    dropped.
     """
     if executor is None:
         for task in tasks:

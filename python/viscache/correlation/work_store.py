@@ -1,11 +1,11 @@
-"""Where the finished blocks of a measurement lie: a folder that survives, or memory.
+"""Storage of the finished blocks of a measurement: a folder, or memory.
 
     FOLDER/<key of the rows>/points.npz, rows.npy, rows-0-2048.npz …
     FOLDER/<key of the rows>/pairs-<key of the pairs>/pairs-00000.npz …, near.npz
 
-A key is the content hash of everything that decides the numbers, so a measurement that was
-interrupted repeats nothing, and one with other bins takes over the rows. Blocks are written whole
-or not at all. Two processes at one folder may do a block twice and write the same bytes.
+A key is the content hash of everything that determines the numbers. So an interrupted measurement
+repeats nothing, and one with other bins reuses the rows. Blocks are written atomically. Two
+processes with the same folder may compute a block twice; they write the same bytes.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from viscache.whole_file import whole_file
+from viscache.files import whole_file
 
 Arrays = dict[str, npt.NDArray[Any]]
 
 
 class WorkStore(Protocol):
-    """Bit rows, and finished blocks by name."""
+    """Rows of bits, and finished blocks by name."""
 
     @property
     def bits(self) -> npt.NDArray[np.uint64]:
-        """(N, W) rows, to read and to write."""
+        """(N, W) rows, readable and writable."""
 
     def put(self, name: str, arrays: Arrays) -> None:
-        """Keep a finished block."""
+        """Store a finished block."""
 
     def get(self, name: str) -> Arrays | None:
-        """A finished block, else None."""
+        """A finished block, or None."""
 
 
 class MemoryStore:
@@ -55,14 +55,14 @@ class FolderStore:
     Parameters
     ----------
     folder : path
-        Made where missing.
+        Created if missing.
     shape : (N, W)
-        Of the rows; a file of another shape is refused.
+        Shape of the rows; a file of another shape is refused.
 
     Raises
     ------
     ValueError
-        What lies there is not what this measurement would write.
+        The folder contains rows of another shape.
     """
 
     def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
@@ -91,13 +91,13 @@ class FolderStore:
 
 
 def write_arrays(path: Path, arrays: Arrays) -> None:
-    """Write an npz file, whole or not at all."""
+    """Write an npz file atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as partial, partial.open("wb") as file:
         np.savez(file, allow_pickle=False, **arrays)
 
 
 def _create_rows(path: Path, shape: tuple[int, int]) -> None:
-    """A file of zeros, in place only when it is whole; it takes room as rows are written."""
+    """Create a sparse file of zeros atomically; it takes disk space only as rows are written."""
     with whole_file(path) as partial:
         np.lib.format.open_memmap(partial, mode="w+", dtype=np.uint64, shape=shape).flush()

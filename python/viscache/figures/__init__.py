@@ -1,6 +1,17 @@
-"""Figures and tables of the papers, reproduced and held against bands."""
+"""Figures and tables of the papers, reproduced and held against bands.
 
+A module of this folder registers its figures by `@figure`; there is no list of them to keep.
+"""
+
+import importlib
+import pkgutil
+
+from viscache.figures import registry
 from viscache.figures.everything import reproduce_all
-from viscache.figures.registry import FIGURES, FigureInfo, reproduce
+from viscache.figures.registry import FIGURES, FigureInfo, figure, reproduce
 
-__all__ = ["FIGURES", "FigureInfo", "reproduce", "reproduce_all"]
+__all__ = ["FIGURES", "FigureInfo", "figure", "reproduce", "reproduce_all"]
+
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
+registry.arrange()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from viscache import scenes
-from viscache.figures import aqvc_quality_bands as bands
+from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_errors import Interval, bias, mean_interval
 from viscache.figures.aqvc_runs import Shot
 from viscache.figures.outcome import Row

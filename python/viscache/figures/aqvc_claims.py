@@ -12,8 +12,9 @@ from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_flicker import flicker_rows
 from viscache.figures.aqvc_runs import Shot, Trade, presets
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
@@ -42,6 +43,7 @@ ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 
+@figure("aqvc-claims", "numbers in the text of the quantized cache's paper")
 def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All of them, in the order of the paper's sections."""
     outcome = Outcome()
@@ -228,7 +230,7 @@ def frames_per_second(quick: bool, size: Size) -> list[Row]:
 
 
 def _draw_parameters(table: list[dict[str, Any]], path: Path) -> Path:
-    figure = new_figure((9.0, 3.2))
+    figure = new_figure(9.0, 3.2)
     for column, name in enumerate(PARAMETERS):
         found = [r for r in table if r["parameter"] == name]
         axes = figure.add_subplot(1, len(PARAMETERS), column + 1)

@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, scenes
-from viscache.cameras import find_camera
 from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, presets
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.integrators import Direct, core_settings
 from viscache.settings.visibility import Aqvc
 
@@ -80,6 +80,7 @@ def eye_samples(shot: Shot) -> EyeSamples:
     )
 
 
+@figure("aqvc-fig2", "cells that follow normals and footprints")
 def figure2(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -199,7 +200,7 @@ def false_colors(
 
 
 def _draw(room: Shot, inside: EyeSamples, path: Path) -> Path:
-    figure = new_figure((10.0, 6.5))
+    figure = new_figure(10.0, 6.5)
     frame = room.frame()
     shape = (room.size[1], room.size[0])
     draw_image(figure.add_subplot(2, 2, 1), frame.image, "the room")

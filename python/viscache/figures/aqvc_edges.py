@@ -12,9 +12,9 @@ import numpy.typing as npt
 from viscache import scenes, tonemap
 from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_runs import Shot, Trade, presets
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.settings.by_name import replaced
@@ -30,6 +30,7 @@ GRIDS, QUICK_GRIDS = 12, 4
 Plane = npt.NDArray[np.float64]
 
 
+@figure("aqvc-fig3", "shadow edges with and without refinement")
 def figure3(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -62,7 +63,7 @@ def _size(quick: bool) -> tuple[int, int]:
 
 
 def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], path: Path) -> Path:
-    figure = new_figure((9.0, 6.0))
+    figure = new_figure(9.0, 6.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
     pictures = {"exact": exact.image}
     for preset, trades in found.items():
@@ -76,6 +77,7 @@ def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], pat
     return save_figure(figure, path)
 
 
+@figure("aqvc-fig4", "scan order shifts shadows")
 def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -168,7 +170,7 @@ def _order_rows(table: list[dict[str, Any]]) -> list[Row]:
 
 
 def _draw_orders(exact: Frame, frames: Mapping[str, Frame], path: Path) -> Path:
-    figure = new_figure((10.0, 3.0))
+    figure = new_figure(10.0, 3.0)
     exposure = tonemap.auto_exposure(exact.image, 95.0)
     pictures = {"scanline": frames["scanline"], "exact": exact, "random": frames["random"]}
     for k, (title, frame) in enumerate(pictures.items()):

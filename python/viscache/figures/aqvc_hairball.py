@@ -13,14 +13,15 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Trade, difference, group_rows
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 
 #: C_E without anti-aliasing and with it; the paper's is not told.
 C_E = {False: 16.0, True: 36.0}
 
 
+@figure("aqvc-fig6", "fine geometry")
 def figure6(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -84,7 +85,7 @@ def _rows(label: str, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
 
 def draw_trades(trades: Mapping[str, Trade], path: Path) -> Path:
     """A row per name: exact, cached, amplified difference."""
-    figure = new_figure((10.0, 3.2 * len(trades)))
+    figure = new_figure(10.0, 3.2 * len(trades))
     for row, (name, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
         panels: list[tuple[str, npt.NDArray[Any]]] = [

@@ -13,9 +13,9 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import CLOSE_UP, SETUPS
+from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.visibility import ShadowMap
 
@@ -26,6 +26,7 @@ QUICK_RESOLUTIONS = (16, 32, 64, 128)
 MEMORY_SHARE = 0.6
 
 
+@figure("aqvc-fig8", "comparison with shadow maps")
 def figure8(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -140,7 +141,7 @@ def _preset_rows(
 def _draw(found: dict[str, dict[str, Trade]], resolutions: Sequence[int], path: Path) -> Path:
     """Both views: exact, the cache, the maps; the middle of the picture."""
     maps = [_map(r) for r in resolutions[-3:]]
-    figure = new_figure((12.0, 4.6))
+    figure = new_figure(12.0, 4.6)
     for row, trades in enumerate(found.values()):
         exact = trades["default"].exact
         exposure = tonemap.auto_exposure(exact.image, 95.0)

@@ -16,8 +16,9 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import references
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
+from viscache.figures.drawing import draw_lines
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import draw_lines
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.settings.integrators import Whitted
@@ -33,6 +34,7 @@ EXPONENTS = (0.25, 0.5, 1.0)
 SEEDS, REFERENCE_SPP = 5, 64
 
 
+@figure("aqvc-nee", "rays and error beside Next Event Estimation++")
 def comparison(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

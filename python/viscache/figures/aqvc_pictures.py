@@ -15,9 +15,9 @@ from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import AMPLIFIED, Shot, Trade, difference, group_rows, presets
 from viscache.figures.aqvc_setups import PRESETS, SETUPS
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Band, Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.settings.integrators import Bdpt
 
 
@@ -43,6 +43,7 @@ BIDIRECTIONAL_SIZE, QUICK_BIDIRECTIONAL_SIZE = (256, 256), (48, 48)
 BIDIRECTIONAL_SPP, QUICK_BIDIRECTIONAL_SPP = 64, 4
 
 
+@figure("aqvc-fig5", "exact and cached images, amplified difference")
 def figure5(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -133,7 +134,7 @@ def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[An
 
 def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
     """Per preset: exact over cached, and the amplified difference."""
-    figure = new_figure((9.0, 3.0 * len(trades)))
+    figure = new_figure(9.0, 3.0 * len(trades))
     for row, (preset, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
         seconds = [f"{f.timings['cpu_s']:.1f}" for f in (trade.exact, trade.frame)]

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from viscache import _core, scenes
-from viscache.figures import aqvc_quality_bands as bands
+from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_bias import bias_rows
 from viscache.figures.aqvc_errors import bias, stray_light
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
@@ -32,6 +33,7 @@ KINDS = {"delta": ("point", "directional"), "conference": ("area",),
          "apartment": ("vpl", "environment")}  # fmt: skip
 
 
+@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement")
 def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All choices, and a table."""
     outcome = Outcome(rows=leaking_cells())

@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from viscache.bench.aqvc_frame import scene_file
 from viscache.figures import aqvc_bands as bands
 from viscache.figures import aqvc_printed as printed
 from viscache.figures.aqvc_runs import Shot, Trade, group_rows
 from viscache.figures.aqvc_setups import SETUPS, SIZE, Preset, Setup
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_living_room import SKIES
-from viscache.figures.vlf_pictures import new_figure, save_figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.plots import label as plot_label
-from viscache.plots import ticks_1_2_5
+from viscache.plots.sweeps import ticks_1_2_5
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Whitted
+from viscache.sources import scene_file
 
 #: C_E between the paper's ends; the paper's preset runs at the ends and one between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}
@@ -57,6 +58,7 @@ class Sweep:
         return self.trades["default"][max(self.trades["default"])]
 
 
+@figure("aqvc-fig7", "ray reduction, speed-up and quality over C_E")
 def figure7(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -218,7 +220,7 @@ def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
 
 def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
     """Three rows: reduction, speed-up, error; anti-aliased on the right."""
-    figure = new_figure((10.0, 9.0))
+    figure = new_figure(10.0, 9.0)
     kinds = {"ray_reduction": "RR", "speedup": "speed-up", "rel_l1": "rel_l1"}
     for row, (what, label) in enumerate(kinds.items()):
         for column, antialiased in enumerate((False, True)):

@@ -12,11 +12,12 @@ import numpy as np
 
 from viscache import _core, metrics
 from viscache.aqvc_table import AqvcTable
-from viscache.figures import aqvc_temporal_bands as bands
+from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_flicker import cameras
 from viscache.figures.aqvc_setups import delta
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Band, Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.render import render
@@ -106,6 +107,7 @@ def run(
     return made
 
 
+@figure("aqvc-temporal", "tables kept over frames or dropped: rays, flicker and stale bits")
 def temporal(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -198,7 +200,7 @@ def _table(
 
 
 def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
-    figure = new_figure((11.0, 5.5))
+    figure = new_figure(11.0, 5.5)
     for column, (label, found) in enumerate(curves.items()):
         rays = figure.add_subplot(2, len(curves), 1 + column)
         wrong = figure.add_subplot(2, len(curves), 1 + len(curves) + column)

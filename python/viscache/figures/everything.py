@@ -12,9 +12,8 @@ from typing import Any
 
 from viscache.figures import page, registry
 from viscache.figures.code import code_hash
-from viscache.json_values import finite
+from viscache.files import finite, write_whole
 from viscache.provenance import provenance
-from viscache.whole_file import write_whole
 
 __all__ = ["failing", "finished", "reproduce_all"]
 

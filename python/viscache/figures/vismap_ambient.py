@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.registry import figure
 from viscache.frame import Frame
 from viscache.render import render
 from viscache.scenes import build
@@ -23,6 +24,7 @@ SIZE, QUICK_SIZE = (640, 480), (96, 72)
 QUICK_RAYS = 256
 
 
+@figure("vismap-fig10", "ambient occlusion, reference and cached")
 def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rays and time of both, and the error of the cached picture."""
     outcome = Outcome()
@@ -33,7 +35,7 @@ def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
                    progress=progress)  # fmt: skip
     outcome.rows += _rows(exact, cached, n_rays, quick)
     path = folder / "vismap-fig10.png"
-    _picture(exact, cached).savefig(path, dpi=150)
+    save_figure(_picture(exact, cached), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -71,9 +73,7 @@ def _visible(frame: Frame) -> Any:
 
 
 def _picture(exact: Frame, cached: Frame) -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13.0, 3.6), layout="constrained")
+    figure = new_figure(13.0, 3.6)
     axes = figure.subplots(1, 3)
     draw_image(axes[0], exact.image, "by rays", exposure=1.0)
     draw_image(axes[1], cached.image, "from records", exposure=1.0)

@@ -15,12 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import look_at
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.plots import COLORS
 from viscache.progress import progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import look_at
 from viscache.scenes import SCENES
 from viscache.scenes.light_product import (
     LUMINANCE,
@@ -56,6 +58,7 @@ class Frame:
     ratio: float
 
 
+@figure("vismap-temporal", "records and misses over the frames of a moving scene")
 def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records, misses and variance ratio per frame."""
     outcome = Outcome()
@@ -73,7 +76,7 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
                 report(k + 1, n_frames)
     outcome.rows += _rows(frames)
     path = folder / "vismap-temporal.png"
-    _picture(frames).savefig(path, dpi=150)
+    save_figure(_picture(frames), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -158,9 +161,7 @@ def _rows(frames: list[Frame]) -> list[Row]:
 
 
 def _picture(frames: list[Frame]) -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(12.0, 3.4), layout="constrained")
+    figure = new_figure(12.0, 3.4)
     axes: Any = figure.subplots(1, 3)
     number: npt.NDArray[np.int64] = np.arange(len(frames))
     axes[0].plot(number, [f.records for f in frames], color=COLORS[0], label="there")

@@ -6,7 +6,6 @@ to the sizes it prints. Two scenes made by others stand beside them, where their
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,14 +15,13 @@ import numpy as np
 from viscache.correlation import measure, plots, save_dataset
 from viscache.correlation.derived import ENOUGH_PAIRS, pairs_of_bins
 from viscache.figures import vismap_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.sources import is_builtin
+from viscache.figures.registry import figure
+from viscache.sources import SCENES_VARIABLE, is_builtin, made_by_others
 
 if TYPE_CHECKING:
     import xarray
-
-#: Folder of scenes made by others.
-SCENES_VARIABLE = "VISCACHE_SCENES"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +36,8 @@ class View:
         """The scene as `measure` takes it; None where its file is absent."""
         if is_builtin(self.scene):
             return self.scene
-        folder = os.environ.get(SCENES_VARIABLE)
-        path = Path(folder or "") / self.scene
-        return str(path) if folder and path.is_file() else None
+        path = made_by_others(self.scene)
+        return None if path is None else str(path)
 
 
 PAPER = (
@@ -58,6 +55,7 @@ FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
+@figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The table and both slices of scene (a)."""
     outcome = Outcome()
@@ -70,11 +68,12 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome.rows += _size_rows(view.name, dataset, quick)
     for name, draw in (("table", plots.table), ("slices", plots.slices)):
         path = folder / f"vismap-fig3-{name}.png"
-        draw(dataset).savefig(path, dpi=150)
+        save_figure(draw(dataset), path, dpi=150)
         outcome.files.append(path)
     return outcome
 
 
+@figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tables and spatial maps of the four scenes, and of two made by others."""
     outcome = Outcome()
@@ -90,7 +89,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
             outcome.rows += _size_rows(name, dataset, quick)
     outcome.rows += [*_line_rows(found["dynamics"]), *_order_rows(found)]
     path = folder / "vismap-fig4.png"
-    _picture(found).savefig(path, dpi=130)
+    save_figure(_picture(found), path, dpi=130)
     outcome.files.append(path)
     return outcome
 
@@ -233,10 +232,8 @@ def overall_correlation(ds: xarray.Dataset) -> float:
 
 def _picture(found: dict[str, xarray.Dataset]) -> Any:
     """Maps above, tables below, a column per scene."""
-    from matplotlib.figure import Figure
-
     columns = len(found)
-    figure = Figure(figsize=(3.4 * columns, 6.2), layout="constrained")
+    figure = new_figure(3.4 * columns, 6.2)
     axes = figure.subplots(2, columns, squeeze=False)
     image = None
     for k, (name, dataset) in enumerate(found.items()):

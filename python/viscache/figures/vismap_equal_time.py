@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.figures import vismap_cache_bands as bands
+from viscache.cases.map_renders import Picture, cpu_median, images, paper_maps, samples_in
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.registry import figure
 from viscache.figures.vismap_records import VIEWS
-from viscache.figures.vismap_renders import Picture, images, paper_maps
-from viscache.frame import Frame
 from viscache.scenes.light_product import blocked_share, first_hits
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.variance import variance_ratio
@@ -28,8 +28,6 @@ QUICK_RENDERS, QUICK_SIZE = 3, (64, 48)
 COARSE = (64, 48)
 #: Shares of blocked light-product samples: mostly hidden, mostly lit.
 HIDDEN, LIT = 0.9, 0.5
-#: Samples between which product sampling's time is measured.
-CALIBRATED = (20, 80)
 
 Pixels = npt.NDArray[np.bool_]
 
@@ -47,12 +45,13 @@ class Rivals:
         return np.asarray(np.mean([*self.maps, *self.product], axis=0), float)
 
 
+@figure("vismap-fig13", "equal-time comparison, with the crops of figure 14")
 def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The garage in equal time, with crops (Figure 14)."""
     outcome, picture = Outcome(), _garage(quick)
     ours, theirs = printed.EQUAL_TIME_SAMPLES
     renders = QUICK_RENDERS if quick else RENDERS
-    seconds = _seconds([picture.maps(ours, paper_maps(None)) for _ in range(3)])
+    seconds = cpu_median([picture.maps(ours, paper_maps(None)) for _ in range(3)])
     equal = samples_in(picture, seconds)
     cache = picture.build_cache()
     rivals = _rivals(picture, paper_maps(cache), ours, equal, renders)
@@ -71,11 +70,12 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     ]  # fmt: skip
     titles = (f"with the cache, {ours} samples", f"product sampling, {equal} samples")
     path = folder / "vismap-fig13.png"
-    _picture(rivals, titles).savefig(path, dpi=150)
+    save_figure(_picture(rivals, titles), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
 
+@figure("vismap-fig1", "an occluded glossy surface, with and without the control variate")
 def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Glossy surfaces of the garage from which most of the light is hidden, at 10 samples."""
     outcome, picture = Outcome(), _garage(quick)
@@ -91,25 +91,13 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     )  # fmt: skip
     path = folder / "vismap-fig1.png"
     titles = ("with the cache, 10 samples", "product sampling, 10 samples")
-    _picture(rivals, titles, where=pixels).savefig(path, dpi=150)
+    save_figure(_picture(rivals, titles, where=pixels), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
 
-def samples_in(picture: Picture, seconds: float) -> int:
-    """How many samples product sampling takes in so many seconds, by a line through two."""
-    low, high = (_seconds([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
-    slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
-    return max(1, round(CALIBRATED[0] + (seconds - low) / slope))
-
-
 def _garage(quick: bool) -> Picture:
     return Picture(scene=VIEWS["garage"].open(quick), size=QUICK_SIZE if quick else SIZE)
-
-
-def _seconds(frames: list[Frame]) -> float:
-    """Of all processors together."""
-    return float(np.median([frame.timings["cpu_s"] for frame in frames]))
 
 
 def _rivals(picture: Picture, maps: VisMaps, ours: int, theirs: int, renders: int) -> Rivals:
@@ -145,7 +133,7 @@ def _shadow_rows(
 def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     """Ours beside the paper's: guided densities, in equal time."""
     samples = printed.EQUAL_TIME_SAMPLES[0]
-    seconds = _seconds([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
+    seconds = cpu_median([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
     equal = samples_in(picture, seconds)
     maps = VisMaps(sampling="guided", cache=picture.build_cache(), update=False)
     rivals = _rivals(picture, maps, samples, equal, renders)
@@ -189,14 +177,12 @@ def noisiest_windows(
 
 def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = None) -> Any:
     """Reference and both sides above, two crops of each below."""
-    from matplotlib.figure import Figure
-
     shown = {"reference": rivals.reference, titles[0]: rivals.maps[0], titles[1]: rivals.product[0]}
     exposure = auto_exposure(rivals.reference, 95.0)
     seen = np.stack([srgb_curve(luminance(image) * exposure) for image in rivals.product])
     noise, edge = seen.var(axis=0), seen.shape[1] // 5
     crops = noisiest_windows(noise if where is None else noise * where, edge, 2)
-    figure = Figure(figsize=(12.0, 9.6), layout="constrained")
+    figure = new_figure(12.0, 9.6)
     axes: Any = figure.subplots(3, 3, height_ratios=(1, 1, 1))
     for column, (title, image) in enumerate(shown.items()):
         draw_image(axes[0, column], image, title, exposure=exposure)

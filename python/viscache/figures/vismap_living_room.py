@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
-from pathlib import Path
 
+from viscache.cases.map_renders import Picture, paper_maps
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_renders import Picture, paper_maps
 from viscache.scene import Scene, load_scene
 from viscache.settings.visibility import VisMaps
+from viscache.sources import SCENES_VARIABLE, made_by_others
 from viscache.variance import variance_ratio
 
 __all__ = ["SKIES", "living_rooms", "variance_rows"]
 
-SCENES_VARIABLE = "VISCACHE_SCENES"
 SCENE = "living-room/scene.xml"
 #: Skies measured outdoors, in the folder of scenes.
 SKIES = {"noon": "hdr/kloppenheim_05_1k.hdr", "sunset": "hdr/venice_sunset_1k.hdr"}
@@ -25,16 +23,16 @@ QUICK_RENDERS, QUICK_SIZE = 3, (32, 24)
 
 def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
     """The room under every sky there is; files that are absent are named in `outcome.skipped`."""
-    folder = os.environ.get(SCENES_VARIABLE)
     room: Scene | None = None
     for name, sky in SKIES.items():
         label = f"living-room, {name}"
-        absent = [p for p in (SCENE, sky) if not folder or not (Path(folder) / p).is_file()]
-        if absent:
-            outcome.skip(label, f"{absent[0]} is absent: set {SCENES_VARIABLE} to its folder")
+        mesh, light = made_by_others(SCENE), made_by_others(sky)
+        if mesh is None or light is None:
+            absent = SCENE if mesh is None else sky
+            outcome.skip(label, f"{absent} is absent: set {SCENES_VARIABLE} to its folder")
             continue
-        room = room or load_scene(Path(folder or "") / SCENE)
-        yield label, room.with_environment(Path(folder or "") / sky)
+        room = room or load_scene(mesh)
+        yield label, room.with_environment(light)
 
 
 def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:

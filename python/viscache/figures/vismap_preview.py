@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from viscache.figures import references
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.registry import figure
 from viscache.figures.vismap_records import VIEWS
 from viscache.frame import Frame
 from viscache.scenes.garage import sky_image
@@ -26,6 +27,7 @@ QUICK_SIZE, QUICK_SAMPLES = (80, 60), 32
 TURNS_DEG = (0.0, 45.0, 180.0, 270.0)
 
 
+@figure("vismap-fig11", "the control variate's integral as a preview")
 def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Preview and reference of the garage, and the preview under its light turned, without rays."""
     outcome = Outcome()
@@ -50,7 +52,7 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
             note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s"),
     ]  # fmt: skip
     path = folder / "vismap-fig11.png"
-    _picture(reference, previews).savefig(path, dpi=150)
+    save_figure(_picture(reference, previews), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -64,12 +66,10 @@ def alike(preview: Frame, reference: Frame) -> float:
 
 
 def _picture(reference: Frame, previews: list[Frame]) -> Any:
-    from matplotlib.figure import Figure
-
     exposure = auto_exposure(reference.image, 95.0)
     shown = {"reference": reference, "preview": previews[0]}
     shown |= {f"turned by {d:g}°": f for d, f in zip(TURNS_DEG[1:], previews[1:], strict=True)}
-    figure = Figure(figsize=(4.0 * len(shown), 3.4), layout="constrained")
+    figure = new_figure(4.0 * len(shown), 3.4)
     axes: Any = figure.subplots(1, len(shown))
     for each, (title, frame) in zip(axes, shown.items(), strict=True):
         draw_image(each, frame.image, title, exposure=exposure)

@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.correlation import measure
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
+from viscache.figures.drawing import draw_records, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_density import (
     equal_cells,
     per_cell_angle,
@@ -23,9 +24,9 @@ from viscache.figures.vismap_density import (
     records_per_cell,
 )
 from viscache.figures.vismap_living_room import living_rooms
-from viscache.figures.vismap_pictures import draw_records
 from viscache.render import render
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.scenes import build
 from viscache.settings.integrators import Direct
 from viscache.vismap import MapSettings, UpdateReport, VisibilityMapCache
@@ -82,6 +83,7 @@ def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapS
     return Built(cache=cache, report=cache.update(camera, size=size))
 
 
+@figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
 def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records, resolutions and rays per pixel of three scenes, and of two that the paper lacks."""
     outcome = Outcome()
@@ -132,6 +134,7 @@ def _automatic_row(name: str, built: Built) -> Row:
                note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}")  # fmt: skip
 
 
+@figure("vismap-fig8", "positions of the records")
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records by weight alone and by the difference of maps alone."""
     outcome = Outcome()
@@ -168,6 +171,7 @@ def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> 
     return rows
 
 
+@figure("vismap-fig12", "records in the garden scene")
 def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Records of the garden, and how many more there are than in a simple scene."""
     outcome = Outcome()
@@ -193,12 +197,10 @@ def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _dots(
     scene: Scene, camera: int, size: tuple[int, int], records: dict[str, Floats], path: Path
 ) -> None:
-    from matplotlib.figure import Figure
-
     view: _core.Camera = find_camera(scene, camera)
     image = render(scene, Direct(n_environment=16), camera=camera, size=size).image
-    figure = Figure(figsize=(5.0 * len(records), 4.0), layout="constrained")
+    figure = new_figure(5.0 * len(records), 4.0)
     both = figure.subplots(1, len(records), squeeze=False)[0]
     for axes, (title, positions) in zip(both, records.items(), strict=True):
         draw_records(axes, image, view, positions, title)
-    figure.savefig(path, dpi=150)
+    save_figure(figure, path, dpi=150)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.plots import COLORS, pareto
 from viscache.progress import progress_bar
 from viscache.scene import Scene
@@ -52,6 +54,7 @@ class Setting:
     guided: VarianceRatio
 
 
+@figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
 def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The grid on the garage, and the settings that no other beats in rays and variance."""
     scene = build(QUICK_SCENE if quick else SCENE)
@@ -66,7 +69,7 @@ def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
                     report(sum(len(f) for f in found.values()), total)
     outcome = Outcome(rows=_rows(found))
     path = folder / "vismap-sweep.png"
-    _picture(found).savefig(path, dpi=150)
+    save_figure(_picture(found), path, dpi=150)
     outcome.files.append(path)
     outcome.notes.append(
         f"variance left at {SAMPLES} samples, rqmc, alpha of earlier passes, in the world of the "
@@ -119,9 +122,7 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
 
 
 def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 4.4), layout="constrained")
+    figure = new_figure(11.0, 4.4)
     both: Any = figure.subplots(1, 2)
     for axes, kind in zip(both, ("variate", "guided"), strict=True):
         everything: list[tuple[float, float]] = []

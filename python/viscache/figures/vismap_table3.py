@@ -8,12 +8,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from viscache.figures import vismap_cache_bands as bands
+from viscache.cases.map_renders import Picture, images, paper_maps
+from viscache.figures import vismap_bands as bands
 from viscache.figures import vismap_printed as printed
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_living_room import living_rooms, variance_rows
 from viscache.figures.vismap_records import VIEWS
-from viscache.figures.vismap_renders import Picture, images, paper_maps
 from viscache.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
@@ -58,6 +59,7 @@ class Times:
         return float(fixed), float(slope)
 
 
+@figure("vismap-tab3", "variance ratios and overhead over the number of samples")
 def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rendered pictures as the paper's, and single pixels for what it does not print."""
     outcome = Outcome()

@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 
 from viscache import _core
-from viscache.figures import vismap_cache_bands as bands
+from viscache.figures import vismap_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
+from viscache.figures.registry import figure
 from viscache.figures.vismap_printed import STEEPNESS, THETA_MAX_DEG
 
 #: Share of d_max at which the slope is taken.
 STEP = 1e-3
 
 
+@figure("vismap-fig5", "the weighting function")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """w of Eq. 9 over the limits of the search, from above left and from below right."""
     far, tilted = 1.0, math.radians(THETA_MAX_DEG)
@@ -33,7 +36,7 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
         ]
     )  # fmt: skip
     path = folder / "vismap-fig5.png"
-    _picture().savefig(path, dpi=150)
+    save_figure(_picture(), path, dpi=150)
     outcome.files.append(path)
     return outcome
 
@@ -43,11 +46,9 @@ def _weight(t: Any, theta: Any) -> Any:
 
 
 def _picture() -> Any:
-    from matplotlib.figure import Figure
-
     t, theta = np.meshgrid(np.linspace(0, 1, 41), np.linspace(0, THETA_MAX_DEG, 31))
     weight = _weight(t, np.radians(theta))
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    figure = new_figure(9.0, 4.0)
     for column, azimuth in ((1, -125), (2, -35)):
         axes: Any = figure.add_subplot(1, 2, column, projection="3d")
         axes.plot_surface(t, theta, weight, cmap="cividis", vmin=0.6, vmax=1.0, lw=0)

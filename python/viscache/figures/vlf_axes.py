@@ -12,10 +12,10 @@ import numpy.typing as npt
 
 from viscache import scenes, vlf
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
+from viscache.figures.registry import figure
 from viscache.figures.vlf_occlusion import OFFSET
-from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
 from viscache.figures.vlf_tracers import first_hits, in_turns, write_csv
 from viscache.scene import Scene
 
@@ -32,6 +32,7 @@ QUICK_X4_SCENES = ("bumpy_spheres?triangles=3000",)
 X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 
+@figure("vlf-x2", "error of ambient occlusion over the number of directions")
 def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Error of ambient occlusion over the number of directions, equal and solid-angle weights."""
     triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
@@ -132,7 +133,7 @@ def _draw_banding(
     seen: npt.NDArray[np.bool_],
     folder: Path,
 ) -> Path:
-    figure = new_figure((3.0 * (len(errors) + 1), 3.2))
+    figure = new_figure(3.0 * (len(errors) + 1), 3.2)
     pictures = {"reference": reference} | {f"{n} directions": reference + e
                                            for n, e in errors.items()}  # fmt: skip
     for column, (title, values) in enumerate(pictures.items()):
@@ -142,6 +143,7 @@ def _draw_banding(
     return save_figure(figure, folder / "vlf-x2-bands.png")
 
 
+@figure("vlf-x4", "the aligned batch against Embree over points per triangle")
 def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The aligned batch against Embree over the points per triangle, and what is chosen."""
     outcome, table = Outcome(), []

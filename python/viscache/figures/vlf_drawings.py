@@ -11,8 +11,9 @@ import numpy.typing as npt
 from viscache import vlf
 from viscache._core import vlf as core
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 
 Array = npt.NDArray[Any]
 TILES = 16
@@ -22,6 +23,7 @@ CHORDS, QUICK_CHORDS = 2000, 300
 NEAR = 2e-5
 
 
+@figure("vlf-fig1", "tiles of an edge: supercover against DDA")
 def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tiles of an edge: supercover against DDA."""
     rng = np.random.default_rng(1)
@@ -91,7 +93,7 @@ def _near(a: Array, b: Array, tile: tuple[int, int]) -> bool:
 
 def _draw_edges() -> Any:
     corners = np.array([[-0.82, -0.55], [0.75, -0.2], [-0.1, 0.83]])
-    figure = new_figure((8.0, 4.2))
+    figure = new_figure(8.0, 4.2)
     for column, (title, cover) in enumerate((("DDA", dda), ("every tile touched", supercover))):
         axes = figure.add_subplot(1, 2, column + 1)
         shown: set[tuple[int, int]] = set()
@@ -117,6 +119,7 @@ def _rectangle(corner: tuple[float, float], width: float, height: float, color: 
     return Rectangle(corner, width, height, facecolor=color, edgecolor="none")
 
 
+@figure("vlf-fig2", "rays over one and several tiles")
 def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rays over one and several tiles."""
     n = QUICK_CHORDS if quick else CHORDS
@@ -149,6 +152,7 @@ def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
                           for p, d in walks]))  # fmt: skip
 
 
+@figure("vlf-fig3", "linear traversal of a tile's leaves")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Leaves of the tiles that a ray crosses: the linear walk and the stack's."""
     rng = np.random.default_rng(3)
@@ -187,7 +191,7 @@ SHOWN = {"A": ((-0.7, -0.6), (0.35, 0.75)), "B": ((-0.25, 0.7), (0.1, -0.8)),
 def _draw_rays(leaves: int) -> Any:
     """Each ray with the tiles, or the leaves, that it visits."""
     n = 5
-    figure = new_figure((9.0, 3.4))
+    figure = new_figure(9.0, 3.4)
     for column, (name, (o, e)) in enumerate(SHOWN.items()):
         axes = figure.add_subplot(1, len(SHOWN), column + 1)
         for x in np.linspace(-1, 1, n + 1):

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, scenes
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
+from viscache.figures.drawing import draw_image, draw_lines, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import draw_lines, new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import (
-    Beams,
     Tuned,
     best_bsp,
     best_field,
@@ -47,9 +47,10 @@ def _random(count: int) -> Scene:
     return made
 
 
+@figure("vlf-fig4", "the scenes of random triangles")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The scenes of random triangles."""
-    outcome, figure = Outcome(), new_figure((8.0, 4.2))
+    outcome, figure = Outcome(), new_figure(8.0, 4.2)
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
         view = _core.look_at(STATIONS[column], (0.5, 0.5, 0.5), (0.0, 1.0, 0.0), 40.0)
@@ -66,6 +67,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
     return outcome
 
 
+@figure("vlf-fig5", "frame time over the number of triangles")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Time of primary rays over the number of random triangles."""
     size = QUICK_SIZE if quick else printed.RANDOM_SIZE
@@ -138,6 +140,7 @@ def _growth_rows(counts: Sequence[int], times: dict[str, list[float]], quick: bo
     return rows
 
 
+@figure("vlf-fig6", "frame times of a walk through a classroom")
 def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     """A walk through the classroom: CPU time of each frame."""
     frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
@@ -223,6 +226,7 @@ def _draw_walk(table: list[dict[str, Any]], folder: Path) -> Path:
     return draw_lines(lines, folder / "vlf-fig6.png", x="frame", y="CPU ms", logarithmic="y")
 
 
+@figure("vlf-fig7", "the classroom")
 def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     """The classroom with Whitted and with OpenGL-like shading."""
     scene: Scene = scenes.classroom_like()
@@ -230,7 +234,7 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
     view = scene.cameras[1]
     frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
-    figure = new_figure((8.0, 4.2))
+    figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
         "Whitted": frame.image, "OpenGL-like": local_shading(frame, view, lights)
     }  # fmt: skip

@@ -7,49 +7,30 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from viscache import scenes
+from viscache.cases.beams import chords
+from viscache.cases.moving_object import STOPS, ball, with_object
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import draw_lines
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import draw_lines
-from viscache.figures.vlf_sweeps import chords
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 from viscache.vlf.dynamic import DynamicField
 
 Mode: TypeAlias = Literal["overlay", "in_place"]
-Mesh: TypeAlias = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
 
 TRIANGLES, QUICK_TRIANGLES = 100_000, 3_000
 #: Triangles of the object that moves, as shares of the scene's: 100 to 10,000.
 SHARES, QUICK_SHARES = (0.001, 0.003, 0.01, 0.03, 0.1), (0.01, 0.1)
 FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
 QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
-RADIUS = 0.12
-#: Where the object is taken, one place after another.
-STOPS = ((0.3, 0.5, 0.2), (-0.4, 0.4, -0.3), (0.1, 0.3, 0.5), (-0.2, 0.6, 0.1))
 CHORDS, QUICK_CHORDS = 50_000, 2_000
 
 
-def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
-    """A sphere of about that many triangles."""
-    rings = max(3, round(0.5 + (0.25 + triangles / 4) ** 0.5))
-    sectors = 2 * rings
-    theta = np.pi * np.arange(rings + 1) / rings
-    phi = 2 * np.pi * np.arange(sectors) / sectors
-    ring = np.sin(theta)[:, None]
-    p = np.stack([ring * np.cos(phi), np.cos(theta)[:, None] + 0 * phi, ring * np.sin(phi)], -1)
-    i, j = np.meshgrid(np.arange(rings), np.arange(sectors), indexing="ij")
-    a, b = i * sectors + j, i * sectors + (j + 1) % sectors
-    below = a + sectors
-    quads = np.stack([np.stack([a, b, below], -1), np.stack([below, b, b + sectors], -1)])
-    # At the poles one of the two has no area
-    keep = np.concatenate([(i > 0).ravel(), (i < rings - 1).ravel()])
-    return RADIUS * p.reshape(-1, 3) + center, quads.reshape(-1, 3)[keep]
-
-
+@figure("vlf-x5", "an object that moves: time of an update against a rebuild")
 def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     """CPU time of an update against that of building the field again."""
     settings = QUICK_FIELD if quick else FIELD
@@ -114,13 +95,3 @@ def _move(
         "seconds": float(np.median(times)), "bytes": nbytes,
         "differ": float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0))),
     }  # fmt: skip
-
-
-def with_object(
-    scene: Scene, vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int64]
-) -> Scene:
-    """The scene's triangles and the object's as one mesh."""
-    parts = [(m["vertices"], m["triangles"]) for m in scene.meshes()] + [(vertices, triangles)]
-    first = np.cumsum([0] + [len(v) for v, _ in parts[:-1]])
-    faces = [np.asarray(t, np.int64) + f for (_, t), f in zip(parts, first, strict=True)]
-    return Scene.from_arrays(np.concatenate([v for v, _ in parts]), np.concatenate(faces))

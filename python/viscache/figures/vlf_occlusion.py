@@ -13,14 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import scenes, vlf
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_bands as bands
 from viscache.figures import vlf_printed as printed
+from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vismap_pictures import draw_image
-from viscache.figures.vlf_pictures import new_figure, save_figure
+from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import (
     QUICK_DIRECTIONS,
-    Beams,
     Tuned,
     best_bsp,
     best_field,
@@ -77,6 +77,7 @@ def place(name: str, quick: bool) -> Place:
                  n_directions=QUICK_DIRECTIONS if quick else printed.DIRECTIONS)  # fmt: skip
 
 
+@figure("vlf-tab1", "ambient occlusion: seconds and speed-up of five scenes")
 def table1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Seconds and speed-ups of ambient occlusion."""
     outcome, table = Outcome(), []
@@ -204,10 +205,11 @@ def _scene_rows(
 EMBREE_ROWS = "Embree's rows"
 
 
+@figure("vlf-fig8", "images with ambient occlusion")
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Pictures with ambient occlusion, by the aligned batch, held against Embree's bits."""
     names = ("cow", "church") if quick else tuple(printed.OCCLUSION)
-    outcome, figure = Outcome(), new_figure((3.2 * len(names), 3.4))
+    outcome, figure = Outcome(), new_figure(3.2 * len(names), 3.4)
     for column, name in enumerate(names):
         spot = place(name, quick)
         bits = {engine: _bits(spot, engine) for engine in ("batch", "embree")}

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from viscache import _core, scenes, vlf
+from viscache.cases.beams import Beams, chords
 from viscache.figures import vlf_bands as bands
+from viscache.figures.drawing import new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
-from viscache.figures.vlf_pictures import new_figure, save_figure
-from viscache.figures.vlf_tracers import MAX_BYTES, Beams, cpu_seconds, embree, write_csv
+from viscache.figures.registry import figure
+from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_csv
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 
@@ -51,16 +53,7 @@ QUICK_FIELDS = (
 X3_DIRECTIONS, QUICK_X3_DIRECTIONS = 129, 33
 
 
-def chords(scene: Scene, n: int) -> Beams:
-    """Rays between random points of the scene's bounding sphere."""
-    rng = np.random.default_rng(5)
-    ends = rng.normal(size=(2, n, 3))
-    ends /= np.linalg.norm(ends, axis=2, keepdims=True)
-    core = scene._core
-    o, e = ends * core.radius + np.asarray(core.center)
-    return Beams(origins=o.astype(np.float32), directions=(e - o).astype(np.float32))
-
-
+@figure("vlf-x1", "speed, tests and memory over directions, tiles and depth")
 def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Tiles and tests per ray, speed, bytes and build time over l, n and depth."""
     base = QUICK_BASE if quick else BASE
@@ -142,7 +135,7 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
 
 
 def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure((9.0, 6.0))
+    figure = new_figure(9.0, 6.0)
     measures = {"mrays_s": "Mray/s", "tests": "tests per ray"}
     for row, (measure, label) in enumerate(measures.items()):
         for column, name in enumerate(SWEPT):
@@ -156,6 +149,7 @@ def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
     return save_figure(figure, folder / "vlf-x1.png")
 
 
+@figure("vlf-x3", "memory of a field, foretold and used")
 def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Bytes and list entries foretold over those counted."""
     outcome, table = Outcome(), []
@@ -189,7 +183,7 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def _draw_memory(table: list[dict[str, Any]], folder: Path) -> Path:
-    figure = new_figure((4.6, 4.6))
+    figure = new_figure(4.6, 4.6)
     axes = figure.add_subplot(1, 1, 1)
     used, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
     axes.loglog(used, foretold, "o")

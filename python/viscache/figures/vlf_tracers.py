@@ -8,21 +8,21 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
+from viscache.cases.beams import Beams
 from viscache.figures import vlf_printed as printed
 from viscache.scene import Scene
 from viscache.settings.rays import Bsp, Embree, Rays, Vlf
 
-__all__ = ["Beams", "Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
+__all__ = ["Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
            "first_hits", "in_turns", "write_csv"]  # fmt: skip
 
 Floats: TypeAlias = npt.NDArray[np.float32]
-Job: TypeAlias = Literal["any", "nearest"]
 
 #: Depth and leaf size of the BSP, depth of the field's tiles: the grids that are searched.
 BSP_DEPTHS, BSP_LEAVES = (12, 14, 16, 18, 20, 22, 24, 26), (2, 4, 8, 16)
@@ -32,32 +32,6 @@ QUICK_DIRECTIONS, QUICK_TILES = 129, 64
 #: Rays a grid search traces.
 TRIAL_RAYS = 20_000
 MAX_BYTES = 6 << 30
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Beams:
-    """Rays of one job: any hit, or the nearest."""
-
-    origins: Floats
-    directions: Floats
-    job: Job = "nearest"
-
-    def __len__(self) -> int:
-        return len(self.origins)
-
-    def some(self, n: int) -> Beams:
-        """About n of them, evenly spread, in runs of 16 neighbours."""
-        if len(self) <= n:
-            return self
-        first = np.linspace(0, len(self) - 16, max(1, n // 16)).astype(np.int64)
-        pick = (first[:, None] + np.arange(16)).ravel()
-        return Beams(origins=self.origins[pick], directions=self.directions[pick], job=self.job)
-
-    def trace(self, caster: Any) -> npt.NDArray[Any]:
-        """What one thread finds: blocked or not, or the distances."""
-        if self.job == "any":
-            return np.asarray(caster.occluded(self.origins, self.directions, math.inf, 1))
-        return np.asarray(caster.intersect(self.origins, self.directions, 1)[0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,4 +1,4 @@
-"""A page put together: its template, style, script, table and data in one file."""
+"""Assembles a page: template, style, script, table and data in one file."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from viscache import labels
-from viscache.labels import number
-from viscache.whole_file import write_whole
+from viscache.files import write_whole
+from viscache.plots import labels
+from viscache.plots.labels import number
 
-#: Where the gain of difference maps stands at first.
+#: Initial gain of difference maps.
 DIFFERENCE_GAIN = 16
-#: The page's script, in order.
+#: Files of the page's script, in order.
 SCRIPTS = ("start.js", "pictures.js", "maps.js", "view.js", "viewer.js", "page.js")
 
 
@@ -27,9 +27,9 @@ def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) ->
     ----------
     target : path
     model : dict
-        What the script shows: names, columns, settings, pictures (`embed.Packer`), size.
+        Data for the script: names, columns, settings, pictures (`embed.Packer`), size.
     texts : mapping
-        HTML of the template's TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES.
+        HTML for TITLE, HEADING, SUBTITLE, FACTS, PLOTS, TABLE_HEADING and NOTES of the template.
     """
     pieces = {
         **texts,
@@ -38,9 +38,10 @@ def write_page(target: Path, model: dict[str, Any], texts: Mapping[str, str]) ->
         "SCRIPT": "\n".join(_piece(name) for name in SCRIPTS),
         "PIXELS": html.escape(_pixels_text(model)),
         "FLIP_MAPS": str(sum("flip" in s for s in model["settings"])),
-        "DATA": json.dumps({"gain": DIFFERENCE_GAIN, **model}, allow_nan=False, default=str)
-        .replace("<", "\\u003c"),
-    }  # fmt: skip
+        "DATA": json.dumps(
+            {"gain": DIFFERENCE_GAIN, **model}, allow_nan=False, default=str
+        ).replace("<", "\\u003c"),
+    }
     text = re.sub(r"\{\{(\w+)\}\}", lambda found: pieces[found[1]], _piece("template.html"))
     write_whole(target, text)
 
@@ -57,7 +58,7 @@ def _piece(name: str) -> str:
 
 
 def _pixels_text(model: dict[str, Any]) -> str:
-    """What the pictures' numbers are."""
+    """Explains the pixel values of the pictures."""
     if not model["pictures"]:
         return ""
     (width, height), frame = model["size"], model["frame"]

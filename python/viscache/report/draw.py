@@ -1,4 +1,4 @@
-"""The plots of a page: trade, heat maps and pairs, as the swept parameters allow."""
+"""The plots of a page: trade-off, heat maps and pair plots, depending on the swept parameters."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import html
 import math
 from typing import TYPE_CHECKING, Any
 
-from viscache import labels
-from viscache.labels import number, plain
+from viscache.plots import labels
+from viscache.plots.labels import number, plain
 from viscache.report.svg import SHAPES, Mark, scatter
 from viscache.report.svg_grids import Dot, heatmap, pairs
 from viscache.sweeps.swept import (
@@ -23,12 +23,12 @@ from viscache.sweeps.swept import (
 if TYPE_CHECKING:
     import xarray
 
-#: Heat maps with more cells, and pair plots with more dots, are left to `viscache.plots`.
+#: Heat maps with more cells, and pair plots with more dots, are omitted; see `viscache.plots`.
 MOST_CELLS, MOST_DOTS = 240, 12_000
 
 
 def plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
-    """All of them, each with its key."""
+    """All plots, each with its legend."""
     costs = [c for c in ("total_s", "rays") if c in model["columns"]]
     looks, key = _looks(model)
     parts = [_group([_trade(model, ds, cost, looks) for cost in costs]), key]
@@ -38,15 +38,19 @@ def plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
         rest = len(model["names"]) - 2
         more = f" Means over {rest} more parameter{'s' * (rest > 1)}." if rest else ""
         if shown:
-            parts.append(f"<h2>Over two parameters</h2>{_group(shown)}"
-                         f'<p class="quiet">The darker, the less.{more}</p>')  # fmt: skip
+            parts.append(
+                f"<h2>Over two parameters</h2>{_group(shown)}"
+                f'<p class="quiet">The darker, the less.{more}</p>'
+            )
     names = numbers_of(model["settings"])
     dots = len(model["settings"]) * len(names) * (len(names) + 1) // 2
     if len(names) >= (2 if "point" in ds.dims else 3) and dots <= MOST_DOTS:
         drawn = pairs(f"pairs-{error}", names, _dots(model, names, error), error)
-        parts.append(f"<h2>Over every two parameters</h2><figure>{drawn}</figure>"
-                     '<p class="quiet">Lighter and larger dots are greater. On the diagonal stands '
-                     "the value itself, on the scale of the first panel.</p>")  # fmt: skip
+        parts.append(
+            f"<h2>Over every two parameters</h2><figure>{drawn}</figure>"
+            '<p class="quiet">Lighter and larger dots are greater. On the diagonal stands '
+            "the value itself, on the scale of the first panel.</p>"
+        )
     return "".join(parts)
 
 
@@ -76,7 +80,7 @@ def _trade(
 
 
 def _looks(model: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], str]:
-    """Colour and outline of each setting, by first and second swept parameter, and their key."""
+    """Colour and outline of each setting, by first and second swept parameter, and their legend."""
     names = model["names"][:2]
     levels = levels_of(model["settings"], names)
     look = looks_of(levels)
@@ -107,7 +111,7 @@ def _looks(model: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], str]:
 
 
 def _heatmap(model: dict[str, Any], ds: xarray.Dataset, value: str) -> str | None:
-    """Means over all parameters but the first two; None where cells are too many."""
+    """Means over all parameters except the first two; None if there are too many cells."""
     names = model["names"][:2]
     levels = levels_of(model["settings"], names)
     if len(levels[0]) * len(levels[1]) > MOST_CELLS:

@@ -1,4 +1,4 @@
-"""Which pictures of a sweep its page carries, packed by `pictures`."""
+"""Selects the pictures of a sweep for its page and packs them with `pictures`."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from pathlib import Path
 from typing import Any
 
 from viscache import tonemap
+from viscache.files import write_whole
 from viscache.metrics import FLIP_PIXELS_PER_DEGREE
 from viscache.report import pictures
 from viscache.report.pictures import FloatImage
 from viscache.sweeps.store import Store
 from viscache.sweeps.swept import pareto
-from viscache.whole_file import write_whole
 
-#: FLIP takes seconds a picture: by default no more than so many maps are made.
+#: Default maximum number of FLIP maps, because each takes seconds.
 MOST_FLIP_MAPS = 24
 
 
 class Packer:
-    """Packs pictures into a page's model, all at the exposure of the first reference.
+    """Packs pictures into the model of a page, all at the exposure of the first reference.
 
-    So they can be compared with each other too. `count` settings of a page decide, with their
-    size, whether errors are rounded.
+    So they can also be compared with each other. The number of settings, `count`, and the size
+    determine whether errors are rounded.
     """
 
     def __init__(self, model: dict[str, Any], count: int, width: int) -> None:
@@ -34,7 +34,7 @@ class Packer:
     def add(
         self, setting: dict[str, Any], image: FloatImage, reference: FloatImage, key: str
     ) -> None:
-        """The picture of a setting, against the reference of this key."""
+        """Add the picture of a setting, relative to the reference with this key."""
         if self.exposure is None:
             self.exposure = tonemap.display_exposure(reference)
             self._describe(reference)
@@ -52,7 +52,7 @@ class Packer:
         return pictures.codes(small, self.exposure)
 
     def _describe(self, reference: FloatImage) -> None:
-        """What the page must know to unpack pictures and to name their values."""
+        """The data with which the page unpacks pictures and names their values."""
         height, width = pictures.shrunk(reference[:, :, :1], self.width).shape[:2]
         exact = self.count * width * height <= pictures.MOST_EXACT_PIXELS
         self.model |= {
@@ -65,13 +65,16 @@ class Packer:
 
 
 def add_pictures(
-    model: dict[str, Any], store: Store, flip_maps: int, width: int,
+    model: dict[str, Any],
+    store: Store,
+    flip_maps: int,
+    width: int,
     done: Callable[[int, int], None] | None = None,
-) -> None:  # fmt: skip
-    """Adds reference, picture and FLIP map of each setting's first repeat to the page's model.
+) -> None:
+    """Add reference, picture and FLIP map of the first repeat of each setting to the page's model.
 
-    FLIP maps go to the settings that nothing beats first, and are kept in the sweep's folder.
-    `done` is told how many settings of how many are packed.
+    FLIP maps are made for Pareto-optimal settings first, and are kept in the folder of the sweep.
+    `done` is called with the numbers of packed settings and of all settings.
     """
     points = {tuple(p["index"][:-1]): p for p in store.definition()["points"] if p["repeat"] == 0}
     mapped = {s["id"] for s in _best_first(model)[:flip_maps]}
@@ -96,7 +99,7 @@ def add_pictures(
 def _flip_map(
     image: FloatImage, reference: FloatImage, width: int, folder: Path | None, kept: str
 ) -> dict[str, Any] | None:
-    """The packed map, from the folder where it was made before."""
+    """The packed map, from the folder if it exists there."""
     if folder is not None and (folder / kept).exists():
         return dict(json.loads((folder / kept).read_text("utf-8")))
     made = pictures.flip_map(image, reference, width)
@@ -107,7 +110,7 @@ def _flip_map(
 
 
 def _best_first(model: dict[str, Any]) -> list[dict[str, Any]]:
-    """The settings, those first that no other beats in error and time or rays."""
+    """The settings, Pareto-optimal ones (error against time or rays) first."""
     metric, settings = model["metrics"][0], model["settings"]
     best: set[tuple[str, tuple[float, float]]] = set()
 

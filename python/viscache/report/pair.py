@@ -1,4 +1,4 @@
-"""A page of two pictures: the report's difference viewer for any image and its reference."""
+"""A page with two pictures: the report's difference viewer for any image and its reference."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ def write_difference(
     Parameters
     ----------
     image, reference : Frame or (H, W, 1 or 3) array
-        Scene-linear, of one size.
+        Scene-linear pictures of equal size.
     path : path
         The HTML file.
     name, reference_name : str
-        What the page calls them.
+        Their names on the page.
     flip_map : bool
-        With a FLIP map, which takes seconds.
+        Include a FLIP map, which takes seconds.
     width : int >= 1
-        Widest picture; wider ones are shown as means over pixels.
+        Maximum width; wider pictures are shown as means over pixels.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def write_difference(
     Raises
     ------
     ValueError
-        Pictures of different sizes; a `width` below 1; pixels that are no numbers.
+        The sizes differ, `width` is below 1, or pixels are NaN.
 
     Examples
     --------
@@ -69,24 +69,34 @@ def write_difference(
     pixels, base = (_pixels(picture) for picture in (image, reference))
     values = metrics.compare(pixels, base)
     setting: dict[str, Any] = {
-        "id": "s0", "text": name, "values": {}, "parameters": getattr(image, "parameters", {}),
+        "id": "s0",
+        "text": name,
+        "values": {},
+        "parameters": getattr(image, "parameters", {}),
         "sha256": getattr(image, "sha256", None),
         "cells": {k: None if v is None else [v, 0.0] for k, v in values.items()},
-    }  # fmt: skip
+    }
     height, full = base.shape[:2]
     model: dict[str, Any] = {
-        "names": [], "columns": list(values), "settings": [setting], "pictures": {},
+        "names": [],
+        "columns": list(values),
+        "settings": [setting],
+        "pictures": {},
         "size": [full, height],
-    }  # fmt: skip
+    }
     Packer(model, 1, width).add(setting, pixels, base, "reference")
     if flip_map:
         setting["flip"] = pictures.flip_map(pixels, base, width)
     title = html.escape(f"{name} − {reference_name}")
     texts = {
-        "TITLE": title, "HEADING": title, "SUBTITLE": "A picture and its reference",
+        "TITLE": title,
+        "HEADING": title,
+        "SUBTITLE": "A picture and its reference",
         "FACTS": assemble.facts(_facts(image, reference, (full, height), name, reference_name)),
-        "PLOTS": "", "TABLE_HEADING": "Errors", "NOTES": "",
-    }  # fmt: skip
+        "PLOTS": "",
+        "TABLE_HEADING": "Errors",
+        "NOTES": "",
+    }
     target = Path(path)
     write_page(target, model, texts)
     return target
@@ -100,7 +110,7 @@ def _pixels(picture: Picture) -> npt.NDArray[np.float64]:
 def _facts(
     image: Picture, reference: Picture, size: tuple[int, int], name: str, reference_name: str
 ) -> dict[str, str]:
-    """What is known of both."""
+    """The facts about both pictures."""
     facts = {"Picture": name, "Reference": reference_name, "Size": f"{size[0]}×{size[1]}"}
     for words, picture in (("Made by", image), ("Reference by", reference)):
         made = getattr(picture, "provenance", {})

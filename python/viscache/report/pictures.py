@@ -1,9 +1,9 @@
-"""Pictures as the page carries them: half floats in units of white, told apart and deflated.
+"""The format of pictures in a page: half floats in units of white, delta-coded and deflated.
 
-The page has a picture's linear values, not only its look, so that exposure, differences and the
-read-out of a pixel are made there. A value's *code* is its half float's bits as a signed number:
-equal steps are equal ratios (2^-10 of a power of two), and codes order as values do. A reference
-is kept as steps from pixel to pixel, a setting's picture as steps from its reference, which are
+The page holds the linear values of a picture, so that exposure, differences and pixel values can be
+computed there. The *code* of a value is the bits of its half float as a signed number: equal steps
+are equal ratios (2^-10 of a power of two), and codes are ordered like values. A reference is stored
+as steps from pixel to pixel, and the picture of a setting as steps from its reference, which are
 mostly 0. `page/pictures.js` is the inverse.
 """
 
@@ -18,13 +18,14 @@ import numpy.typing as npt
 
 from viscache import metrics
 
-#: Widest picture; wider frames are shown as means over pixels.
+#: Maximum width; wider frames are shown as means over pixels.
 MAX_WIDTH_PX = 640
-#: Codes of this many pixels in all settings are kept exactly; beyond, steps from the reference are
-#: rounded to a multiple of `COARSE_STEP` codes (0.8 % to 1.6 %), to keep the file mailable.
+#: Up to this many pixels over all settings, codes are stored exactly. Beyond that, steps from the
+#: reference are rounded to a multiple of `COARSE_STEP` codes (0.8 % to 1.6 %), to keep the file
+#: small enough for mail.
 MOST_EXACT_PIXELS = 24 * 640 * 400
 COARSE_STEP = 16
-#: The code of what is no number; the page shows it in magenta.
+#: The code of non-finite values; the page shows them in magenta.
 NAN_CODE = 0x7E00
 
 Codes = npt.NDArray[np.int32]
@@ -42,25 +43,25 @@ def codes(image: FloatImage, exposure: float) -> Codes:
 
 
 def pack_reference(reference: Codes) -> str:
-    """A reference: each row's first pixel, then steps to the right."""
+    """Packs a reference: the first pixel of each row, then steps to the right."""
     return _pack(np.diff(reference, axis=1, prepend=0))
 
 
 def pack_difference(picture: Codes, reference: Codes, step: int = 1) -> str:
-    """A picture as its codes' steps from the reference's, in multiples of `step`."""
+    """Packs a picture as steps of its codes from those of the reference, in multiples of `step`."""
     delta = picture - reference
     return _pack(np.sign(delta) * ((np.abs(delta) + step // 2) // step))
 
 
 def pack_map(values: FloatImage) -> str:
-    """An (H, W) map of [0, 1] in 255 steps."""
+    """Packs an (H, W) map with values in [0, 1] in 255 steps."""
     return _deflated(np.round(255.0 * np.clip(values, 0.0, 1.0)).astype(np.uint8))
 
 
 def flip_map(
     image: FloatImage, reference: FloatImage, width: int = MAX_WIDTH_PX
 ) -> dict[str, Any] | None:
-    """HDR-FLIP's packed map and its mean, as `metrics.flip` has it; None where it is undefined."""
+    """Packed HDR-FLIP map and its mean, as in `metrics.flip`; None if it is undefined."""
     if not (np.isfinite(image).all() and np.isfinite(reference).all()):
         return None
     found = metrics.flip_map(image.astype(np.float64), reference.astype(np.float64))
@@ -70,7 +71,7 @@ def flip_map(
 
 
 def shrunk(image: FloatImage, max_width: int = MAX_WIDTH_PX) -> FloatImage:
-    """(H, W, C) no wider than `max_width`: means over the pixels each new one covers."""
+    """(H, W, C) at most `max_width` wide: each pixel is the mean of the pixels that it covers."""
     from PIL import Image
 
     height, width, channels = image.shape
@@ -87,10 +88,10 @@ def three_channels(image: FloatImage) -> FloatImage:
 
 
 def scales() -> dict[str, str]:
-    """256 colours of each scale, RGB: told apart by colour-blind readers too.
+    """256 RGB colours of each scale, distinguishable by colour-blind readers.
 
-    "signed" runs from blue over white to red and is symmetric about its middle in lightness;
-    "flip" is FLIP's magma; "error" is cividis.
+    "signed" runs from blue through white to red, with lightness symmetric about its middle; "flip"
+    is FLIP's magma; "error" is cividis.
     """
     names = {"signed": "RdBu_r", "flip": "magma", "error": "cividis"}
     return {key: _base64(scale_colors(name).tobytes()) for key, name in names.items()}
@@ -107,8 +108,8 @@ def scale_colors(name: str) -> npt.NDArray[np.uint8]:
 def _pack(steps: npt.NDArray[np.integer[Any]]) -> str:
     """Plane by plane, low bytes before high bytes.
 
-    Channels change alike: all but the first are kept as their difference from the one before.
-    Modulo 2^16, the sign in the lowest bit, so small steps are small numbers.
+    Channels change together, so all except the first are stored as the difference from the previous
+    one, modulo 2^16. The sign is in the lowest bit, so that small steps are small numbers.
     """
     alike = np.diff(steps, axis=2, prepend=0)
     wrapped = ((alike + 0x8000) & 0xFFFF) - 0x8000

@@ -7,14 +7,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from viscache import labels
-from viscache.labels import number
+from viscache.plots import labels
+from viscache.plots.labels import number
 from viscache.sweeps.swept import pareto
 
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 72, 16, 18, 48
 
-#: Outlines around (0, 0) of equal weight to the eye: circle, square, triangles, diamond, cross …
+#: Outlines around (0, 0) of equal visual weight: circle, square, triangles, diamond, cross …
 SHAPES = (
     "M6 0A6 6 0 1 1-6 0A6 6 0 1 1 6 0Z",
     "M-5.3-5.3H5.3V5.3H-5.3Z",
@@ -29,7 +29,7 @@ SHAPES = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Mark:
-    """One setting in a plot: mean and half of its 95 % interval on both axes."""
+    """One setting in a plot: mean and half width of its 95 % interval on both axes."""
 
     id: str
     x: float
@@ -43,7 +43,7 @@ class Mark:
 
 
 class Axis:
-    """Values → pixels; logarithmic where all values are positive and span more than 3×."""
+    """Maps values to pixels; logarithmic if all values are positive and span more than 3×."""
 
     def __init__(self, values: Sequence[float], begin: float, end: float) -> None:
         finite = [v for v in values if math.isfinite(v)] or [0.0, 1.0]
@@ -91,40 +91,48 @@ class Area:
 
 
 def frame(x: Axis, y: Axis, area: Area, *, x_ticks: bool = True, y_ticks: bool = True) -> str:
-    """Grid lines, numbers at them and the two axes."""
+    """Grid lines, their labels and the two axes."""
     parts = []
     for tick in x.ticks():
         at = f"{x(tick):.1f}"
         parts.append(f'<line class="grid" x1="{at}" x2="{at}" y1="{area.top}" y2="{area.bottom}"/>')
         if x_ticks:
-            parts.append(f'<text class="tick" x="{at}" y="{area.bottom + 16}" text-anchor="middle">'
-                         f"{number(tick)}</text>")  # fmt: skip
+            parts.append(
+                f'<text class="tick" x="{at}" y="{area.bottom + 16}" text-anchor="middle">'
+                f"{number(tick)}</text>"
+            )
     for tick in y.ticks():
         at = f"{y(tick):.1f}"
         parts.append(f'<line class="grid" x1="{area.left}" x2="{area.right}" y1="{at}" y2="{at}"/>')
         if y_ticks:
-            parts.append(f'<text class="tick" x="{area.left - 8}" y="{at}" dy=".35em" '
-                         f'text-anchor="end">{number(tick)}</text>')  # fmt: skip
+            parts.append(
+                f'<text class="tick" x="{area.left - 8}" y="{at}" dy=".35em" '
+                f'text-anchor="end">{number(tick)}</text>'
+            )
     parts.append(f'<path class="axis" d="M{area.left} {area.top}V{area.bottom}H{area.right}"/>')
     return "".join(parts)
 
 
 def across(area: Area, y: float, name: str) -> str:
     """A variable's label below an area."""
-    return (f'<text class="label" x="{(area.left + area.right) / 2}" y="{y}" text-anchor="middle">'
-            f"{labels.as_svg(name)}</text>")  # fmt: skip
+    return (
+        f'<text class="label" x="{(area.left + area.right) / 2}" y="{y}" text-anchor="middle">'
+        f"{labels.as_svg(name)}</text>"
+    )
 
 
 def upwards(area: Area, x: float, name: str) -> str:
-    """A variable's label beside an area, turned."""
-    return (f'<text class="label" transform="translate({x} {(area.top + area.bottom) / 2}) '
-            f'rotate(-90)" text-anchor="middle">{labels.as_svg(name)}</text>')  # fmt: skip
+    """A variable's label beside an area, rotated."""
+    return (
+        f'<text class="label" transform="translate({x} {(area.top + area.bottom) / 2}) '
+        f'rotate(-90)" text-anchor="middle">{labels.as_svg(name)}</text>'
+    )
 
 
 def scatter(
     plot_id: str, marks: Sequence[Mark], x_name: str, y_name: str, exact: float | None = None
 ) -> str:
-    """The plot of two variables, with the line through what no other mark beats in both.
+    """The plot of two variables, with the Pareto front.
 
     `exact` draws a dashed line at the exact frame's mean cost.
     """
@@ -145,8 +153,9 @@ def scatter(
         parts.append(
             f'<line class="exact" x1="{line:.1f}" x2="{line:.1f}" y1="{TOP}" y2="{area.bottom}"/>'
         )
-        parts.append(f'<text class="tick" x="{line - 5:.1f}" y="{TOP + 10}" text-anchor="end">'
-                     "exact</text>")  # fmt: skip
+        parts.append(
+            f'<text class="tick" x="{line - 5:.1f}" y="{TOP + 10}" text-anchor="end">exact</text>'
+        )
     front = pareto([(m.x, m.y) for m in marks])
     points = " ".join(f"{x(px):.1f},{y(py):.1f}" for px, py in front)
     parts.append(f'<polyline class="front" points="{points}"/>')
@@ -163,8 +172,10 @@ def scatter(
             f"<title>{html.escape(m.text)}</title></path>"
         )
         if m.beside:
-            parts.append(f'<text class="tick" x="{x(m.x) + 9:.1f}" y="{y(m.y) - 6:.1f}">'
-                         f"{html.escape(m.beside)}</text>")  # fmt: skip
+            parts.append(
+                f'<text class="tick" x="{x(m.x) + 9:.1f}" y="{y(m.y) - 6:.1f}">'
+                f"{html.escape(m.beside)}</text>"
+            )
     return "".join(parts) + "</svg>"
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscache import labels
-from viscache.labels import number
+from viscache.plots import labels
+from viscache.plots.labels import number
 from viscache.report.pictures import scale_colors
 from viscache.report.svg import Area, Axis, across, frame, upwards
 
@@ -20,7 +20,7 @@ PANEL, GAP = 150, 26
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dot:
-    """A setting in pair plots: its numbers by parameter, and its value."""
+    """A setting in pair plots: its parameter values as numbers, and its result."""
 
     id: str
     at: Mapping[str, float]
@@ -28,7 +28,7 @@ class Dot:
 
 
 def shade(values: Sequence[float]) -> Callable[[float], tuple[str, float]]:
-    """Value → colour of cividis and its share of the scale; logarithmic as axes are."""
+    """Maps a value to a colour of cividis and its position on the scale; logarithmic like axes."""
     axis, colors = Axis(values, 0.0, 1.0), scale_colors("cividis")
     finite = [v for v in values if math.isfinite(v)]
     low, high = (axis(min(finite)), axis(max(finite))) if finite else (0.0, 1.0)
@@ -43,10 +43,13 @@ def shade(values: Sequence[float]) -> Callable[[float], tuple[str, float]]:
 
 
 def heatmap(
-    plot_id: str, names: tuple[str, str], levels: tuple[Sequence[str], Sequence[str]],
-    cells: Mapping[tuple[int, int], tuple[float, str | None]], value: str,
-) -> str:  # fmt: skip
-    """A variable over two parameters; a cell of one setting is chosen by a click.
+    plot_id: str,
+    names: tuple[str, str],
+    levels: tuple[Sequence[str], Sequence[str]],
+    cells: Mapping[tuple[int, int], tuple[float, str | None]],
+    value: str,
+) -> str:
+    """Heat map of a variable over two parameters; a click on a cell selects its setting.
 
     `cells` has (value, id of the setting or None for a mean over several) by (column, row).
     """
@@ -64,12 +67,16 @@ def heatmap(
         upwards(area, 14, names[1]),
     ]
     for i, text in enumerate(levels[0]):
-        parts.append(f'<text class="tick" x="{area.left + (i + 0.5) * CELL_W}" text-anchor="middle"'
-                     f' y="{area.bottom + 16}">{html.escape(text)}</text>')  # fmt: skip
+        parts.append(
+            f'<text class="tick" x="{area.left + (i + 0.5) * CELL_W}" text-anchor="middle"'
+            f' y="{area.bottom + 16}">{html.escape(text)}</text>'
+        )
     for j, text in enumerate(levels[1]):
         y = area.bottom - (j + 0.5) * CELL_H
-        parts.append(f'<text class="tick" x="{area.left - 8}" y="{y}" dy=".35em" text-anchor="end">'
-                     f"{html.escape(text)}</text>")  # fmt: skip
+        parts.append(
+            f'<text class="tick" x="{area.left - 8}" y="{y}" dy=".35em" text-anchor="end">'
+            f"{html.escape(text)}</text>"
+        )
     for (i, j), (cell, setting) in cells.items():
         color, share = look(cell)
         x, y = area.left + i * CELL_W, area.bottom - (j + 1) * CELL_H
@@ -84,9 +91,9 @@ def heatmap(
 
 
 def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -> str:
-    """A variable over every two parameters: lighter and larger dots are greater.
+    """A variable over every pair of parameters: lighter and larger dots are larger values.
 
-    On the diagonal stands the variable itself, over one parameter.
+    The diagonal shows the variable over one parameter.
     """
     look = shade([d.value for d in dots])
     order = np.argsort(np.argsort([d.value for d in dots]))
@@ -105,8 +112,7 @@ def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -
             area = Area(left=left, top=top, right=left + PANEL, bottom=top + PANEL)
             on_diagonal = row == column
             x = Axis([d.at[along] for d in dots], area.left, area.right)
-            y = Axis([d.value if on_diagonal else d.at[down] for d in dots],
-                     area.bottom, area.top)  # fmt: skip
+            y = Axis([d.value if on_diagonal else d.at[down] for d in dots], area.bottom, area.top)
             last = row == len(names) - 1
             parts.append(
                 frame(x, y, area, x_ticks=last, y_ticks=(column == 0 and row > 0) or row == 0)
@@ -117,15 +123,17 @@ def pairs(plot_id: str, names: Sequence[str], dots: Sequence[Dot], value: str) -
                 parts.append(upwards(area, 22, value if row == 0 else down))
             for dot, size in zip(dots, sizes, strict=True):
                 cx, cy = x(dot.at[along]), y(dot.value if on_diagonal else dot.at[down])
-                parts.append(f'<circle class="dot" data-id="{dot.id}" cx="{cx:.1f}" cy="{cy:.1f}" '
-                             f'r="{size:.1f}" fill="{look(dot.value)[0]}"/>')  # fmt: skip
+                parts.append(
+                    f'<circle class="dot" data-id="{dot.id}" cx="{cx:.1f}" cy="{cy:.1f}" '
+                    f'r="{size:.1f}" fill="{look(dot.value)[0]}"/>'
+                )
     return "".join(parts) + "</svg>"
 
 
 def _color_bar(
     look: Callable[[float], tuple[str, float]], values: Sequence[float], value: str, width: float
 ) -> str:
-    """The scale of a pair plot, in its empty corner."""
+    """Colour bar of a pair plot, in its empty corner."""
     left, right, top = width - 250, width - 30, 34
     axis = Axis(values, left, right)
     parts = [f'<text class="label" x="{left}" y="{top - 10}">{labels.as_svg(value)}</text>']
@@ -134,9 +142,13 @@ def _color_bar(
         low, high = math.log(axis.low) if axis.log else axis.low, axis.high
         at = low + share * ((math.log(high) if axis.log else high) - low)
         color, _ = look(math.exp(at) if axis.log else at)
-        parts.append(f'<rect x="{left + 220 * i / 64:.1f}" y="{top}" width="3.9" height="12" '
-                     f'fill="{color}"/>')  # fmt: skip
+        parts.append(
+            f'<rect x="{left + 220 * i / 64:.1f}" y="{top}" width="3.9" height="12" '
+            f'fill="{color}"/>'
+        )
     for tick in axis.ticks():
-        parts.append(f'<text class="tick" x="{axis(tick):.1f}" y="{top + 27}" '
-                     f'text-anchor="middle">{number(tick)}</text>')  # fmt: skip
+        parts.append(
+            f'<text class="tick" x="{axis(tick):.1f}" y="{top + 27}" '
+            f'text-anchor="middle">{number(tick)}</text>'
+        )
     return "".join(parts)

@@ -1,4 +1,4 @@
-"""Writes a sweep as one HTML file that opens from disk and asks the network for nothing."""
+"""Writes a sweep as one self-contained HTML file that needs no network."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache import labels
-from viscache.labels import plain
+from viscache.plots import labels
+from viscache.plots.labels import plain
 from viscache.progress import progress_bar
 from viscache.report import assemble, draw
 from viscache.report.assemble import write_page
@@ -43,16 +43,16 @@ def write(
     Parameters
     ----------
     sweep : Dataset or path
-        What `viscache.sweep` returned, or the directory it ran in. Pictures need the directory.
+        The result of `viscache.sweep`, or its directory. Pictures require the directory.
     path : path, optional
         The HTML file; `report.html` in the directory by default.
     flip_maps : int >= 0
-        Most FLIP maps, which take seconds each; settings that nothing beats come first. Made
-        ones are kept in the sweep's directory.
+        Maximum number of FLIP maps, which take seconds each; Pareto-optimal settings come first.
+        Finished maps are kept in the directory of the sweep.
     width : int >= 1
-        Widest picture; wider frames are shown as means over pixels.
+        Maximum width; wider frames are shown as means over pixels.
     progress : bool or callable
-        True shows a bar; a callable gets (settings done, all).
+        True shows a progress bar; a callable is called with (done, total) settings.
 
     Returns
     -------
@@ -62,7 +62,8 @@ def write(
     Raises
     ------
     ValueError
-        No sweep there, or none of its points is finished; `flip_maps` below 0, `width` below 1.
+        There is no sweep, or none of its points is finished; `flip_maps` is below 0, or `width`
+        below 1.
     """
     require(flip_maps >= 0, "flip_maps must be >= 0", flip_maps)
     require(width >= 1, "width must be >= 1", width)
@@ -98,7 +99,7 @@ def write(
 
 
 def _model(ds: xarray.Dataset) -> dict[str, Any]:
-    """What the page shows, JSON-able."""
+    """The data that the page shows, for JSON."""
     metrics = json.loads(ds.attrs["metrics"])
     wanted = [
         *metrics[:1], "total_s", "speedup", "cpu_speedup", "rays", "ray_reduction", *metrics[1:],
@@ -127,7 +128,7 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
 
 
 def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
-    """The header: what was rendered, with what, by which versions."""
+    """The header: scene, settings and versions."""
     settings = {role: json.loads(ds.attrs[role]) for role in ("integrator", "visibility", "rays")}
     width, height = json.loads(ds.attrs["size"])
     made = json.loads(ds.attrs["provenance"])
@@ -147,7 +148,7 @@ def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:
 
 
 def _levels_text(name: str, levels: list[Any]) -> str:
-    """A swept parameter and its values, or how many there are."""
+    """A swept parameter and its values, or their number."""
     words, texts = plain(name, unit=False), [labels.level(v) for v in levels]
     if len(levels) > MOST_NAMED:
         return f"{words}: {len(levels)} values from {texts[0]} to {texts[-1]}"

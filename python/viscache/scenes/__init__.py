@@ -7,11 +7,11 @@ Every function returns a scene; `build("room?triangles=200000&lights=24")` does 
 
 from __future__ import annotations
 
+from viscache.scene.coplanar import coplanar_share
 from viscache.scenes.apartment import apartment
 from viscache.scenes.church import church
 from viscache.scenes.classroom import classroom_camera, classroom_like
 from viscache.scenes.conference import conference
-from viscache.scenes.coplanar import coplanar_share
 from viscache.scenes.courtyard import courtyard
 from viscache.scenes.dynamics import dynamics
 from viscache.scenes.garage import garage

@@ -15,14 +15,14 @@ Rgb = tuple[float, float, float]
 
 MOST_DETAIL = 64.0
 LEAST_DETAIL = 0.02
-ROUGH_DETAIL = 0.4  # below it, clutter is left out before shapes get coarser
-BARE_DETAIL = 0.1  # below it, furniture is left out
+ROUGH_DETAIL = 0.4  # below this detail, clutter is left out before shapes get coarser
+BARE_DETAIL = 0.1  # below this detail, furniture is left out
 GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MeshRecord:
-    """One mesh as it was written to the description."""
+    """One mesh, as written to the description."""
 
     name: str
     vertices: npt.NDArray[np.float32]
@@ -34,7 +34,7 @@ class MeshRecord:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class InstanceRecord:
-    """Meshes placed once more."""
+    """One more placement of meshes."""
 
     meshes: tuple[int, ...]
     to_world: Array
@@ -42,7 +42,7 @@ class InstanceRecord:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CameraRecord:
-    """A camera as it was asked for."""
+    """A camera, as requested."""
 
     origin: Rgb
     target: Rgb
@@ -55,12 +55,12 @@ class _Placement:
     shape: Shape
     material: int
     transforms: Array  # (K, 4, 4)
-    order: float  # scattered rank in [0, 1): which optional parts go first
+    order: float  # scattered rank in [0, 1): the order in which optional parts are dropped
     optional: bool
     emission: Rgb
 
     def n_triangles(self, detail: float) -> int:
-        # Ranks spread the rounding, so that the total grows in small steps.
+        # Ranks distribute the rounding, so that the total grows in small steps.
         return self.shape.n_triangles(detail * (0.9 + 0.2 * self.order)) * len(self.transforms)
 
     def mesh(self, detail: float) -> tuple[Array, Indices]:
@@ -147,7 +147,7 @@ class Builder:
     ) -> None:
         """Place `shape` by one (4, 4) or many (..., 4, 4) transforms.
 
-        `optional` parts are clutter: left out, scattered, where the budget is too small.
+        `optional` parts are clutter: if the budget is too small, scattered ones are left out.
         """
         transforms = np.eye(4)[None] if to_world is None else to_world.reshape(-1, 4, 4)
         groups = min(5, len(transforms)) if len(transforms) >= 8 or optional else 1
@@ -169,7 +169,7 @@ class Builder:
         Returns
         -------
         int
-            How many are missing.
+            Number of missing triangles.
         """
         self.detail, _ = self._details_around(triangles)
         missing = triangles - self._total(self.detail)
@@ -179,7 +179,7 @@ class Builder:
         return missing
 
     def _details_around(self, triangles: int) -> tuple[float, float]:
-        """Neighbouring details that give fewer triangles, and as many or more."""
+        """Adjacent details: one gives fewer triangles, the other as many or more."""
         self._drop_clutter(triangles)
         low, high = LEAST_DETAIL, MOST_DETAIL
         if self._total(high) < triangles:
@@ -207,7 +207,7 @@ class Builder:
         return sum(p.n_triangles(detail) for p in self._placements)
 
     def _drop_clutter(self, triangles: int) -> None:
-        # Clutter goes first; where even bare furniture is too much, that goes too, walls last.
+        # Clutter is dropped first; if necessary also furniture, and walls last.
         for detail, everything in ((ROUGH_DETAIL, False), (BARE_DETAIL, True)):
             tier = [p for p in self._placements if p.optional or everything]
             total = self._total(detail)
@@ -232,7 +232,7 @@ class Builder:
         emission: Rgb = (0.0, 0.0, 0.0),
         in_world: bool = True,
     ) -> int:
-        """Write a mesh as it is; returns its index."""
+        """Write a mesh unchanged; returns its index."""
         points = np.ascontiguousarray(vertices, np.float32)
         faces = np.ascontiguousarray(triangles, np.uint32)
         self.meshes.append(
@@ -250,7 +250,7 @@ class Builder:
         )
 
     def add_instance(self, meshes: Sequence[int], to_world: Array) -> None:
-        """Place meshes written with in_world=False once more."""
+        """Add a placement of meshes written with in_world=False."""
         self.instances.append(InstanceRecord(meshes=tuple(meshes), to_world=to_world))
         self.description.add_instance(list(meshes), to_world)
 

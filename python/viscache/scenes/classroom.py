@@ -17,7 +17,7 @@ LEAST = 1000
 WIDTH, HEIGHT, LENGTH = 4.6, 3.2, 5.0
 COLUMNS, ROWS = (-3.3, -1.45, 1.45, 3.3), (-2.2, -0.8, 0.6, 2.0, 3.4)
 FRAMES = 420
-#: In at the door, up the middle, along the board, down between the outer rows and back.
+#: From the door up the middle, along the board, down between the outer rows and back.
 PATH = ((0.1, 1.65, 4.5), (0.0, 1.6, 2.4), (0.05, 1.55, -0.6), (-0.2, 1.6, -3.0),
         (-2.35, 1.65, -3.4), (-2.38, 1.6, -1.0), (-2.36, 1.55, 1.6), (-2.3, 1.65, 4.3))  # fmt: skip
 TARGETS = ((0.0, 1.1, -4.0), (0.4, 1.0, -4.0), (1.6, 0.9, -3.0), (3.0, 0.9, -0.5), (1.0, 0.8, 1.5),
@@ -31,7 +31,7 @@ def classroom_like(triangles: int = 51_208) -> Builder:
     Parameters
     ----------
     triangles : int
-        Exactly this many; what shapes leave over is paper on the floor. At least 1000.
+        Exact number; what shapes leave over becomes paper on the floor. At least 1000.
     """
     at_least("triangles", triangles, LEAST)
     b, rng = Builder("classroom_like"), np.random.Generator(np.random.PCG64(SEED))
@@ -58,7 +58,7 @@ def classroom_camera(frame: int, frames: int = FRAMES) -> _core.Camera:
     ----------
     frame : int in [0, frames)
     frames : int >= 2
-        Of the whole walk.
+        Number of frames of the whole walk.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def _shell(b: Builder) -> None:
 
 
 def _pupils(b: Builder, rng: np.random.Generator) -> None:
-    """Two seats a desk, turned a little as pupils leave them."""
+    """Two seats per desk, slightly rotated."""
     for x in COLUMNS:
         for z in ROWS:
             desk = place([x, 0, z])

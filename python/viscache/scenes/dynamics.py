@@ -1,4 +1,4 @@
-"""Dynamics: cubes at rest, stacked, and in the middle of a fall."""
+"""Dynamics: cubes at rest, stacked, and falling."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from viscache.scenes.sky import sky
 
 EDGE = 5.0  # units, as in the visibility-map paper
 GROUND = 39.0
-#: Upright cubes: x, z and yaw of their middles; how many lie below them.
+#: Upright cubes: x, z and yaw of their centres; number of cubes below them.
 UPRIGHT = (
     (-12.0, -12.5, 12.0, 0),
     (3.5, -13.0, 34.0, 0),
@@ -22,13 +22,13 @@ UPRIGHT = (
     (14.0, 12.0, 5.0, 0),
     (10.6, -3.3, 16.0, 1),
 )
-#: Falling cubes: middle, yaw, pitch, roll.
+#: Falling cubes: centre, yaw, pitch, roll.
 FALLING = ((2.0, 10.5, 1.0, 20.0, 31.0, 12.0),)
 
 
 @scene()
 def dynamics() -> Builder:
-    """Flat cubes with edges of 5 units, strewn and falling on a plane, under a sky.
+    """Flat cubes with edges of 5 units, scattered and falling on a plane, under a sky.
 
     A stand-in for the scene of the same name in the visibility-map paper, where "mostly flat
     surfaces" are the point: every triangle lies in one plane with a neighbour.
@@ -52,7 +52,7 @@ def dynamics() -> Builder:
 
 
 def cubes() -> list[Array]:
-    """Where each cube stands (4, 4)."""
+    """Transforms (4, 4) of the cubes."""
     upright = [place([x, EDGE * (below + 0.5), z], yaw=yaw) for x, z, yaw, below in UPRIGHT]
     falling = [place([x, y, z], yaw=a, pitch=p, roll=r) for x, y, z, a, p, r in FALLING]
     return [np.asarray(at) for at in upright + falling]

@@ -23,8 +23,8 @@ GATE = (0.8, 7.2, 2.6)  # in the east wall: from z, to z, height
 WINDOWS, WINDOW_Y = ((1.0, 3.0), (4.8, 6.8), (8.6, 10.6)), (1.2, 2.2)
 ROOF_LIGHTS, ROOF_LIGHT_Z = ((3.1, 4.1), (7.9, 8.9)), (2.8, 5.2)  # from x, to x; from z, to z
 COLUMNS = tuple((x, z) for x in (4.2, 9.0) for z in (2.35, 5.75))
-ROWS = 224  # of the sky's image: the finest that needs no more than 256 x 256 texels
-#: The sun and a lamp shine in by the gate, one lamp by the windows, one by the roof lights.
+ROWS = 224  # rows of the sky's image: the finest that needs at most 256 x 256 texels
+#: The sun and a lamp shine through the gate, one lamp through the windows, one through the roof.
 SUN = Disc((0.85, 0.33, 0.25), 2.5, (900.0, 810.0, 675.0))
 LAMPS = (
     Disc((0.95, 0.2, -0.2), 4.0, (210.0, 150.0, 75.0)),
@@ -37,8 +37,8 @@ LAMPS = (
 def garage(triangles: int = FULL) -> Builder:
     """Garage, 12 x 3 x 8 m, with cars, pipes and shelves; a sun and three lamps outside.
 
-    A stand-in for the garage of the visibility-map paper: most of the light comes from few bright
-    sources that the building hides. All of it is in the environment map.
+    A stand-in for the garage of the visibility-map paper: most of the light comes from a few bright
+    sources that the building hides. All light is in the environment map.
 
     Parameters
     ----------
@@ -69,8 +69,10 @@ def _shell(b: Builder) -> None:
     x, y, z = LENGTH, HEIGHT, DEPTH
     concrete = b.glossy("concrete", (0.42, 0.41, 0.38), 0.04, 0.3)
     b.add(quad([0, 0, z], [x, 0, z], [x, 0, 0], [0, 0, 0]), concrete)
-    b.add(quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]),
-          paint(b, "stone"))  # fmt: skip
+    b.add(
+        quad([x, -0.02, z + 2], [x + 5, -0.02, z + 2], [x + 5, -0.02, -2], [x, -0.02, -2]),
+        paint(b, "stone"),
+    )
     _roof(b)
     wall(b, (0, 0), (x, 0), y, "plaster")
     wall(b, (0, 0), (0, z), y, "sage")

@@ -1,4 +1,4 @@
-"""The garden: high grass with tulips, where visibility is all but random."""
+"""The garden: high grass with tulips, where visibility is almost random."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ HALF = 18.0  # of the garden's width; all sizes are in the units of the visibili
 GRASS, TULIP = 3.8, 0.8  # mean height of the grass, diameter of a tulip
 SEGMENTS, BLADE_WIDTH = 15, 0.16
 CAMERAS = (((3.0, 6.6, 17.5), (-1.0, 2.4, 0.0)), ((-5.5, 2.3, 7.0), (1.5, 2.9, -5.0)))
-SHARE = 0.45  # of the triangles for ground and tulips
-FREE = 0.9  # nothing grows so near to a camera
-GLADE, GLADE_SLOPE = 5.0, 0.35  # length of the free cone before a camera, and its slope
+SHARE = 0.45  # fraction of the triangles for ground and tulips
+FREE = 0.9  # nothing grows within this distance of a camera
+GLADE, GLADE_SLOPE = 5.0, 0.35  # length of the free cone in front of a camera, and its slope
 
 
 @scene()
@@ -46,7 +46,7 @@ def garden(triangles: int = FULL) -> Builder:
 
 
 def height(x: Array, z: Array) -> Array:
-    """Of the ground."""
+    """Height of the ground."""
     out: Array = 0.35 * np.sin(0.31 * x + 1.0) * np.cos(0.27 * z) + 0.08 * np.sin(1.7 * x + 1.3 * z)
     return out
 
@@ -57,7 +57,7 @@ def _ground(u: Array, v: Array) -> Array:
 
 
 def _out_of_the_way(points: Array, near: float) -> Array:
-    """Which of the points (..., 3) are neither at a camera nor right before it."""
+    """True for points (..., 3) that are neither at a camera nor directly in front of it."""
     free = np.ones(points.shape[:-1], bool)
     for origin, target in CAMERAS:
         offset = points - np.array(origin)

@@ -1,4 +1,4 @@
-"""How much of the light that could arrive is hidden: facts of scenes under environment light."""
+"""Measures how much of the environment light is occluded in a scene."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import sampling
-from viscache.cameras import find_camera
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
 from viscache.tonemap import LUMINANCE as WEIGHTS
 
@@ -27,24 +27,24 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 LUMINANCE = np.array(WEIGHTS)
-LEAVE = 1e-5  # of the scene's size: rays start this far from the surface
-CONSTANT_EDGE = 128  # texels along the edge of a constant environment; maps have as many at most
+LEAVE = 1e-5  # offset of rays from the surface, as a fraction of the scene's size
+CONSTANT_EDGE = 128  # texels along the edge of a constant environment; maps have at most as many
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Hits:
-    """What N rays from a camera see first."""
+    """First hits of N rays from a camera."""
 
     positions: Array
     """(N, 3)"""
     normals: Array
-    """(N, 3), geometric, on the camera's side."""
+    """(N, 3), geometric normals facing the camera."""
     towards: Array
-    """(N, 3) unit, to the camera."""
+    """(N, 3) unit vectors to the camera."""
     starts: Array
-    """(N, 3) where shadow rays start: off the surface."""
+    """(N, 3) origins of shadow rays, offset from the surface."""
     materials: npt.NDArray[np.int64]
-    """(N,) index of the material; -1 where there is no surface."""
+    """(N,) index of the material; -1: no surface."""
 
 
 def blocked_share(
@@ -55,28 +55,28 @@ def blocked_share(
     samples: int = 256,
     seed: int = 0,
 ) -> Array:
-    """Share of light-product samples that are occluded, per pixel.
+    """Fraction of light-product samples that are occluded, per pixel.
 
-    Directions are drawn from the density ∝ luminance(L)·B over the texels of the environment,
-    B = BRDF·cos at their middles: the importance sampling that the visibility-map paper
-    starts from.
+    Directions are sampled with a density ∝ luminance(L)·B over the texels of the environment, with
+    B = BRDF·cos at their centres. This is the importance sampling on which the visibility-map paper
+    is based.
 
     Parameters
     ----------
     scene : Scene
-        Lit by its environment alone; flat-shaded meshes, not instanced, of diffuse and glossy
-        materials without textures.
+        A scene lit only by its environment, with flat-shaded meshes without instances, of diffuse
+        and glossy materials without textures.
     camera : str, int or Camera, optional
-        The scene's first by default.
+        The first camera of the scene by default.
     size : (width, height)
-        One ray through the middle of each pixel.
+        One ray through the centre of each pixel.
     samples : int >= 1
         Directions per pixel.
 
     Returns
     -------
     (H, W) float64
-        In [0, 1]; NaN where a pixel sees no surface, or one that no light could reach.
+        In [0, 1]; NaN if a pixel sees no surface, or a surface without possible light.
     """
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)
@@ -93,14 +93,14 @@ def blocked_share(
 
 
 def drawn_texels(density: Array, samples: int, rng: np.random.Generator) -> npt.NDArray[np.int64]:
-    """Texels (samples,) drawn from a density (T,) that is not all zero, stratified."""
+    """Stratified texels (samples,) from a density (T,) that is not all zero."""
     total = np.cumsum(density)
     at = (np.arange(samples) + rng.random(samples)) / samples * total[-1]
     return np.asarray(np.minimum(np.searchsorted(total, at, side="right"), len(density) - 1))
 
 
 def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
-    """Middles (R², 3) of the environment's texels, row by row, and their radiance (R, R, 3).
+    """Centres (R², 3) of the environment's texels, row by row, and their radiance (R, R, 3).
 
     Raises
     ------
@@ -125,7 +125,7 @@ def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
 
 
 def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hits:
-    """First hits through the middles of the pixels, row by row."""
+    """First hits through the centres of the pixels, row by row."""
     origin, ray = np.array(camera.origin), _pixel_rays(camera, size)
     hit = scene.intersect(np.broadcast_to(origin, ray.shape), ray)
     meshes = scene.meshes()
@@ -147,7 +147,7 @@ def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hit
 
 
 def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions: Array) -> Array:
-    """B = BRDF·cos (T, 3) at one of the hits, of light from unit directions (T, 3)."""
+    """B = BRDF·cos (T, 3) at one of the hits, for light from unit directions (T, 3)."""
     material = _core.scene_materials(scene._core)[hits.materials[index]]
     cosine = directions @ hits.normals[index]
     above = cosine > 0
@@ -162,7 +162,7 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
 
 
 def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:
-    """Unit directions (H·W, 3) through the middles of the pixels."""
+    """Unit directions (H·W, 3) through the centres of the pixels."""
     width, height = size
     x = (np.arange(width) + 0.5) / width * 2 - 1
     y = 1 - (np.arange(height) + 0.5) / height * 2

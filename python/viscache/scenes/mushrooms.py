@@ -43,7 +43,7 @@ def mushrooms(triangles: int = FULL) -> Builder:
 
 
 def height(x: Array, z: Array) -> Array:
-    """Of the ground."""
+    """Height of the ground."""
     hills: Array = 0.22 * np.sin(0.5 * x + 0.4) * np.cos(0.43 * z + 0.8)
     return hills + 0.05 * np.sin(2.3 * x + 1.1 * z) + 0.03 * np.sin(4.1 * z - 2.7 * x)
 
@@ -59,7 +59,7 @@ def _on_ground(at: Array, sink: float) -> Array:
 
 
 def spots(rng: np.random.Generator, n: int, apart: float, half: float) -> Array:
-    """Places (n, 2) in a square, any two at least `apart` from each other."""
+    """Positions (n, 2) in a square, at least `apart` from each other."""
     kept = np.zeros((0, 2))
     while len(kept) < n:
         p = rng.uniform(-half, half, 2)
@@ -69,7 +69,7 @@ def spots(rng: np.random.Generator, n: int, apart: float, half: float) -> Array:
 
 
 def _mushrooms(b: Builder, rng: np.random.Generator) -> None:
-    """Stem with a ring, and cap: 1 high and 1 wide before it is scaled to SIZE."""
+    """Stem with a ring, and cap: 1 high and 1 wide before scaling to SIZE."""
     at = spots(rng, MUSHROOMS, 1.35, 5.6)
     size = SIZE * np.clip(rng.normal(1, 0.14, len(at)), 0.7, 1.3)
     lean = rng.uniform(-7, 7, (2, len(at)))
@@ -97,7 +97,7 @@ def _stones(b: Builder, rng: np.random.Generator) -> None:
 
 
 def _ferns(b: Builder, rng: np.random.Generator) -> None:
-    """Rosettes of fronds: small ones behind, large ones beside and above, out of the picture."""
+    """Rosettes of fronds: small ones behind, large ones beside and above, outside the image."""
     green = b.glossy("ferns", (0.15, 0.36, 0.09), 0.04, 0.3)
     turn = 2 * np.pi * (np.arange(PLANTS) + rng.uniform(-0.3, 0.3, PLANTS)) / PLANTS
     behind = np.cos(turn) < -0.7
@@ -120,7 +120,7 @@ def _ferns(b: Builder, rng: np.random.Generator) -> None:
 
 
 def _out_of_the_way(leaves: Array) -> Array:
-    """Which fronds, rows of leaves (K, L, 4, 4), neither touch the camera nor stand before it."""
+    """True for fronds, rows of leaves (K, L, 4, 4), neither at the camera nor in front of it."""
     offset = leaves[..., :3, 3] - CAMERA
     forward = np.subtract(TARGET, CAMERA)
     ahead = offset @ (forward / np.linalg.norm(forward))

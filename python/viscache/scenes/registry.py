@@ -1,18 +1,19 @@
-"""Which built-in scenes there are, and building one from text such as `room?triangles=200000`."""
+"""The list of built-in scenes, and building one from text such as `room?triangles=200000`."""
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 import math
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec
 
+from viscache.scene import Scene
 from viscache.scenes.builder import Builder
+from viscache.settings.spelling import nearest
 
 P = ParamSpec("P")
 
@@ -23,11 +24,11 @@ class SceneInfo:
 
     name: str
     function: Callable[..., Any]
-    """Makes the scene."""
+    """Builds the scene."""
     builder: Callable[..., Builder]
     """The same, but returns the `Builder` with its records."""
     description: str
-    """One line."""
+    """One-line description."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
     """Name to default, in the order of the signature."""
 
@@ -47,8 +48,6 @@ def scene(
     def register(function: Callable[P, Builder]) -> Callable[P, Any]:
         @functools.wraps(function)
         def make(*args: P.args, **kwargs: P.kwargs) -> Any:
-            from viscache.scene import Scene
-
             given = signature.bind(*args, **kwargs).arguments
             query = "&".join(f"{k}={v}" for k, v in given.items() if v is not None)
             spec = f"{name}?{query}" if query else name
@@ -106,15 +105,6 @@ def build(spec: str) -> Any:
     """Build a scene from text: a name, then optionally `?` and `name=value` joined by `&`."""
     info, arguments = parse(spec)
     return info.function(**arguments)
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """`; did you mean 'x'?`, or the list of what there is."""
-    names = list(known)
-    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    if close:
-        return f"; did you mean {close[0]!r}?"
-    return f"; known: {', '.join(names)}" if names else "; there are none"
 
 
 TRUE, FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")

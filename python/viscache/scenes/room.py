@@ -1,4 +1,4 @@
-"""The furnished room: 10 x 4 x 10 m, full of edges between its ceiling lamps and what is seen."""
+"""The furnished room: 10 x 4 x 10 m, with many occluders below its ceiling lamps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SEED = 20130
 LEAST = 100
 TOTAL_INTENSITY = 75.0  # W/sr over all point lights
 PENDANTS = ((-2.2, -1.0), (-1.0, -1.0), (2.4, -1.7))
-HIGH_PARTS = ((-4.2, 2.6), (4.3, -4.3))  # plants that reach up
+HIGH_PARTS = ((-4.2, 2.6), (4.3, -4.3))  # tall plants
 
 
 @scene(shown={"lights": 24})
@@ -41,11 +41,11 @@ def room(
     triangles : int
         Placed triangles; the scene has this many to 1.25 times as many. At least 100.
     lights : int, optional
-        Point lights, well spread under the ceiling: 24, or none with `panels`.
+        Number of point lights, evenly distributed under the ceiling: 24, or none with `panels`.
     panels : bool
         Add six light panels (area lights) in the ceiling.
     specular : bool
-        Make some things glossy, one vase of glass and one picture a mirror.
+        Make some objects glossy, one vase of glass and one picture a mirror.
     """
     at_least("triangles", triangles, LEAST)
     count = (0 if panels else 24) if lights is None else lights
@@ -77,7 +77,7 @@ def room(
 
 
 def light_spots(n: int) -> Array:
-    """`n` well-spread places (n, 3) between 3.25 and 3.8 m, clear of what hangs there."""
+    """`n` evenly distributed positions (n, 3), 3.25 to 3.8 m high, away from hanging objects."""
     found: list[Array] = []
     k = 0
     while len(found) < n:

@@ -1,9 +1,9 @@
 """Shapes that tessellate at any detail: soft boxes, swept tubes, turned profiles, cloth.
 
-A shape knows how many triangles it makes at a given detail before making them, so that a scene
-can be fitted to a triangle budget. Curved surfaces are sheared grids: rows are shifted against
-each other, so that even a cylinder has no two neighbouring triangles in one plane.
-All shapes are in metres, y up, with their base at y = 0 or centred at the origin as documented.
+A shape can compute its number of triangles at a given detail without building them, so that a scene
+can be fitted to a triangle budget. Curved surfaces are sheared grids: rows are shifted against each
+other, so that even a cylinder has no two coplanar neighbouring triangles. All shapes are in metres,
+y up, with their base at y = 0 or centred at the origin as documented.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Indices = npt.NDArray[np.uint32]
 Position = Callable[[Array, Array], Array]
 Warp = Callable[[Array], Array]
 
-SHEAR = 0.37  # of a column per row; 0.5 would make diamonds of coplanar triangles
+SHEAR = 0.37  # fraction of a column per row; 0.5 would give diamonds of coplanar triangles
 
 
 # ---------------------------------------------------------------- transforms
@@ -93,7 +93,7 @@ class Shape:
     triangles: Indices
 
     def n_triangles(self, detail: float) -> int:
-        """How many triangles `mesh(detail)` has."""
+        """Number of triangles of `mesh(detail)`."""
         return len(self.triangles)
 
     def mesh(self, detail: float) -> tuple[Array, Indices]:
@@ -154,7 +154,7 @@ class Surface(Shape):
             if not wanted:
                 continue
             middle, spokes = middles[row], rows[row] - middles[row]
-            # The ring's normal by three of its points, turned away from the next row.
+            # The normal of the ring from three of its points, facing away from the next row.
             x, y, z = spokes[0], spokes[columns // 3], spokes[2 * columns // 3]
             normal = _cross(x, y) + _cross(y, z) + _cross(z, x)
             outward = 1.0 if normal @ (middle - middles[inner]) >= 0 else -1.0
@@ -167,7 +167,7 @@ class Surface(Shape):
 
 
 def _cross(a: Array, b: Array) -> Array:
-    # For single vectors np.cross is mostly overhead.
+    # np.cross has a large overhead for single vectors.
     return np.array(
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     )
@@ -177,8 +177,8 @@ def _cross(a: Array, b: Array) -> Array:
 class SoftBox(Shape):
     """A box with rounded edges and slightly bulging faces, centred at the origin.
 
-    Points q of the cube go to q / |q|_power, so `power` 2 is an ellipsoid, 30 nearly a box;
-    `bulge` is in halves of the smallest size.
+    Points q of the cube are mapped to q / |q|_power, so `power` 2 is an ellipsoid and 30 almost a
+    box. `bulge` is relative to half of the smallest size.
     """
 
     size: tuple[float, float, float]

@@ -23,13 +23,14 @@ def random_triangles(
     Parameters
     ----------
     triangles : int
-        Exactly this many. At least 1.
+        Exact number, at least 1.
     edge : float
         Length of their edges, 0.01 by default; 2 triangles^(-1/3) is dense.
     seed : int
-        Of the random numbers.
+        Seed of the random numbers.
     edge_factor : float
-        Instead of `edge`: edges of edge_factor * triangles^(-1/3), as dense at any number.
+        Replaces `edge`: edges have the length edge_factor * triangles^(-1/3), for a density that
+        does not depend on the number.
     """
     at_least("triangles", triangles, 1)
     at_least("seed", seed, 0)

@@ -1,4 +1,4 @@
-"""Skies as environment light: blue above, haze at the horizon, ground below, and what shines."""
+"""Skies as environment light: blue above, haze at the horizon, ground below, and light sources."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A light at infinity: the same radiance all over a disc."""
+    """A light at infinity: a disc of constant radiance."""
 
     direction: Three
-    """To its middle, of any length."""
+    """Direction to its centre, of any length."""
     radius_deg: float
     radiance: Three
 
@@ -39,7 +39,7 @@ def sky(sun: Three) -> npt.NDArray[np.float32]:
 
 
 def sky_with(discs: Sequence[Disc], rows: int) -> npt.NDArray[np.float32]:
-    """Lat-long radiance (rows, 2 rows, 3), y up: the same sky with discs instead of the sun.
+    """Lat-long radiance (rows, 2·rows, 3), y up: the same sky with discs instead of the sun.
 
     Edges of discs fall off within one pixel.
     """
@@ -52,7 +52,7 @@ def sky_with(discs: Sequence[Disc], rows: int) -> npt.NDArray[np.float32]:
 
 
 def _directions(rows: int) -> Array:
-    """Directions (rows, 2 rows, 3) of the pixels of a lat-long image."""
+    """Directions (rows, 2·rows, 3) of the pixels of a lat-long image."""
     v = (np.arange(rows) + 0.5) / rows * np.pi
     u = (np.arange(2 * rows) + 0.5) / rows * np.pi
     y = np.cos(v)[:, None] + 0 * u

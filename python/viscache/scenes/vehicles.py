@@ -84,8 +84,9 @@ def wheel(b: Builder, at: Array) -> None:
     tyre = revolve(TYRE, 56, 18, caps=(False, False), flutes=(28, 0.012))
     b.add(tyre, paint(b, "black_metal"), at)
     steel = b.glossy("rims", (0.3, 0.31, 0.32), 0.4, 0.3)
-    ring = revolve([[0.205, -0.08], [0.19, 0.0], [0.2, 0.07], [0.212, 0.085]], 36, 10,
-                   caps=(False, False))  # fmt: skip
+    ring = revolve(
+        [[0.205, -0.08], [0.19, 0.0], [0.2, 0.07], [0.212, 0.085]], 36, 10, caps=(False, False)
+    )
     b.add(ring, steel, at)
     hub = revolve([[0.075, 0.03], [0.07, 0.06], [0.03, 0.075]], 18, 6, caps=(True, True))
     b.add(hub, steel, at)

@@ -30,8 +30,9 @@ def pipes(b: Builder, length: float, height: float, depth: float) -> None:
     duct = np.linspace([0.1, height - 0.45, 0.6], [length - 0.2, height - 0.45, 0.6], 5)
     b.add(tube(duct, 0.2, 26, 120), steel)
     for x in np.arange(0.8, length, 1.2):
-        ring = revolve([[0.2, -0.03], [0.225, -0.02], [0.225, 0.02], [0.2, 0.03]], 30, 6,
-                       caps=(False, False))  # fmt: skip
+        ring = revolve(
+            [[0.2, -0.03], [0.225, -0.02], [0.225, 0.02], [0.2, 0.03]], 30, 6, caps=(False, False)
+        )
         b.add(ring, steel, place([x, height - 0.45, 0.6], roll=90))
     for k, z in enumerate((depth - 0.3, depth - 0.45, depth - 0.56)):
         y, end = height - 0.38 - 0.02 * k, length - 0.3 - 0.25 * k

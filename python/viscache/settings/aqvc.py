@@ -15,6 +15,7 @@ from typing import Any, Literal
 from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.not_given import NotGiven, not_given, plain
+from viscache.settings.source_context import SourceContext
 
 __all__ = ["Aqvc", "PaperForm"]
 
@@ -244,6 +245,18 @@ class Aqvc:
             A value out of range.
         """
         return _core_of(self, self.paper)
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        scene, caster, spp = context.scene, context.caster, context.spp
+        if context.kept is not None:
+            table, check, repair = context.kept
+            return _core.KeptTableSource(
+                scene, caster, self.core(), table, spp=spp, check=check, repair=repair
+            )
+        if context.bidirectional:
+            return _core.FrameTableSource(scene, caster, self.core(), spp=spp)
+        return _core.AqvcSource(scene, caster, self.core(), spp=spp)
 
     def for_frame_table(self) -> Aqvc:
         """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.

@@ -4,45 +4,34 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import difflib
-import importlib
 import json
 import math
-import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
 
+from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.not_given import NotGiven
+from viscache.settings.rays import Bsp, Embree, Vlf
+from viscache.settings.spelling import nearest
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
 
 Role: TypeAlias = Literal["integrator", "rays", "visibility"]
 
-#: What the command line and sweep files call the settings: name → class of `viscache`.
-NAMES: dict[Role, dict[str, str]] = {
-    "integrator": {
-        "direct": "Direct",
-        "whitted": "Whitted",
-        "bdpt": "Bdpt",
-        "ao": "AmbientOcclusion",
-    },
-    "rays": {"embree": "Embree", "vlf": "Vlf", "bsp": "Bsp"},
+#: What the command line and sweep files call the settings.
+NAMES: dict[Role, dict[str, type[Any]]] = {
+    "integrator": {"direct": Direct, "whitted": Whitted, "bdpt": Bdpt, "ao": AmbientOcclusion},
+    "rays": {"embree": Embree, "vlf": Vlf, "bsp": Bsp},
     "visibility": {
-        "exact": "Exact",
-        "aqvc": "Aqvc",
-        "vismap": "VisMaps",
-        "shadow_map": "ShadowMap",
-        "nee_plus_plus": "NeePlusPlus",
+        "exact": Exact,
+        "aqvc": Aqvc,
+        "vismap": VisMaps,
+        "shadow_map": ShadowMap,
+        "nee_plus_plus": NeePlusPlus,
     },
 }
 ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")
 #: `--visibility vlf` is short for `--rays vlf --visibility exact`.
 RAYS_AS_VISIBILITY = ("vlf", "bsp")
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """'; did you mean "x"?' or '; known: ...': the end of a message about an unknown name."""
-    names = list(known)
-    close = difflib.get_close_matches(name, names, 1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else f"; known: {', '.join(names)}"
 
 
 def settings_class(role: Role, name: str) -> type[Any]:
@@ -55,14 +44,13 @@ def settings_class(role: Role, name: str) -> type[Any]:
     """
     if name not in NAMES[role]:
         raise ValueError(f"unknown {role} {name!r}{nearest(name, NAMES[role])}")
-    cls = getattr(importlib.import_module("viscache"), NAMES[role][name])
-    return typing.cast("type[Any]", cls)
+    return NAMES[role][name]
 
 
 def name_of(role: Role, settings: Any) -> str:
     """The short name of a settings object: `Whitted(...)` → "whitted"."""
-    cls = type(settings).__name__
-    return next((n for n, known in NAMES[role].items() if known == cls), cls.lower())
+    cls = type(settings)
+    return next((n for n, known in NAMES[role].items() if known is cls), cls.__name__.lower())
 
 
 def make(role: Role, spec: str | Mapping[str, Any]) -> Any:

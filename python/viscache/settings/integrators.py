@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.vpls import Vpls
 
 __all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 
@@ -93,6 +94,8 @@ class Whitted:
         Camera points that judge the candidates.
     vpl_bound : float >= 0
         Bounds the geometry term cos·cos/(d² + (vpl_bound · scene diagonal)²); 0 = unbounded.
+    vpls : Vpls, optional
+        Lights of your own, taken as they are; n_vpls and the parameters of tracing have no part.
     environment : {"mis", "shared"}
         As in `Direct`.
     n_area, n_environment, n_brdf, p_mode, cosmin
@@ -105,6 +108,7 @@ class Whitted:
     vpl_candidates: int = 4
     vpl_eye_points: int = 64
     vpl_bound: float = 0.01
+    vpls: Vpls | None = None
     n_area: int = 16
     n_environment: int = 16
     n_brdf: int = 16
@@ -131,6 +135,8 @@ class Whitted:
             self.vpl_eye_points,
         )
         require(0 <= self.vpl_bound <= 1, "vpl_bound must be in [0, 1]", self.vpl_bound)
+        own = self.vpls is None or isinstance(self.vpls, Vpls)
+        require(own, "vpls must be vc.Vpls(...)", self.vpls)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -249,11 +255,14 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
         core.ambient_engine = _core.AmbientEngine[integrator.engine.upper()]
         return core
     for field in fields(integrator):
-        if field.name not in ("p_mode", "environment", "points"):
+        if field.name not in ("p_mode", "environment", "points", "vpls"):
             setattr(core, field.name, getattr(integrator, field.name))
     core.environment = _core.EnvironmentSampling[integrator.environment.upper()]
     if isinstance(integrator, Direct):
         even = integrator.points == "even"
         core.points = _core.PointSet.ZERO_TWO if even else _core.PointSet.INDEPENDENT
     core.shade_after_specular = isinstance(integrator, Whitted)
+    own = getattr(integrator, "vpls", None)
+    if own is not None:
+        core.set_vpls(own.positions, own.normals, own.flux)
     return core

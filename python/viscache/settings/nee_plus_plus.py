@@ -7,6 +7,7 @@ from typing import Any
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.source_context import SourceContext
 
 __all__ = ["NeePlusPlus"]
 
@@ -66,6 +67,10 @@ class NeePlusPlus:
             require(1 <= value <= most, f"{name} must be in [1, {most}]", value)
         require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
         self.core().validate()
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        return _core.RouletteSource(context.scene, context.caster, self.core(), seed=context.seed)
 
     def core(self) -> _core.NeePlusPlusSettings:
         """The C++ struct."""

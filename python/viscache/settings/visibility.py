@@ -9,7 +9,8 @@ from viscache import _core
 from viscache.settings.aqvc import Aqvc, PaperForm
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
-from viscache.vismap.estimate import VisMaps
+from viscache.settings.source_context import SourceContext
+from viscache.settings.vismaps import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "PaperForm", "ShadowMap", "VisMaps", "Visibility"]
 
@@ -41,10 +42,17 @@ class Exact:
     def __post_init__(self) -> None:
         check_types(self)
 
-    def core(self) -> tuple[_core.PacketOrder | None, bool | None]:
-        """The C++ settings."""
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
         order = None if self.order == "auto" else _core.PacketOrder[self.order.upper()]
-        return order, self.coherent
+        if context.batch is None:
+            return _core.ExactSource(
+                context.scene, context.caster, order=order, coherent=self.coherent
+            )
+        return _core.AlignedSource(
+            context.scene, context.caster, context.batch, choose=self.sky_engine == "auto",
+            order=order, coherent=self.coherent,
+        )  # fmt: skip
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""
@@ -96,6 +104,10 @@ class ShadowMap:
         require(0 <= self.bias <= 1, "bias must be in [0, 1]", self.bias)
         require(0 <= self.slope_bias <= 1e6, "slope_bias must be in [0, 1e6]", self.slope_bias)
         require(1 <= self.max_bytes < 1 << 63, "max_bytes must be in [1, 2^63)", self.max_bytes)
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        return _core.ShadowMapSource(context.scene, context.caster, self.core())
 
     def core(self) -> _core.ShadowMapSettings:
         """The C++ struct."""

@@ -14,8 +14,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from viscache.settings.by_name import nearest
 from viscache.settings.checks import is_whole, require
+from viscache.settings.spelling import nearest
 
 __all__ = ["DESIGNS", "Range", "draw", "latin_hypercube", "random", "values_of"]
 

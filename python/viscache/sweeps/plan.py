@@ -11,8 +11,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscache.provenance import cpu_model, provenance, version
+from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.settings import by_name
+from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.store import content_key
 
@@ -176,7 +177,7 @@ def _add(
     }
     task = Task(**merged)
     spec: dict[str, Any] = {
-        "scene": str(scene.content_hash), "version": version(), "size": list(task.size),
+        "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
         "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
         "env": task.env_hash,
     }  # fmt: skip
@@ -232,7 +233,7 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
         return None
     for name in converged:
         if name not in ("spp", "seed"):
-            raise ValueError(f"converged has no {name!r}{by_name.nearest(name, ('spp', 'seed'))}")
+            raise ValueError(f"converged has no {name!r}{nearest(name, ('spp', 'seed'))}")
     if "spp" not in converged:
         raise ValueError(f"converged must name spp, got {dict(converged)}")
     return (int(converged.get("seed", 1000)), positive("converged.spp", converged["spp"]))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import socket
 import time
 from collections import Counter, OrderedDict, defaultdict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
-from viscache.sweeps import executors
+from viscache import workers
+from viscache.progress import Progress
 from viscache.sweeps.plan import Plan, Point
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import TableFile
@@ -20,7 +21,6 @@ from viscache.sweeps.work import check_travels, render_task
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
-Progress: TypeAlias = "bool | Callable[[int, int], None]"
 
 #: Pictures kept in memory besides those in the store: a few references serve many points.
 RECENT = 6
@@ -119,7 +119,7 @@ class Run:
         flying: dict[Future[Frame], str] = {}
         try:
             while self.todo or flying:
-                limit = 1 if self.apart else executors.window(executor)
+                limit = 1 if self.apart else workers.window(executor)
                 for _ in range(len(self.todo)):
                     if len(flying) >= limit:
                         break

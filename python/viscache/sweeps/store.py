@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscache.whole_file import whole_file
+from viscache.files import whole_file
 
 if TYPE_CHECKING:
     from viscache.frame import Frame

@@ -19,11 +19,13 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import sources
+from viscache.progress import Progress
 from viscache.settings import by_name
 from viscache.settings.checks import require
+from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
-from viscache.sweeps.run import Progress, Run
+from viscache.sweeps.run import Run
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import to_dataset, write_netcdf, write_parquet
 
@@ -229,7 +231,7 @@ class SweepFile:
         known = [f.name for f in fields(cls) if f.name != "folder"] + ["points"]
         for name in table:
             if name not in known:
-                raise ValueError(f"unknown key {name!r}{by_name.nearest(name, known)}")
+                raise ValueError(f"unknown key {name!r}{nearest(name, known)}")
         if "scene" not in table:
             raise ValueError("a sweep must name a scene")
         if ("over" in table) == ("points" in table):

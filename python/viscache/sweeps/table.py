@@ -10,9 +10,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache.files import whole_file
 from viscache.sweeps.plan import Point
 from viscache.sweeps.store import Record, Store
-from viscache.whole_file import whole_file
 
 if TYPE_CHECKING:
     import xarray

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import importlib
 import pickle
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from viscache import sources
-from viscache.newest import Newest
+from viscache.frame import Frame
+from viscache.render import render
 from viscache.sweeps.plan import Task
+from viscache.workers import Newest
 
-if TYPE_CHECKING:
-    from viscache.frame import Frame
-
-#: Tests put a stand-in here; None is `viscache.render`.
-render_function: Callable[..., Frame] | None = None
+#: Tests put a stand-in here.
+render_function: Callable[..., Frame] = render
 
 
 def render_task(task: Task, scene: Any = None) -> Frame:
     """Render one frame; runs in this process or in a worker."""
-    render = render_function or importlib.import_module("viscache").render
     opened = _lit(task, scene if scene is not None else _opened(task))
     cpu = time.process_time()
-    frame: Frame = render(
+    frame = render_function(
         opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
         size=task.size, spp=task.spp, seed=task.seed, threads=task.threads, camera=task.camera,
     )  # fmt: skip

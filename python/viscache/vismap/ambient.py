@@ -1,4 +1,4 @@
-"""Ambient occlusion from the records of a cache (paper: Section 6.1)."""
+"""Ambient occlusion from the records of a cache (VisMap Sec. 6.1)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings
 from viscache.vismap.cache import VisibilityMapCache, checked_size
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 
-#: Near records of small reach: what a record sees beyond does not matter, its corner does.
+#: Closely spaced records with a small reach: only nearby geometry matters for ambient occlusion.
 AMBIENT = MapSettings(criterion="ambient", w_min=0.1, d_max=0.025)
 
 
@@ -35,45 +35,45 @@ def cached_ambient_occlusion(
     weighted: bool = False,
     threads: int | None = None,
 ) -> Frame:
-    """The visible share of the hemisphere, interpolated between records.
+    """Ambient visibility, the visible fraction of the hemisphere, interpolated between records.
 
-    Every record holds the share it sees (Eq. 12, divided by π); a pixel takes the mean of the m
-    nearest records under a Gaussian. Free of noise and not unbiased: compare with
-    `viscache.AmbientOcclusion`.
+    Every record stores its visible fraction (Eq. 12, divided by π). A pixel takes the Gaussian mean
+    of the m nearest records. The result has no noise, but it is biased; `viscache.AmbientOcclusion`
+    is the unbiased reference.
 
     Parameters
     ----------
     scene : Scene
     cache : VisibilityMapCache, optional
-        A cache of the scene with criterion "ambient", which grows where the image needs it; a new
-        one by default.
+        A cache of the scene with criterion "ambient". Records are added to it where the image needs
+        them. By default a new cache.
     settings : MapSettings, optional
-        Of the new cache, by default `viscache.vismap.ambient.AMBIENT`; its criterion becomes
-        "ambient".
+        Settings of the new cache; `viscache.vismap.ambient.AMBIENT` by default. The criterion is
+        set to "ambient".
     camera, size, threads
         As in `viscache.render`.
     spp, seed : int
-        The places in the pixels where `viscache.render` looks with these, so that its image with
-        `AmbientOcclusion` is of the same points. The first place of every pixel inserts records
-        by the criterion, the others where none is in reach.
+        The samples are at the same positions as in `viscache.render` with these values, so that its
+        image with `AmbientOcclusion` shows the same points. The first sample of every pixel inserts
+        records by the criterion; the others only where no record is in reach.
     width : float > 0
-        Standard deviation of the Gaussian, in d_max.
+        Standard deviation of the Gaussian as a fraction of d_max.
     weighted : bool
-        Multiply the Gaussian with the weight w_g·ŵ of the records.
+        Multiply the Gaussian by the weight w_g·ŵ of the records.
 
     Returns
     -------
     Frame
-        Layers "color" (H, W, 1), 0 where nothing is seen, and "coverage" (H, W, 1), the share of
-        places with a surface. Counters "records", "inserted", "rays" traced for records, "points"
-        shaded, "rays_per_point", "unserved" points without a record in reach (black), and
-        "jump_p99": 99th percentile of the Gaussian at the farthest of m records, by which the
-        image may jump where the m nearest change.
+        Layers "color" (H, W, 1), 0 where there is no surface, and "coverage" (H, W, 1), the
+        fraction of samples with a surface. Counters: "records", "inserted", "rays" traced for
+        records, "points" shaded, "rays_per_point", "unserved" points without a record in reach
+        (black), and "jump_p99", the 99th percentile of the Gaussian at the farthest of m records.
+        This bounds the discontinuity of the image where the set of nearest records changes.
 
     Raises
     ------
     ValueError
-        A parameter out of range, or a cache of another scene or criterion.
+        A parameter is out of range, or the cache is of another scene or criterion.
 
     Examples
     --------
@@ -89,8 +89,8 @@ def cached_ambient_occlusion(
         cache = VisibilityMapCache(scene, replace(settings or AMBIENT, criterion="ambient"))
     ambient = cache.settings.criterion == "ambient"
     require(ambient, 'the cache\'s criterion must be "ambient"', cache.settings.criterion)
-    require(cache.scene.content_hash == scene.content_hash, "cache must be of the scene",
-            "one of another scene")  # fmt: skip
+    fits = cache.scene.content_hash == scene.content_hash
+    require(fits, "cache must be of the scene", "one of another scene")
     require(is_whole(spp) and 1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
     require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     view = find_camera(scene, camera)

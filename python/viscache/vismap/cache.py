@@ -1,42 +1,39 @@
-"""The records of a scene: made where a camera looks, looked up anywhere, kept over frames."""
+"""The records of a scene: inserted where a camera looks, looked up anywhere."""
 
 from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.maps import MapSettings
 from viscache.settings.rays import Caster, Embree, Rays, check_rays
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
-from viscache.vismap.settings import MapSettings
 
 __all__ = ["VisibilityMapCache"]
-
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 MAX_PIXELS = 1 << 28
 
 
 class VisibilityMapCache:
-    """Records of a scene (paper: Section 5).
+    """Visibility-map records of a scene (VisMap Sec. 5).
 
     Parameters
     ----------
     scene : Scene
     settings : MapSettings, optional
     rays : Embree, Bsp or Vlf, optional
-        Who traces the rays of the records; Embree by default.
+        Ray caster for the rays of records; Embree by default.
 
     Examples
     --------
@@ -59,13 +56,13 @@ class VisibilityMapCache:
         self.rays_by = Embree() if rays is None else check_rays(rays)
         self._core = _core.vismap.MapCache(settings.core(), settings.seed)
         self._lock = threading.RLock()
-        #: Number of the current frame; `end_frame` counts on.
+        #: Number of the current frame; `end_frame` increments it.
         self.frame = 0
-        #: Whether the start-up records were made.
+        #: True once the start-up records exist.
         self.started = False
-        #: Rays traced for all records so far, removed ones too.
+        #: Rays traced for all records so far, including removed ones.
         self.rays = 0
-        #: (w_min, delta_max) in use; with preset "auto" known after the start-up.
+        #: (w_min, delta_max) in use; for preset "auto" they are known after the start-up.
         self.thresholds = settings.thresholds()
 
     def __len__(self) -> int:
@@ -76,7 +73,7 @@ class VisibilityMapCache:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of the records as the paper counts them: map, hierarchy, 36 bytes besides."""
+        """Bytes of the records as counted in the paper: map, hierarchy and 36 bytes of metadata."""
         return len(self) * _core.vismap.record_nbytes(self.settings.m)
 
     @property
@@ -86,11 +83,11 @@ class VisibilityMapCache:
 
     @property
     def directions(self) -> Floats:
-        """(4^m, 3) directions of the cells' rays, in Z order."""
+        """(4^m, 3) ray directions of the cells, in Z order."""
         return self._core.pattern
 
     def records(self) -> Records:
-        """Everything stored."""
+        """Copies of all records."""
         with self._lock:
             return Records(**self._core.records())
 
@@ -106,32 +103,32 @@ class VisibilityMapCache:
         threads: int | None = None,
         progress: Progress = False,
     ) -> UpdateReport:
-        """Give records to the pixels of an image that want one.
+        """Insert records where the pixels of an image need them.
 
-        The first update makes the start-up records before.
+        The first update creates the start-up records first.
 
         Parameters
         ----------
         camera : str, int or Camera, optional
             As `viscache.render` takes it.
         size : (width, height), optional
-            Pixels; the camera's own by default.
+            In pixels; the size of the camera by default.
         scene : Scene, optional
-            What the scene has become, in an animation. Old records stay as they are; the exact
-            rays that are compared with them find out which are wrong.
+            The changed scene in an animation. Old records are not changed; comparison with exact
+            rays finds the wrong ones.
         at : (x, y) in [0, 1)
-            The place of every pixel that looks.
+            The sample position in every pixel.
         threads : int >= 1, optional
             All cores by default.
         progress : bool or callable
-            Gets (done, total) pixels of a pass.
+            True shows a progress bar; a callable is called with (done, total) pixels of a pass.
 
         Raises
         ------
         ValueError
-            A parameter out of range.
+            A parameter is out of range.
         KeyboardInterrupt
-            Within half a second of Ctrl-C; whole records are kept.
+            Within half a second of Ctrl-C; finished records are kept.
         """
         if scene is not None:
             require(isinstance(scene, Scene), "scene must be a Scene", scene)
@@ -174,7 +171,7 @@ class VisibilityMapCache:
     def _insert(
         self, points: _core.vismap.CachePoints, threads: int, progress: Progress = False
     ) -> dict[str, Any]:
-        """Records for those of the points that want one."""
+        """Inserts records at the points that need them."""
         with progress_bar(progress, unit="pixel") as report:
             found = self._core.insert(
                 self.scene._core, self._caster(), points, frame=self.frame,
@@ -185,7 +182,7 @@ class VisibilityMapCache:
         return found
 
     def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, Any]:
-        """The start-up records, once."""
+        """Creates the start-up records if they do not exist yet."""
         if self.started:
             return {"inserted": 0, "duplicates": 0, "rays": 0}
         points, _, _ = _core.vismap.startup_points(
@@ -214,14 +211,14 @@ class VisibilityMapCache:
         *,
         threads: int | None = None,
     ) -> Lookup:
-        """The records that speak for points on surfaces.
+        """Look up the records that are used at points on surfaces.
 
         Parameters
         ----------
         positions, normals : (N, 3) float
-            Normals unit, on the side that asks.
+            Unit normals, on the visible side.
         d_max : float or (N,) float, >= 0
-            How far records are looked for, in scene units; 0: there is no point.
+            Search radius for records in scene units; 0: the point is ignored.
         threads : int, optional
             All cores by default.
 
@@ -232,15 +229,18 @@ class VisibilityMapCache:
         Raises
         ------
         ValueError
-            Wrong shapes, positions that are not finite, normals that are not unit.
+            Shapes do not match, positions are not finite, or normals are not unit vectors.
         """
         points = cache_points(positions, normals, d_max)
         with self._lock:
             found = self._core.select(points, checked_threads(threads))
         return Lookup(
-            ids=found["ids"], beta=found["beta"], candidates=found["candidates"],
-            weight=found["tested"], difference=found["difference"],
-        )  # fmt: skip
+            ids=found["ids"],
+            beta=found["beta"],
+            candidates=found["candidates"],
+            weight=found["tested"],
+            difference=found["difference"],
+        )
 
     def visibility(self, lookup: Lookup, directions: npt.ArrayLike) -> npt.NDArray[np.float32]:
         """Ṽ of looked-up points in K directions: (N, K), in [0, 1]; 0 without an approximation.
@@ -257,17 +257,17 @@ class VisibilityMapCache:
         return np.asarray(np.einsum("nik,ni->nk", said, lookup.beta, dtype=np.float32))
 
     def cells(self, directions: npt.ArrayLike) -> npt.NDArray[np.int64]:
-        """The map's cells of unit directions (..., 3): Z-order numbers (...)."""
+        """Cells of the map for unit directions (..., 3): Z-order indices (...)."""
         given = checked_points(directions, "directions")
-        require(given.ndim >= 1 and given.shape[-1] == 3, "directions must have shape (..., 3)",
-                given.shape)  # fmt: skip
+        fits = given.ndim >= 1 and given.shape[-1] == 3
+        require(fits, "directions must have shape (..., 3)", given.shape)
         edge = 1 << self.settings.m
         at = _core.sampling.direction_to_equal_area(given.reshape(-1, 3))
         x, y = np.minimum((at * edge).astype(np.uint32), edge - 1).T
         return np.asarray(_core.vismap.morton2(x, y), np.int64).reshape(given.shape[:-1])
 
     def _said(self, lookup: Lookup, cells: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """(N, n_best, K): what each record says in the point's cells (N, K)."""
+        """(N, n_best, K): the bit of each record in the point's cells (N, K)."""
         bits = self.records().bits
         rows = np.maximum(lookup.ids, 0)[:, :, None]
         at = cells[:, None, :]
@@ -280,21 +280,21 @@ class VisibilityMapCache:
     def compare(
         self, lookup: Lookup, directions: npt.ArrayLike, visible: npt.ArrayLike
     ) -> tuple[int, int]:
-        """Count how often the blended records were wrong about exact rays.
+        """Compare the blended records with exact rays and count their errors.
 
         Parameters
         ----------
         lookup : Lookup
-            Of N points, since the last insertion or removal.
+            A lookup of N points, made after the last insertion or removal.
         directions : (N, K, 3) float
             Unit directions of exact rays.
         visible : (N, K) bool
-            What the rays found.
+            Results of the exact rays.
 
         Returns
         -------
         (rays, misses)
-            Of this call, counted per record.
+            Totals of this call over all records.
         """
         seen = np.asarray(visible, dtype=bool)
         cells = self.cells(directions)
@@ -305,8 +305,8 @@ class VisibilityMapCache:
             wrong = self._said(lookup, cells) != seen[:, None, :]
             speaks = lookup.beta > 0
             ids = lookup.ids[speaks]
-            require(bool((ids < len(self)).all()), "lookup must be of the records now there",
-                    "others")  # fmt: skip
+            fits = bool((ids < len(self)).all())
+            require(fits, "lookup must be of the records now there", "others")
             rays = np.bincount(ids, minlength=len(self)) * expected[1]
             misses = np.bincount(ids, wrong.sum(axis=2)[speaks], minlength=len(self))
             used = (rays > 0).astype(np.uint8)
@@ -314,34 +314,37 @@ class VisibilityMapCache:
         return int(rays.sum()), int(misses.sum())
 
     def end_frame(self) -> dict[str, int]:
-        """Remove records by the settings' rule and those unused, and count the frame on.
+        """Remove wrong and unused records by the rules of the settings, and start the next frame.
 
         Returns
         -------
         dict
-            "wrong" and "unused": removed records; "rays" and "misses" counted before.
+            "wrong" and "unused": numbers of removed records; "rays" and "misses": totals before.
         """
         s = self.settings
         with self._lock:
             found = self._core.remove(
-                self.frame, unused_frames=s.unused_frames, wilson=s.removal == "wilson",
+                self.frame,
+                unused_frames=s.unused_frames,
+                wilson=s.removal == "wilson",
                 k_worst=s.k_worst if s.removal == "worst" else 0,
-                eps_max=2.0 if s.removal == "none" else s.eps_max, min_rays=s.min_rays,
-            )  # fmt: skip
+                eps_max=2.0 if s.removal == "none" else s.eps_max,
+                min_rays=s.min_rays,
+            )
             self.frame += 1
         return {name: int(value) for name, value in found.items()}
 
     def reset_errors(self) -> None:
-        """Forget the counts of rays and misses, as after a change of the geometry."""
+        """Reset the counts of rays and misses, as after a change of the geometry."""
         with self._lock:
             self._core.reset_tallies()
 
     # Files
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the cache into a file that `load` accepts for the same scene.
+        """Write the cache to a file that `load` accepts for the same scene.
 
-        The file appears whole or not.
+        The file is written atomically.
 
         Raises
         ------
@@ -358,19 +361,19 @@ class VisibilityMapCache:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], scene: Scene) -> VisibilityMapCache:
-        """Read a cache back.
+        """Load a cache from a file.
 
         Parameters
         ----------
         path : path
         scene : Scene
-            The scene it was made in.
+            The scene of the cache.
 
         Raises
         ------
         ValueError
-            Not a cache, a damaged one, one of another version, or of another scene; the message
-            says which.
+            The file is not a cache, is damaged, has another version, or is of another scene; the
+            message says which.
         OSError
             The file cannot be read.
         """
@@ -394,7 +397,7 @@ class VisibilityMapCache:
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """A size of an image in pixels."""
+    """Validated size of an image in pixels."""
     pair = len(size) == 2 and all(is_whole(v) for v in size)
     require(pair, "size must be (width, height)", size)
     width, height = (int(v) for v in size)
@@ -406,7 +409,7 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
 def cache_points(
     positions: npt.ArrayLike, normals: npt.ArrayLike, d_max: npt.ArrayLike
 ) -> _core.vismap.CachePoints:
-    """Points that ask, as the core takes them."""
+    """Points of a lookup in the form of the C++ core."""
     places = checked_points(positions, "positions")
     rows = places.ndim == 2 and places.shape[1] == 3
     require(rows, "positions must have shape (N, 3)", places.shape)

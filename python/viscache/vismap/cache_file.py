@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache.provenance import version
+from viscache.files import whole_file
+from viscache.provenance import VERSION
 from viscache.settings.checks import require
-from viscache.whole_file import whole_file
 
 __all__ = ["State", "read", "write"]
 
 FORMAT = "viscache visibility-map cache"
-#: Of the file's layout and of what its bits mean; another one is refused.
+#: Version of the layout and of the meaning of the bits; other versions are refused.
 FORMAT_VERSION = 1
 
 
-#: What a file that is no archive of arrays, or a damaged one, makes its readers raise.
+#: Exceptions raised by the readers for files that are not archives of arrays, or damaged.
 DAMAGED = (
     ValueError, KeyError, EOFError, TypeError, AttributeError, NotImplementedError, RuntimeError,
     OSError, zipfile.BadZipFile, zlib.error,
@@ -35,7 +35,7 @@ DAMAGED = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class State:
-    """What a file holds."""
+    """Content of a file."""
 
     scene_hash: str
     settings: dict[str, Any]
@@ -58,11 +58,11 @@ def digest(head: dict[str, Any], arrays: dict[str, npt.NDArray[Any]]) -> str:
 
 
 def write(path: str | os.PathLike[str], state: State) -> None:
-    """Write a file; it appears whole or not."""
+    """Write a file atomically."""
     head = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
-        "viscache": version(),
+        "viscache": VERSION,
         "scene_hash": state.scene_hash,
         "settings": state.settings,
         "frame": state.frame,
@@ -86,7 +86,7 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     Raises
     ------
     ValueError
-        Not a cache, a damaged one, one of another version, or of another scene.
+        The file is not a cache, is damaged, has another version, or is of another scene.
     OSError
         The file cannot be read.
     """
@@ -94,12 +94,14 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     found = head.get("format_version")
     require(found == FORMAT_VERSION, f"{path}: the cache's version must be {FORMAT_VERSION}", found)
     scene = head.get("scene_hash")
-    require(scene == scene_hash,
-            f"{path}: the cache must be of the scene given, whose hash is {scene_hash}",
-            f"a cache of the scene {scene}")  # fmt: skip
+    require(
+        scene == scene_hash,
+        f"{path}: the cache must be of the scene given, whose hash is {scene_hash}",
+        f"a cache of the scene {scene}",
+    )
     claimed = head.pop("digest", None)
-    require(claimed == digest(head, arrays), f"{path}: the cache must be undamaged",
-            "content that its digest does not fit")  # fmt: skip
+    fits = claimed == digest(head, arrays)
+    require(fits, f"{path}: the cache must be undamaged", "content that its digest does not fit")
     w_min, delta_max = head["thresholds"]
     return State(
         scene_hash=scene_hash, settings=head["settings"], directions=arrays.pop("directions"),

@@ -1,4 +1,4 @@
-"""In which order pixels may insert records."""
+"""Orders in which pixels may insert records."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ Indices = npt.NDArray[np.int64]
 
 
 def pixel_order(order: str, width: int, height: int) -> Indices:
-    """Row-major numbers of the pixels in their order.
+    """Row-major indices of the pixels in the given order.
 
     Parameters
     ----------
     order : {"scanline", "hilbert", "coarse_to_fine"}
         Row by row; along Hilbert's curve; or every 2^k-th pixel of every 2^k-th row first, then
-        those in their middles.
+        those half way between them.
     width, height : int
-        Of the image.
+        Size of the image.
     """
     numbers = np.arange(width * height, dtype=np.int64)
     if order == "scanline":
@@ -33,7 +33,7 @@ def pixel_order(order: str, width: int, height: int) -> Indices:
 
 
 def _coarse_to_fine(x: Any, y: Any, bits: int) -> Indices:
-    """Reversed bits of both coordinates: the coarse places come first."""
+    """Interleaved reversed bits of both coordinates: coarse positions come first."""
     key = np.zeros_like(x)
     for bit in range(bits):
         key = key << 2 | (x >> bit & 1) << 1 | (y >> bit & 1)
@@ -41,7 +41,7 @@ def _coarse_to_fine(x: Any, y: Any, bits: int) -> Indices:
 
 
 def _hilbert(x: Any, y: Any, bits: int) -> Indices:
-    """Number along Hilbert's curve."""
+    """Index along Hilbert's curve."""
     x, y, key = x.copy(), y.copy(), np.zeros_like(x)
     for bit in reversed(range(bits)):
         step = 1 << bit

@@ -1,4 +1,4 @@
-"""What a cache of visibility maps hands out: its records, look-ups, and what an update did."""
+"""Data returned by a cache of visibility maps: records, lookups and update reports."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Records:
-    """Copies of what the cache holds, one row per record."""
+    """Copies of the records of a cache, one row per record."""
 
     positions: Floats
     """(N, 3)"""
@@ -24,36 +24,36 @@ class Records:
     bits: npt.NDArray[np.uint64]
     """(N, 4^m / 64): cell z, in Z order (Eq. 10), is bit z % 64 of word z // 64; 1 = free."""
     rays: npt.NDArray[np.uint32]
-    """(N,) exact rays the record was compared with."""
+    """(N,) number of exact rays compared with the record."""
     misses: npt.NDArray[np.uint32]
-    """(N,) of these, where its map was wrong."""
+    """(N,) of these, number of rays about which the map was wrong."""
     last_used: npt.NDArray[np.uint32]
-    """(N,) frame."""
+    """(N,) last frame in which the record was used."""
     ambient: Floats
     """(N,) A of Eq. 12, divided by π."""
     nearest_hit: Floats
-    """(N,) R; inf where nothing is hit, or with criterion "visibility"."""
+    """(N,) R; inf if nothing is hit, or with criterion "visibility"."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Lookup:
-    """What is blended at N points: Ṽ(x, ω) = Σ β_i V_i(ω) (Eq. 8)."""
+    """The records blended at N points: Ṽ(x, ω) = Σ β_i V_i(ω) (Eq. 8)."""
 
     ids: npt.NDArray[np.int64]
-    """(N, n_best) records, heaviest first; −1 where there are fewer."""
+    """(N, n_best) ids in descending order of weight; −1 if there are fewer."""
     beta: Floats
-    """(N, n_best) their shares, which sum to 1, or to 0 where there is no approximation."""
+    """(N, n_best) weights with sum 1, or sum 0 where there is no approximation."""
     candidates: npt.NDArray[np.int32]
     """(N,) records in reach with similar normals, at most m_nearest."""
     weight: Floats
-    """(N,) the greatest weight, as held against w_min."""
+    """(N,) the largest weight, as compared with w_min."""
     difference: Floats
-    """(N,) mean difference of the blended maps (Eq. 11); 0 of fewer than two."""
+    """(N,) mean difference of the blended maps (Eq. 11); 0 for fewer than two."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class UpdateReport:
-    """What an update did."""
+    """Statistics of an update."""
 
     frame: int
     inserted: int
@@ -62,15 +62,15 @@ class UpdateReport:
     no_candidate: int
     """Inserted because no record was in reach."""
     weight: int
-    """Inserted because none weighed as much as w_min."""
+    """Inserted because no weight reached w_min."""
     difference: int
     """Inserted because the blended maps differed by more than delta_max."""
     suppressed: int
-    """Pixels whose maps differ too much but where a record is too near for another."""
+    """Pixels whose maps differ too much, but where an existing record is too near."""
     duplicates: int
-    """Pixels, or start-up rays, where a record with the same normal stands already."""
+    """Pixels or start-up rays at which a record with the same normal already exists."""
     refused: int
-    """Pixels that wanted a record when max_records were there."""
+    """Pixels that needed a record when the cache was full."""
     rays: int
     """Rays traced for the new records."""
     lookups: int
@@ -79,4 +79,4 @@ class UpdateReport:
     misses: int
     """Pixels that see no surface."""
     bad_normals: int
-    """Pixels whose triangle has no normal: never served, never given a record."""
+    """Pixels whose triangle has no normal: they use no records and get none."""

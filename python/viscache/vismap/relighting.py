@@ -1,4 +1,4 @@
-"""Lighting design (paper: Section 6.2): an image under any environment light, without rays."""
+"""Lighting design (VisMap Sec. 6.2): an image under any environment light, without rays."""
 
 from __future__ import annotations
 
@@ -10,43 +10,43 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
-from viscache.environments import read_image
 from viscache.frame import Frame
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env
+from viscache.scene.cameras import find_camera
+from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
-from viscache.vismap.cache import Progress, VisibilityMapCache, checked_size
+from viscache.vismap.cache import VisibilityMapCache, checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]
 
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
-#: Rows of a light's image beyond which it is reduced: cells are some degrees wide.
+#: Light images with more rows are reduced, since the cells of maps are some degrees wide.
 MOST_ROWS = 256
 
 
 class Relighting:
-    """An image of a scene whose environment light can be turned and replaced in milliseconds.
+    """An image of a scene whose environment light can be rotated and replaced in milliseconds.
 
-    Camera paths are traced and the cache is asked once. The light of a pixel is then J = ∫ L·B̃·Ṽ:
-    free of noise, not unbiased, of the resolution of the maps. Light sources of the scene other
-    than its environment are left out.
+    Camera paths are traced and the cache is looked up once. The light of a pixel is then J = ∫
+    L·B̃·Ṽ: without noise, but biased, and limited by the resolution of the maps. Other lights of
+    the scene are ignored.
 
     Parameters
     ----------
     cache : VisibilityMapCache
-        Of the scene; by default it grows where the image needs it.
+        Cache of the scene. By default records are added where the image needs them.
     camera, size, threads, progress
         As in `viscache.render`.
     update : bool
-        Give records to pixels of this image that want one.
+        Insert records where the pixels of this image need them.
 
     Raises
     ------
     ValueError
-        A parameter out of range, or a cache with criterion "ambient".
+        A parameter is out of range, or the cache has the criterion "ambient".
 
     Examples
     --------
@@ -78,7 +78,7 @@ class Relighting:
         if update:
             cache.update(view, size=self.size, threads=threads)
         integrator = core_settings(Whitted())
-        integrator.centred = True  # as J is without noise, so is what it is summed over
+        integrator.centred = True  # J has no noise, so pixels are sampled at their centres
         frame = _core.FrameSettings()
         frame.width, frame.height = self.size
         frame.threads = self._threads
@@ -91,7 +91,7 @@ class Relighting:
 
     @property
     def nbytes(self) -> int:
-        """Bytes that are kept for the image."""
+        """Bytes stored for the image."""
         return self._core.nbytes
 
     def light(self, env: Env, *, rotation_deg: float = 0.0) -> npt.NDArray[np.float64]:
@@ -100,23 +100,27 @@ class Relighting:
         Parameters
         ----------
         env : path, float, (3,) or (H, W, 3)
-            As in `viscache.render`. Images of more than 256 rows are reduced first.
+            As in `viscache.render`. Images with more than 256 rows are reduced first.
         rotation_deg : float
-            About the y axis, counter-clockwise seen from above.
+            Rotation about the y axis, counter-clockwise as seen from above.
         """
         require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
         given = np.asarray(env, np.float32) if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
         if given.ndim < 3:
-            require(given.shape in ((), (1,), (3,)),
-                    "env must be a path, a number, 3 numbers or (H, W, 3) pixels, of shape",
-                    given.shape)  # fmt: skip
+            require(
+                given.shape in ((), (1,), (3,)),
+                "env must be a path, a number, 3 numbers or (H, W, 3) pixels, of shape",
+                given.shape,
+            )
             r, g, b = (float(v) for v in np.broadcast_to(given, (3,)))
             made = _core.sampling.EnvironmentMap.constant((r, g, b))
         else:
             made = _core.sampling.EnvironmentMap.from_latlong(
-                reduced(given), to_world=rotation(rotation_deg), resolution=128,
+                reduced(given),
+                to_world=rotation(rotation_deg),
+                resolution=128,
                 threads=self._threads,
-            )  # fmt: skip
+            )
         return np.asarray(_core.vismap.cell_light(made, self.cache.settings.m))
 
     def under(self, env: Env, *, rotation_deg: float = 0.0) -> Frame:
@@ -130,25 +134,29 @@ class Relighting:
         Returns
         -------
         Frame
-            Layer "color": J (H, W, 3), without what the camera sees of the light itself. Counters
-            "rays", which is 0, "records", and "unserved": eye points that no record speaks for.
+            Layer "color": J (H, W, 3), without directly visible light. Counters: "rays" (0),
+            "records", and "unserved", the number of eye points without records.
         """
         start, cpu = time.perf_counter(), time.process_time()
         image = self._core.image(self.light(env, rotation_deg=rotation_deg), self._threads)
         return Frame(
             layers={"color": image.astype(np.float32)},
             counters={
-                "rays": self._core.rays, "records": len(self.cache),
+                "rays": self._core.rays,
+                "records": len(self.cache),
                 "unserved": self._core.unserved,
             },
             timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
             parameters={
-                "scene": self.cache.scene.spec or self.cache.scene.name, "camera": self._view,
-                "scene_hash": self.cache.scene.content_hash, "size": list(self.size),
-                "rotation_deg": rotation_deg, "settings": asdict(self.cache.settings),
+                "scene": self.cache.scene.spec or self.cache.scene.name,
+                "camera": self._view,
+                "scene_hash": self.cache.scene.content_hash,
+                "size": list(self.size),
+                "rotation_deg": rotation_deg,
+                "settings": asdict(self.cache.settings),
             },
             provenance=provenance(self._threads or None),
-        )  # fmt: skip
+        )
 
 
 def rotation(degrees: float) -> npt.NDArray[np.float64]:
@@ -158,7 +166,7 @@ def rotation(degrees: float) -> npt.NDArray[np.float64]:
 
 
 def reduced(pixels: Floats) -> npt.NDArray[np.float32]:
-    """A lat-long image (H, W, C) of at most 256 rows: means over blocks by solid angle."""
+    """A lat-long image (H, W, C) reduced to at most 256 rows: block means by solid angle."""
     step = -(-pixels.shape[0] // MOST_ROWS)
     if step == 1 or pixels.shape[0] % step or pixels.shape[1] % step:
         return np.asarray(pixels, np.float32)

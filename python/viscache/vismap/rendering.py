@@ -1,4 +1,4 @@
-"""Frames whose environment is estimated with visibility maps."""
+"""Renders frames whose environment light is estimated with visibility maps."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from viscache import _core
 from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.rays import Rays
+from viscache.settings.vismaps import VisMaps
 from viscache.vismap.cache import VisibilityMapCache
-from viscache.vismap.estimate import VisMaps
 
 __all__ = ["render_with_maps"]
 
@@ -24,36 +24,44 @@ def render_with_maps(
     core: _core.IntegratorSettings,
     frame: _core.FrameSettings,
     visibility: VisMaps,
+    source: _core.OracleSource,
     *,
     replace: bool,
     progress: Any,
 ) -> dict[str, Any]:
-    """What `viscache.render` does with `VisMaps`; `geometry`: the scene before env= changed it.
+    """Implements `viscache.render` with `VisMaps`; `geometry` is the scene before env= changed it.
+
+    `source` makes the oracles that trace the rays.
 
     Adds the counters "records", "records_inserted" and "records_rays" and the timing "records_s".
 
     Raises
     ------
     ValueError
-        A scene without environment, an integrator without environment samples, a cache of another
-        scene.
+        The scene has no environment, the integrator takes no environment samples, or the cache is
+        of another scene.
     """
     kinds = {light["kind"] for light in scene.lights}
-    require(bool(kinds & {"constant", "environment"}),
-            "scene must have an environment light for visibility maps", "none")  # fmt: skip
-    require(core.direct and core.n_environment >= 1,
-            "integrator must sample the environment's light, n_environment >= 1",
-            core.n_environment)  # fmt: skip
+    fits = bool(kinds & {"constant", "environment"})
+    require(fits, "scene must have an environment light for visibility maps", "none")
+    require(
+        core.direct and core.n_environment >= 1,
+        "integrator must sample the environment's light, n_environment >= 1",
+        core.n_environment,
+    )
     core.environment = _core.EnvironmentSampling.PRODUCT
     settings = visibility.estimate(replace, core.points)
     cache = visibility.cache
     if cache is None:
         cache = VisibilityMapCache(geometry, visibility.map_settings(), rays=rays)
-    require(cache.settings.criterion == "visibility",
-            'the cache\'s criterion must be "visibility"', cache.settings.criterion)  # fmt: skip
+    if not isinstance(cache, VisibilityMapCache):
+        raise ValueError(f"cache must be a VisibilityMapCache, got {cache!r}")
+    fits = cache.settings.criterion == "visibility"
+    require(fits, 'the cache\'s criterion must be "visibility"', cache.settings.criterion)
     of_scene = cache.scene is geometry or cache.scene.content_hash in (
-        geometry.content_hash, scene.content_hash
-    )  # fmt: skip
+        geometry.content_hash,
+        scene.content_hash,
+    )
     require(of_scene, "cache must be of the scene", "one of another scene")
 
     start, before, records = time.perf_counter(), cache.rays, len(cache)
@@ -64,11 +72,13 @@ def render_with_maps(
     points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)
     records_s = time.perf_counter() - start
     with cache._lock:
-        result: dict[str, Any] = _core.render_vismap(
-            scene._core, caster, view, core, frame, settings, cache._core, points.d_max,
-            points.footprint, count_misses=visibility.count_misses, cache_frame=cache.frame,
-            progress=progress,
+        maps = _core.cache_maps(
+            settings, cache._core, frame, points.d_max, points.footprint,
+            count_misses=visibility.count_misses, cache_frame=cache.frame,
         )  # fmt: skip
+        result: dict[str, Any] = _core.render_frame(
+            scene._core, caster, view, core, frame, source, maps=maps, progress=progress
+        )
     result["counters"].update(records=len(cache), records_inserted=inserted, records_rays=traced)
     result["timings"]["records_s"] = records_s
     return result

@@ -1,4 +1,4 @@
-"""Single pixels of a picture in the world of the environment's texels, and what is true of them."""
+"""Single pixels of an image, discretised by the environment's texels, with their true values."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.cameras import find_camera
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera
 from viscache.scenes.light_product import (
     LUMINANCE,
     Hits,
@@ -29,24 +29,24 @@ Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 Doubles: TypeAlias = npt.NDArray[np.float64]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 
-#: The pilot: so many samples at so many points, from random numbers of its own.
+#: The pilot: number of points, and samples per point, with its own random numbers.
 PILOT_POINTS, PILOT_SAMPLES = 1000, 16
-#: Largest α that samples may give.
+#: Upper bound of an α from samples.
 MOST_ALPHA = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pixel:
-    """What is known of one pixel, over the texels and over the cells of its maps."""
+    """Data of one pixel, over the texels and over the cells of its maps."""
 
     scene: Scene
     start: Floats
-    """(3,) where its shadow rays start."""
+    """(3,) origin of its shadow rays."""
     normal: Floats
     texels: Floats
     """(R, R, 3) radiance."""
     directions: Floats
-    """(R², 3) to the texels' middles."""
+    """(R², 3) directions to the centres of the texels."""
     b: npt.NDArray[np.float32]
     """(R, R, 3)"""
     maps: Bools
@@ -61,7 +61,7 @@ class Pixel:
         return self.sees(np.arange(len(self.directions))).reshape(self.b.shape[:2])
 
     def sees(self, texels: npt.NDArray[np.integer[Any]]) -> Bools:
-        """Whether the middles of these texels, by row-major number, are visible."""
+        """True for texels (row-major indices) whose centre is visible."""
         towards = self.directions[texels]
         above = towards @ self.normal > 0
         seen = np.zeros(len(texels), bool)
@@ -70,7 +70,7 @@ class Pixel:
         return seen
 
     def truth(self) -> float:
-        """Luminance, exactly."""
+        """The exact luminance."""
         light = (self.texels.astype(float) * self.b)[self.visible].sum(axis=0) @ LUMINANCE
         return float(light * 4 * np.pi / self.visible.size)
 
@@ -92,7 +92,7 @@ class Pixel:
         return covariance / variance if variance > 1e-12 * float(g.sum()) ** 2 else 0.0
 
     def _blended(self) -> Doubles:
-        """Ṽ of the texels; where no map speaks it is zero."""
+        """Ṽ of the texels; zero without maps."""
         edge = len(self.b)
         if not len(self.beta):
             return np.zeros((edge, edge))
@@ -101,19 +101,19 @@ class Pixel:
 
 
 class Pixels:
-    """The pixels of a picture that see a surface.
+    """The pixels of an image that see a surface.
 
     Parameters
     ----------
     cache : VisibilityMapCache
-        Of a scene that `viscache.scenes.light_product` takes.
+        Cache of a scene that `viscache.scenes.light_product` accepts.
     camera : str, int or Camera, optional
     size : (width, height)
 
     Raises
     ------
     ValueError
-        A scene with other lights.
+        The scene has other lights.
     """
 
     def __init__(self, cache: VisibilityMapCache, camera: Any, size: tuple[int, int]) -> None:
@@ -129,16 +129,17 @@ class Pixels:
         self.light = _core.vismap.EnvironmentPyramid(self.texels)
 
     def chosen(self, count: int, seed: int) -> npt.NDArray[np.int64]:
-        """At most so many of them at random, in increasing order."""
+        """At most `count` randomly chosen pixels, in increasing order."""
         rng = np.random.Generator(np.random.PCG64(seed))
         return np.sort(rng.permutation(self.there)[:count])
 
     def at(self, chosen: npt.NDArray[np.int64]) -> Iterator[Pixel]:
-        """These pixels, with the maps that speak for them."""
+        """Yields these pixels with their maps."""
         cache, hits, asking = self.cache, self._hits, self._asking
         m, edge = cache.settings.m, len(self.texels)
-        lookup = cache.lookup(asking.positions[chosen], asking.normals[chosen],
-                              asking.d_max[chosen])  # fmt: skip
+        lookup = cache.lookup(
+            asking.positions[chosen], asking.normals[chosen], asking.d_max[chosen]
+        )
         bits = cache.records().bits
         for row, pixel in enumerate(chosen):
             b = reflected(cache.scene, hits, pixel, self._directions).astype(np.float32)
@@ -151,15 +152,15 @@ class Pixels:
 
 
 def pooled_alpha(pixels: Pixels, eta: float, points: Any, seed: int) -> float:
-    """α of a pilot: one regression over all its points, clamped to [0, 1.5].
+    """α from a pilot: one regression over all its points, clamped to [0, 1.5].
 
     Parameters
     ----------
     eta : float in (0, 1]
-        Floor of the density the samples are drawn from.
+        Minimum of the density of the samples.
     points : PointSet
     seed : int
-        Of points and samples; must not be that of the estimates.
+        Seed of points and samples; must differ from that of the estimates.
     """
     covariance = variance = 0.0
     for number, pixel in enumerate(pixels.at(pixels.chosen(PILOT_POINTS, seed))):
@@ -177,7 +178,7 @@ def pooled_alpha(pixels: Pixels, eta: float, points: Any, seed: int) -> float:
 def _blended(
     lookup: Lookup, row: int, bits: npt.NDArray[np.uint64], m: int
 ) -> tuple[Bools, npt.NDArray[np.float32], list[Bools]]:
-    """Maps of a looked-up point, their shares, and what grew from them (V^1, V^2, V^3)."""
+    """Maps of a looked-up point, their weights, and their dilations (V^1, V^2, V^3)."""
     speaks = lookup.beta[row] > 0
     words = [bits[i] for i in lookup.ids[row][speaks]]
     grown = 3 if m >= 6 else 2
@@ -191,7 +192,7 @@ def _blended(
 
 
 def _as_image(words: npt.NDArray[np.uint64], m: int) -> Bools:
-    """A map's cells, row by row, from its words in Z order."""
+    """The cells of a map, row by row, from its words in Z order."""
     axis = np.arange(1 << m, dtype=np.uint32)
     z = _core.vismap.morton2(*np.meshgrid(axis, axis)).astype(np.int64)
     return np.asarray((words[z // 64] >> (z % 64).astype(np.uint64) & np.uint64(1)) > 0)

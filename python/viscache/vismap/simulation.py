@@ -1,8 +1,8 @@
-"""Estimates of single pixels many times over, where the true visibility is known.
+"""Repeated estimates of single pixels with known true visibility.
 
-The world is that of the environment's texels: light, reflection and visibility are constant inside
-each, so that the true value is a sum and no reference picture is needed. Reflection and visibility
-are those of the scene at the texels' middles.
+Light, reflection and visibility are constant inside each texel of the environment, so that the true
+value is a sum and no reference image is needed. Reflection and visibility are those of the scene at
+the centres of the texels.
 """
 
 from __future__ import annotations
@@ -24,33 +24,33 @@ __all__ = ["PixelEstimates", "Way", "one_shot_passes", "simulate"]
 
 Alpha: TypeAlias = float | Literal["loo", "previous_pass", "oracle"]
 
-#: The first pass of a frame of few samples, and the least that is worth a pass.
+#: Size of the first pass of a frame with few samples, and minimum size of a pass.
 FIRST_PASS = 10
-#: Set apart from the seeds of estimates, which count up from the given one.
+#: Offset from the seeds of estimates, which count up from the given seed.
 PILOT_SEED = 1 << 40
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Way:
-    """One way to estimate a pixel.
+    """A method to estimate a pixel.
 
     Parameters
     ----------
     alpha : float or {"loo", "previous_pass", "oracle"}
-        Factor of the control variate: 1 is the paper's, 0 plain product sampling. "oracle": the
-        best for independent points, by summation over the true visibility.
+        Coefficient of the control variate: 1 as in the paper, 0 for plain product sampling.
+        "oracle": the best for independent points, by summation over the true visibility.
     eta : float in (0, 1]
-        Floor of the guided density; 1: product sampling.
+        Minimum of the guided density; 1: product sampling.
     points : {"iid", "rqmc"}
         Independent points, or a randomised (0,2)-sequence.
     passes : int >= 1
-        Passes before and with the one that counts: with "previous_pass", α comes from the others.
+        Number of passes. Only the last one counts; with "previous_pass", α comes from the others.
     one_shot : bool
-        The samples are all there are: with "previous_pass", they are parted as `one_shot_passes`
-        says, and the mean of all counts.
+        The given samples are all samples of the pixel. With "previous_pass", they are divided as in
+        `one_shot_passes`, and the mean of all passes counts.
     first : {"one", "pilot"}
-        α of the first pass with "previous_pass": the paper's, or pooled from 16 samples at 1000
-        random pixels.
+        α of the first pass with "previous_pass": 1 as in the paper, or pooled from 16 samples at
+        1000 random pixels.
     """
 
     alpha: Alpha = 0.0
@@ -64,20 +64,20 @@ class Way:
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.passes >= 1, "passes must be >= 1", self.passes)
         named = self.alpha in ("loo", "previous_pass", "oracle")
-        require(named or isinstance(self.alpha, (int, float)),
-                'alpha must be a number, "loo", "previous_pass" or "oracle"',
-                self.alpha)  # fmt: skip
-        require(self.alpha != "loo" or self.points == "iid", 'alpha="loo" needs points="iid"',
-                self.points)  # fmt: skip
+        fits = named or isinstance(self.alpha, (int, float))
+        require(fits, 'alpha must be a number, "loo", "previous_pass" or "oracle"', self.alpha)
+        fits = self.alpha != "loo" or self.points == "iid"
+        require(fits, 'alpha="loo" needs points="iid"', self.points)
         once = not self.one_shot or self.passes == 1
         require(once, "passes must be 1 with one_shot", self.passes)
         require(self.first in ("one", "pilot"), 'first must be "one" or "pilot"', self.first)
         by_passes = self.alpha == "previous_pass" or not (self.one_shot or self.first == "pilot")
-        require(by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"',
-                self.alpha)  # fmt: skip
+        require(
+            by_passes, 'alpha must be "previous_pass" with one_shot or first="pilot"', self.alpha
+        )
 
     def sizes(self, samples: int) -> list[int]:
-        """Samples of every pass."""
+        """Number of samples of every pass."""
         return one_shot_passes(samples) if self.one_shot else [samples] * self.passes
 
 
@@ -88,11 +88,11 @@ class PixelEstimates:
     truth: npt.NDArray[np.float64]
     """(P,)"""
     estimates: dict[tuple[Way, int], npt.NDArray[np.float64]]
-    """(replicates, P) of every way and number of samples."""
+    """(replicates, P) for every method and number of samples."""
 
 
 def one_shot_passes(samples: int) -> list[int]:
-    """How a single frame's samples are parted: 10, 20, 40, …, the rest; none below ten.
+    """Division of the samples of a single frame: 10, 20, 40, …, the rest; no pass below ten.
 
     Examples
     --------
@@ -119,25 +119,25 @@ def simulate(
     seed: int = 0,
     threads: int | None = None,
 ) -> PixelEstimates:
-    """Estimate random pixels of a picture, independently and many times.
+    """Estimate random pixels of an image, independently and many times.
 
     Parameters
     ----------
     cache : VisibilityMapCache
-        Of a scene that `viscache.scenes.light_product` takes; stays as it is.
+        Cache of a scene that `viscache.scenes.light_product` accepts; it is not changed.
     ways : sequence of Way
     samples : sequence of int >= 1
-        Per pixel and pass, or in all where the way is `one_shot`.
+        Per pixel and pass, or in total if the method is `one_shot`.
     camera : str, int or Camera, optional
-        As `viscache.render` takes it.
+        As in `viscache.render`.
     size : (width, height)
-        Of the picture: pixels decide how far records are looked for.
+        Size of the image; the size of pixels determines the search radius for records.
     n_pixels : int >= 1
-        Drawn from those that see a surface, all of them if there are fewer.
+        Number of pixels chosen from those that see a surface; all of them if there are fewer.
     replicates : int >= 2
-        Independent estimates of every pixel.
+        Number of independent estimates of every pixel.
     seed : int >= 0
-        Of the pixels and their samples.
+        Seed of the pixels and their samples.
     threads : int, optional
         All cores by default.
 
@@ -148,7 +148,7 @@ def simulate(
     Raises
     ------
     ValueError
-        A parameter out of range, or a scene with other lights.
+        A parameter is out of range, or the scene has other lights.
     """
     require(n_pixels >= 1, "n_pixels must be >= 1", n_pixels)
     require(replicates >= 2, "replicates must be >= 2", replicates)
@@ -180,7 +180,7 @@ def simulate(
 def _counts(
     passes: npt.NDArray[np.float64], way: Way, sizes: list[int]
 ) -> npt.NDArray[np.floating[Any]]:
-    """What counts of the passes (replicates, passes): the last, or the mean of all samples."""
+    """The result of the passes (replicates, passes): the last pass, or the mean of all samples."""
     return passes @ np.array(sizes) / sum(sizes) if way.one_shot else passes[:, -1]
 
 
@@ -194,7 +194,7 @@ def _mode(way: Way) -> Any:
 
 
 def _alpha(way: Way, pixel: Pixel, point: Any, first: Mapping[tuple[float, str], float]) -> float:
-    """The number, or the first pass's."""
+    """The given α, or that of the first pass."""
     if way.alpha == "oracle":
         return pixel.oracle_alpha(point)
     if isinstance(way.alpha, str):

@@ -1,47 +1,43 @@
-"""Aligned rays: what points see along directions they all share."""
+"""Aligned rays: what points see along shared directions."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Vlf
 from viscache.vlf.directions import checked_directions
-
-if TYPE_CHECKING:
-    from viscache.vlf.field import VisibilityField
+from viscache.vlf.field import VisibilityField
 
 __all__ = ["AlignedRows", "Engine", "aligned_occlusion", "trace_aligned"]
 
 Engine: TypeAlias = Literal["auto", "batch", "embree", "field"]
-#: Seconds that a reference takes to build; a triangle has one per direction at least.
+#: Seconds to build one reference; a triangle has at least one per direction.
 BUILD_REFERENCE_S = 75e-9
-#: The field must be cheaper by this much: its prediction is good to a factor of 1.6.
+#: The field must be cheaper by this factor, since its prediction is accurate to a factor of 1.6.
 FIELD_MARGIN = 0.6
-#: No ray of Embree took longer, point by point, in the scenes measured, however few the points.
+#: Upper bound of Embree's time per ray, point by point, in all measured scenes.
 MOST_EMBREE_NS = 600.0
-Progress: TypeAlias = bool | Callable[[int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AlignedRows:
-    """What N points see along l axes."""
+    """Visibility of N points along l axes."""
 
     bits: npt.NDArray[np.uint64]
     """(N, ⌈l/64⌉): bit k % 64 of word k // 64 is 1 if nothing blocks the point's ray along axis k,
     on the side of its normal; padding bits are 0."""
     n_directions: int
     engine: Literal["batch", "embree", "field"]
-    """What traced the rays."""
+    """The engine that traced the rays."""
     reason: str
     """Why it was chosen."""
     seconds: float
@@ -49,7 +45,7 @@ class AlignedRows:
 
     @property
     def n_rays(self) -> int:
-        """One per point and axis."""
+        """Number of rays: one per point and axis."""
         return len(self.bits) * self.n_directions
 
 
@@ -64,7 +60,7 @@ def aligned_occlusion(
     threads: int | None = None,
     progress: Progress = False,
 ) -> npt.NDArray[np.uint64]:
-    """Bit rows (N, ⌈l/64⌉) of what points see along shared axes: `trace_aligned(…).bits`.
+    """Bit rows (N, ⌈l/64⌉) of visibility along shared axes: `trace_aligned(…).bits`.
 
     Examples
     --------
@@ -93,41 +89,42 @@ def trace_aligned(
     threads: int | None = None,
     progress: Progress = False,
 ) -> AlignedRows:
-    """Ambient occlusion's rays of the paper's Sec. 7: one along each axis, above the surface.
+    """Trace the rays of ambient occlusion (VLF Sec. 7): one along each axis, above the surface.
 
     Parameters
     ----------
     scene : Scene
     points : (N, 3) float
-        On surfaces; rays start 8 units in the last place off them (visibility/query.h).
+        Points on surfaces; rays start 8 units in the last place away (visibility/query.h).
     normals : (N, 3) float
-        Unit, on the side that looks. Of an axis at right angles to the normal, the ray runs along
-        it.
+        Unit normals on the visible side. If an axis is perpendicular to the normal, the ray runs
+        along the axis.
     n_directions : int
         l of `vlf.directions`: 1, 3, 9, 33, 129, 513, 2049 or 8193.
     t_max : float > 0
-        How far the points look, in scene units.
+        Length of the rays in scene units.
     engine : {"auto", "batch", "embree", "field"}
-        "batch": per axis, all triangles stream past all points. "embree": packets of 16 rays.
-        "field": by look-up in a visibility field, one tile a ray, axis by axis. "auto": the one of
-        less predicted cost, which depends on scene, points, the field given and the instruction
-        set, not on time; `AlignedRows.reason` says why. All are watertight; they may differ for
-        rays within rounding of an edge, and along triangles seen exactly edge-on, which the batch
-        never hits.
+        "batch": for each axis, all triangles stream past all points. "embree": packets of 16 rays.
+        "field": lookup in a visibility field, one tile per ray, axis by axis. "auto": the engine of
+        lowest predicted cost, which depends on the scene, the points, the given field and the
+        instruction set, but not on timing; `AlignedRows.reason` gives the reason. All are
+        watertight. They may differ for rays within rounding error of an edge, and along triangles
+        seen exactly edge-on, which the batch never hits.
     field : VisibilityField, optional
-        Of the same scene and directions, not snapped. Without one, "field" builds that of
-        `Vlf(n_directions=n_directions)`, and "auto" counts its building.
+        A field of the same scene and directions, not snapped. Without one, "field" builds that of
+        `Vlf(n_directions=n_directions)`, and "auto" includes its build time.
     threads : int >= 1, optional
         All cores by default; the bits do not depend on it.
     progress : bool or callable
-        True shows a bar; a callable gets (done, total).
+        True shows a progress bar; a callable is called with (done, total).
 
     Raises
     ------
     ValueError
-        An argument out of range; for batch and field also points 1e9 times the scene's size away.
+        An argument is out of range; for batch and field also points farther away than 1e9 times the
+        scene's size.
     MemoryError
-        A field that does not fit its budget.
+        The field does not fit its budget.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
     """
@@ -150,9 +147,8 @@ def trace_aligned(
             settings = Vlf(n_directions=n_directions)
             core = field._core if field else scene.caster(settings, threads=threads)
             bits = _core.vlf.field_rows(
-                core, points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+                core, points, normals, frames, t_max=t_max, threads=n_threads, progress=report
+            )
         else:
             bits = _core.vlf.embree_rows(
                 scene.caster(), points, normals, frames,
@@ -179,13 +175,13 @@ class _Asked(NamedTuple):
 def _check_field(field: VisibilityField | None, scene: Scene, n_directions: int) -> None:
     if field is None:
         return
-    from viscache.vlf.field import VisibilityField
-
     require(isinstance(field, VisibilityField), "field must be a VisibilityField", field)
     same = field.scene is scene and field.n_directions == n_directions
-    require(same and not field.settings.snap,
-            f"field must be of the scene, of {n_directions} directions and not snapped",
-            field)  # fmt: skip
+    require(
+        same and not field.settings.snap,
+        f"field must be of the scene, of {n_directions} directions and not snapped",
+        field,
+    )
 
 
 def _choose(
@@ -196,9 +192,13 @@ def _choose(
     if _core.vlf.is_hopeless(scene.triangles, n_points):
         return "embree", f"too few points for so many triangles: {size}"
     is_batch, batch_ns, embree_ns = scene.aligned_batch().choose(
-        scene._core, asked.points, asked.normals, asked.frames,
-        t_max=asked.t_max, threads=asked.threads,
-    )  # fmt: skip
+        scene._core,
+        asked.points,
+        asked.normals,
+        asked.frames,
+        t_max=asked.t_max,
+        threads=asked.threads,
+    )
     best = FIELD_MARGIN * min(batch_ns if is_batch else embree_ns, MOST_EMBREE_NS)
     field_ns, why = _predict_field(asked, field, best)
     costs = f"batch {batch_ns:.0f}, Embree {embree_ns:.0f}, field {why}"
@@ -209,12 +209,12 @@ def _choose(
 
 
 def _predict_field(asked: _Asked, field: VisibilityField | None, best: float) -> tuple[float, str]:
-    """Nanoseconds per ray, its building shared out, and how they come about; inf: never."""
+    """Nanoseconds per ray, including a share of the build, and an explanation; inf: never."""
     scene, n_rays = asked.scene, len(asked.points) * len(asked.frames)
     if field is not None:
         cost = _core.vlf.predict_field_rows(scene._core, field._core.settings)
         return cost["ray_ns"], f"{cost['ray_ns']:.0f} ({cost['tests']:.1f} tests, built already)"
-    # What no field can do without: one tile a ray, and each triangle in a list of each direction
+    # Lower bound for any field: one tile per ray, and each triangle in one list per direction
     share = 1e9 / max(n_rays, 1)
     least_s = BUILD_REFERENCE_S * scene.triangles * len(asked.frames)
     least = _core.vlf.FIELD_RAY_NS + least_s * share

@@ -1,4 +1,4 @@
-"""The directions of the visibility field: unsigned axes spread over the half sphere."""
+"""The directions of the visibility field: unsigned axes distributed over the hemisphere."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = [
     "nearest_direction",
 ]
 
-#: What n_directions may be: 1, and 2·4^k + 1.
+#: Allowed values of n_directions: 1, and 2·4^k + 1.
 DIRECTION_COUNTS = (1, 3, 9, 33, 129, 513, 2049, 8193)
 
 
@@ -29,7 +29,7 @@ def checked_directions(n_directions: Any) -> int:
     Raises
     ------
     ValueError
-        It is none of DIRECTION_COUNTS.
+        It is not one of DIRECTION_COUNTS.
     """
     counts = ", ".join(map(str, DIRECTION_COUNTS))
     holds = is_whole(n_directions) and int(n_directions) in DIRECTION_COUNTS
@@ -38,7 +38,7 @@ def checked_directions(n_directions: Any) -> int:
 
 
 def directions(n_directions: int = 513) -> npt.NDArray[np.float32]:
-    """The axes Ω_l of the paper's Sec. 3.1: a subdivided half octahedron.
+    """The axes Ω_l (VLF Sec. 3.1): a subdivided half octahedron.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def directions(n_directions: int = 513) -> npt.NDArray[np.float32]:
     Returns
     -------
     (l, 3) float32
-        Unit, z >= 0; of a direction of the equator and its opposite only one. An axis has no sign:
-        for any normal it points into the hemisphere one way or the other.
+        Unit vectors with z >= 0; of a direction on the equator and its opposite only one. An axis
+        has no sign: for any normal, one of its two directions points into the hemisphere.
 
     Raises
     ------
     ValueError
-        Another number.
+        The number is not allowed.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def directions(n_directions: int = 513) -> npt.NDArray[np.float32]:
 
 
 def direction_frames(n_directions: int = 513) -> npt.NDArray[np.float32]:
-    """Rotations into the axes' canonical spaces.
+    """Rotations into the canonical spaces of the axes.
 
     Returns
     -------
@@ -78,12 +78,12 @@ def direction_frames(n_directions: int = 513) -> npt.NDArray[np.float32]:
 
 
 def direction_weights(n_directions: int = 513) -> npt.NDArray[np.float32]:
-    """Solid angles of the axes' cells: spherical Voronoi areas.
+    """Solid angles of the cells of the axes: spherical Voronoi areas.
 
     Returns
     -------
     (l,) float32
-        In sr; they add up to 2π. The paper weighs all axes alike, which biases sums over the
+        In sr; the sum is 2π. The paper weights all axes equally, which biases sums over the
         hemisphere: at l = 513 the cells have 0.79 to 1.60 times their mean.
     """
     return _core.vlf.direction_weights(checked_directions(n_directions))
@@ -95,19 +95,19 @@ def nearest_direction(d: npt.ArrayLike, n_directions: int = 513) -> npt.NDArray[
     Parameters
     ----------
     d : (N, 3) float
-        Of any length but 0.
+        Of any length except 0.
     n_directions : int
         l.
 
     Returns
     -------
     (N,) int64
-        Indices into `directions`; the lowest of equally near ones.
+        Indices into `directions`; of equally near ones the lowest.
 
     Raises
     ------
     ValueError
-        A direction that is zero or not finite.
+        A direction is zero or not finite.
     """
     count = checked_directions(n_directions)
     nearest = _core.vlf.nearest_direction(checked_points(d, "d"), count)

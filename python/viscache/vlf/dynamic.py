@@ -1,20 +1,17 @@
-"""Objects that come, go and move in a visibility field."""
+"""Objects that are added, removed and moved in a visibility field."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
+from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Vlf
-
-if TYPE_CHECKING:
-    from viscache.render import Progress
-    from viscache.scene import Scene
 
 __all__ = ["DynamicField", "DynamicHits"]
 
@@ -25,11 +22,11 @@ class DynamicHits(NamedTuple):
     Attributes
     ----------
     t : (N,) float32
-        Distance in units of the direction's length; inf where nothing is hit.
+        Distance in units of the direction's length; inf for a miss.
     object : (N,) int64
-        The object hit; -1 for the scene, -2 for nothing.
+        The hit object; -1 for the scene, -2 for a miss.
     triangle : (N,) int64
-        Index among the object's triangles, or the scene's as in `Intersection`; -1 for a miss.
+        Index of the triangle in the object, or in the scene as in `Intersection`; -1 for a miss.
     barycentrics : (N, 2) float32
         Weights of the triangle's vertices 1 and 2; NaN for a miss.
     """
@@ -43,28 +40,29 @@ class DynamicHits(NamedTuple):
 class DynamicField:
     """A visibility field over a scene and over objects that are inserted, moved and deleted.
 
-    To move an object, every direction takes it out of the tiles it touches and puts it in again
-    where it went (Mortensen, Khanna, Yu, Slater 2007, Sec. 8): the cost is that of rasterizing the
-    object, whatever the scene. Answers are those of a field built from scratch. It answers rays;
-    frames are of scenes, which do not change.
+    To move an object, every direction removes it from the tiles it touches and inserts it at its
+    new place (Mortensen, Khanna, Yu, Slater 2007, Sec. 8). The cost is that of rasterizing the
+    object and does not depend on the scene. Answers are those of a field built from scratch. A
+    dynamic field only traces rays; it cannot be used for rendering frames.
 
     Parameters
     ----------
     scene : Scene
     settings : Vlf, optional
-        `head_room` is the room objects have: the field's ball is that many times the scene's
-        bounding sphere. Not lazy, not snapped. 1.25 times and all else default, by default.
+        `head_room` is the space available to objects: the radius of the field's ball relative to
+        the scene's bounding sphere. Lazy or snapped fields are not supported. Default: a head room
+        of 1.25 and default values otherwise.
     mode : {"overlay", "in_place"}
-        "overlay": an object has lists of its own over the tiles it touches. "in_place", the
-        paper's: its triangles go into the scene's lists.
+        "overlay": an object has its own lists over the tiles that it touches. "in_place" (as in the
+        paper): its triangles are inserted into the lists of the scene.
     threads : int, optional
-        To build with; all cores by default.
+        Threads of the build; all cores by default.
     progress : bool or callable
 
     Raises
     ------
     MemoryError
-        The scene's field would need more than `settings.max_bytes`.
+        The field of the scene would need more than `settings.max_bytes`.
     ValueError
         A parameter out of range.
 
@@ -121,12 +119,12 @@ class DynamicField:
         Returns
         -------
         int
-            Number of the object; numbers are not used again.
+            Number of the object; numbers are not reused.
 
         Raises
         ------
         ValueError
-            It leaves the field's ball, or an index or vertex cannot be used.
+            The object leaves the ball of the field, or an index or vertex is invalid.
         """
         indices = np.asarray(triangles)
         whole = indices.dtype.kind in "iu" or indices.size == 0
@@ -139,7 +137,7 @@ class DynamicField:
         return self._core.insert(points, rows.astype(np.uint32), checked_threads(threads))
 
     def delete(self, number: int, *, threads: int | None = None) -> None:
-        """Take an object out.
+        """Remove an object.
 
         Raises
         ------
@@ -155,14 +153,15 @@ class DynamicField:
         ----------
         number : int
         matrix : (3, 4) or (4, 4) float
-            From where it was inserted to where it goes: transforms do not add up.
+            Transform from the place of insertion to the new place; transforms do not accumulate.
         threads : int, optional
             All cores by default.
 
         Raises
         ------
         ValueError
-            There is no such object, the matrix cannot be used, or it leaves the field's ball.
+            There is no such object, the matrix is invalid, or the object leaves the ball of the
+            field.
         """
         m = np.asarray(matrix, dtype=np.float64)
         affine = m.shape == (3, 4) or (m.shape == (4, 4) and np.allclose(m[3], [0, 0, 0, 1]))
@@ -191,7 +190,7 @@ class DynamicField:
 
     @property
     def stats(self) -> dict[str, int]:
-        """objects, and bytes of the lists and triangles."""
+        """Number of objects, and bytes of lists and triangles."""
         return {"objects": self._core.objects, "bytes": self._core.bytes}
 
 

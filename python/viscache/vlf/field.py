@@ -1,32 +1,29 @@
-"""The visibility field as an object: built once, asked for rays."""
+"""The visibility field as an object: built once, then used to trace rays."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import _core
-from viscache.progress import progress_bar
+from viscache.progress import Progress, progress_bar
+from viscache.scene import Intersection, Scene
 from viscache.settings.checks import checked_points, checked_threads
 from viscache.settings.rays import Vlf
-
-if TYPE_CHECKING:
-    from viscache.render import Progress
-    from viscache.scene import Intersection, Scene
 
 __all__ = ["VisibilityField"]
 
 
 class VisibilityField:
-    """Which triangles lie along beams in fixed directions, and rays by look-up (VLF-RT).
+    """Lists of triangles along beams in fixed directions; rays are traced by lookup (VLF-RT).
 
-    For each of `n_directions` axes the scene is projected onto `n_tiles` × `n_tiles` tiles; each
-    tile lists the triangles it meets, parted along its depth. A ray takes the axis nearest to its
-    direction and tests what the few tiles list that it crosses (Mortensen, Khanna, Yu, Slater
-    2007). Answers are exact: those of the triangle kernel, whatever the parameters.
+    For each of `n_directions` axes the scene is projected onto `n_tiles` × `n_tiles` tiles. Each
+    tile lists the triangles that overlap it, divided along its depth. A ray takes the axis nearest
+    to its direction and tests the triangles listed by the few tiles that it crosses (Mortensen,
+    Khanna, Yu, Slater 2007). Answers are exact: those of the triangle kernel, for any parameters.
 
     Parameters
     ----------
@@ -36,24 +33,22 @@ class VisibilityField:
     n_tiles : int in [1, 4096] or "auto"
         n: tiles along an edge of a subfield.
     bsp_depth : int in [0, 12] or "auto"
-        Most halvings of a tile's depth.
-    max_bytes : int
-        Budget. What would need more is refused before it is built; "auto" parameters are chosen to
-        fit.
+        Maximum number of halvings of a tile's depth. max_bytes : int Memory budget. A field that
+        would exceed it is refused before it is built; "auto" parameters are chosen to fit.
     settings : Vlf, optional
-        Everything else; the four parameters above win over its.
+        All other settings; the four parameters above take precedence.
     threads : int, optional
-        To build with; all cores by default. The field is the same on any number.
+        Threads of the build; all cores by default. The field is the same for any number.
     progress : bool or callable
-        True shows a bar; a callable gets (done, total).
+        True shows a progress bar; a callable is called with (done, total).
 
     Raises
     ------
     MemoryError
-        The field would need more than `max_bytes`; the message names the bytes predicted and the
+        The field would need more than `max_bytes`; the message gives the predicted bytes and the
         largest parameters that fit.
     ValueError
-        A parameter out of range.
+        A parameter is out of range.
 
     Examples
     --------
@@ -105,16 +100,16 @@ class VisibilityField:
 
     @property
     def bsp_depth(self) -> int:
-        """Most halvings of a tile's depth, as built."""
+        """Maximum number of halvings of a tile's depth, as built."""
         return self._core.settings.bsp_depth
 
     @property
     def stats(self) -> dict[str, int]:
-        """What was built.
+        """Statistics of the field.
 
         triangles, degenerate (without area, left out), subfields, tiles, empty_tiles, leaves,
-        references (entries of all lists), bytes; of a lazy field those present now, besides built
-        and given_up, ever.
+        references (entries of all lists), bytes. For a lazy field these count the existing
+        subfields; built and given_up count all that were ever built and evicted.
         """
         return self._core.stats
 
@@ -122,15 +117,15 @@ class VisibilityField:
     def memory_estimate(
         cls, scene: Scene, settings: Vlf | None = None, *, threads: int | None = None
     ) -> int:
-        """Bytes a field of these settings would take, within a few per cent.
+        """Predict the bytes of a field with these settings, within a few per cent.
 
-        Builds eight of its subfields, one after another.
+        Builds eight of its subfields, one at a time.
         """
         core = (settings or Vlf()).core()
         return _core.vlf.predicted_bytes(scene._core, core, checked_threads(threads))
 
     def tile_entries(self, direction: int) -> npt.NDArray[np.int64]:
-        """How many entries each tile of one axis lists: a picture of the scene along it.
+        """Number of entries in each tile of one axis: an image of the scene along it.
 
         Parameters
         ----------
@@ -140,8 +135,8 @@ class VisibilityField:
         Returns
         -------
         (n, n) int64
-            Row by v, column by u of `viscache.vlf.direction_frames`; a triangle that lies in
-            several parts of a tile's depth counts in each. A lazy field builds the axis first.
+            Rows along v, columns along u of `viscache.vlf.direction_frames`. A triangle in several
+            leaves of a tile counts once in each. A lazy field builds the axis first.
         """
         lists = self._core.subfield(direction)
         ends = lists["first_id"][lists["first_leaf"]].astype(np.int64)
@@ -151,8 +146,6 @@ class VisibilityField:
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
         """Nearest hits of (N, 3) rays; as `Scene.intersect`."""
-        from viscache.scene import Intersection
-
         o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
         return Intersection(*self._core.intersect(o, d, checked_threads(threads)))
 

@@ -1,0 +1,81 @@
+// Rendering frames: tiles of eye points, and bidirectional paths. Any source of oracles serves both.
+#include <pybind11/pybind11.h>
+
+#include "frame_dict.h"
+#include "frame_maps.h"
+#include "interrupt.h"
+#include "viscache/render/bdpt.h"
+#include "viscache/render/frame.h"
+#include "viscache/vlf/directions.h"
+
+namespace py = pybind11;
+
+namespace viscache::bindings {
+
+namespace {
+
+/// Who may trace the shared directions of ambient occlusion; nothing where the integrator has none.
+std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const IntegratorSettings& integrator,
+                                              const AlignedBatch* batch, const VisibilityField* field) {
+    if (!integrator.ambient || !integrator.ambient_aligned) return std::nullopt;
+    if (integrator.n_ambient < 0 || !is_direction_count(uint64_t(integrator.n_ambient)))
+        throw py::value_error("n_ambient must be a number of directions, got " +
+                              std::to_string(integrator.n_ambient));
+    if ((integrator.ambient_engine == AmbientEngine::kField) != (field != nullptr))
+        throw py::value_error("a field must be given if and only if the integrator asks for it");
+    const auto* embree = dynamic_cast<const EmbreeCaster*>(&caster);
+    if (!embree) throw py::value_error("shared directions need Embree as ray caster");
+    return AlignedEngines{batch, *embree, field};
+}
+
+void check_maps(const Scene& scene, const IntegratorSettings& integrator) {
+    if (!scene.environment())
+        throw py::value_error("scene must have an environment light for visibility maps");
+    if (integrator.environment != EnvironmentSampling::kProduct || integrator.n_environment < 1)
+        throw py::value_error("integrator must sample the environment by its product, n_environment >= 1");
+}
+
+py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                      const IntegratorSettings& integrator, const FrameSettings& frame, OracleSource& source,
+                      const FrameMaps* maps, const AlignedBatch* batch, const VisibilityField* field,
+                      const py::object& progress) {
+    if (maps) check_maps(scene, integrator);
+    const auto engines = aligned_engines(caster, integrator, batch, field);
+    FrameResult result;
+    run_interruptible(
+        [&](Control& control) {
+            result = render_frame(scene, caster, camera, integrator, frame, source, control,
+                                  maps ? &maps->maps : nullptr, engines ? &*engines : nullptr);
+        },
+        progress);
+    if (result.tally && maps->take_tally) maps->take_tally(*result.tally);
+    return frame_dict(result);
+}
+
+py::dict render_paths(const Scene& scene, const RayCaster& caster, const Camera& camera,
+                      const BdptSettings& settings, const FrameSettings& frame, OracleSource& source,
+                      const py::object& progress) {
+    FrameResult result;
+    run_interruptible(
+        [&](Control& control) {
+            result = render_bdpt(scene, caster, camera, settings, frame, source, control);
+        },
+        progress);
+    return frame_dict(result);
+}
+
+}  // namespace
+
+void bind_frames(py::module_& m) {
+    m.def("render_frame", &render_tiles, py::arg("scene"), py::arg("caster"), py::arg("camera"),
+          py::arg("integrator"), py::arg("frame"), py::arg("source"), py::kw_only(),
+          py::arg("maps") = py::none(), py::arg("batch") = py::none(), py::arg("field") = py::none(),
+          py::arg("progress") = py::none(),
+          "A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. "
+          "`batch` and `field`: who may trace shared directions of ambient occlusion.");
+    m.def("render_bdpt", &render_paths, py::arg("scene"), py::arg("caster"), py::arg("camera"),
+          py::arg("settings"), py::arg("frame"), py::arg("source"), py::kw_only(),
+          py::arg("progress") = py::none(), "A frame of bidirectional paths. `source` serves one frame.");
+}
+
+}  // namespace viscache::bindings

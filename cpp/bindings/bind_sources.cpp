@@ -1,0 +1,69 @@
+// What makes the oracles of a frame.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "viscache/aqvc/aqvc_source.h"
+#include "viscache/visibility/exact_source.h"
+#include "viscache/visibility/residual_source.h"
+#include "viscache/visibility/roulette_source.h"
+#include "viscache/visibility/shadow_map_source.h"
+#include "viscache/vlf/aligned_source.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+std::optional<Coherence> flag_of(std::optional<bool> coherent) {
+    if (!coherent) return std::nullopt;
+    return *coherent ? Coherence::kCoherent : Coherence::kIncoherent;
+}
+
+}  // namespace
+
+void bind_sources(py::module_& m) {
+    using KeepScene = py::keep_alive<1, 2>;
+    using KeepCaster = py::keep_alive<1, 3>;
+    const auto scene = py::arg("scene"), caster = py::arg("caster");
+    py::class_<OracleSource>(m, "OracleSource", "Makes the oracles of one frame.");
+    py::class_<ExactSource, OracleSource>(m, "ExactSource", "See viscache.Exact.")
+        .def(py::init([](const Scene& s, const RayCaster& c, std::optional<PacketOrder> order,
+                         std::optional<bool> coherent) {
+                 return std::make_unique<ExactSource>(s, c, order, flag_of(coherent));
+             }),
+             scene, caster, py::kw_only(), py::arg("order") = py::none(), py::arg("coherent") = py::none(),
+             KeepScene(), KeepCaster());
+    py::class_<AlignedSource, OracleSource>(m, "AlignedSource",
+                                            "Exact; shared directions may go through a batch.")
+        .def(py::init([](const Scene& s, const RayCaster& c, const AlignedBatch& batch, bool choose,
+                         std::optional<PacketOrder> order, std::optional<bool> coherent) {
+                 return std::make_unique<AlignedSource>(s, c, batch, choose, order, flag_of(coherent));
+             }),
+             scene, caster, py::arg("batch"), py::kw_only(), py::arg("choose"), py::arg("order") = py::none(),
+             py::arg("coherent") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
+    py::class_<AqvcSource, OracleSource>(m, "AqvcSource", "See viscache.Aqvc.")
+        .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,
+             py::arg("parameters"), py::kw_only(), py::arg("spp"), KeepScene(), KeepCaster());
+    py::class_<FrameTableSource, OracleSource>(m, "FrameTableSource", "One table of the frame, see Bdpt.")
+        .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,
+             py::arg("parameters"), py::kw_only(), py::arg("spp"), KeepScene(), KeepCaster());
+    py::class_<KeptTableSource, OracleSource>(m, "KeptTableSource", "See viscache.AqvcTable.")
+        .def(py::init([](const Scene& s, const RayCaster& c, const AqvcParameters& p, KeptTable& table,
+                         int spp, double check, bool repair) {
+                 return std::make_unique<KeptTableSource>(s, c, p, spp, table, KeptChecks{check, repair});
+             }),
+             scene, caster, py::arg("parameters"), py::arg("table"), py::kw_only(), py::arg("spp"),
+             py::arg("check"), py::arg("repair"), KeepScene(), KeepCaster(), py::keep_alive<1, 5>());
+    py::class_<ShadowMapSource, OracleSource>(m, "ShadowMapSource", "See viscache.ShadowMap.")
+        .def(py::init<const Scene&, const RayCaster&, const ShadowMapSettings&>(), scene, caster,
+             py::arg("settings"), KeepScene(), KeepCaster());
+    py::class_<RouletteSource, OracleSource>(m, "RouletteSource", "See viscache.NeePlusPlus.")
+        .def(py::init<const Scene&, const RayCaster&, const NeePlusPlusSettings&, uint64_t, bool>(), scene,
+             caster, py::arg("settings"), py::kw_only(), py::arg("seed"), py::arg("weighted") = true,
+             KeepScene(), KeepCaster());
+    py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
+        .def(py::init<const Scene&, const RayCaster&, OracleSource&, double, uint64_t, bool>(), scene, caster,
+             py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("seed"), py::arg("weighted") = true,
+             KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,253 @@
+// The renderer's own eye points, far ends and samples, and frames with given answers.
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "interrupt.h"
+#include "oracle_arrays.h"
+#include "viscache/render/frame.h"
+#include "viscache/render/taps.h"
+#include "viscache/visibility/ask.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+using BitRows = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
+using Bools = py::array_t<bool, py::array::c_style | py::array::forcecast>;
+
+/// All that a frame asks.
+class FrameTaps {
+public:
+    FrameTaps(const Scene& scene, const RayCaster& caster, const Camera& camera,
+              const IntegratorSettings& integrator, const FrameSettings& frame)
+        : scene_(scene), caster_(caster), camera_(camera), integrator_(integrator), frame_(frame) {
+        run_interruptible([&](Control& control) {
+            render_frame(scene_, caster_, camera_, integrator_, frame_, source_, control);
+        });
+        size_t rows = 0;
+        for (const TileTap& tile : source_.tiles()) {
+            first_row_.push_back(rows);
+            rows += tile.eyes.size();
+        }
+        rows_ = rows;
+        for (const TileTap& tile : source_.tiles())
+            for (const auto& [group, samples] : tile.samples)
+                if (samples.at.size() > 0) groups_[group] = true;
+        for (auto& [group, joined] : groups_) join(group);
+    }
+    py::list tiles() const {
+        py::list out;
+        for (const TileTap& tile : source_.tiles()) out.append(eye_block_dict(tile.eyes));
+        return out;
+    }
+    py::list lights() const {
+        py::list out;
+        for (const FarEnds& ends : source_.lights()) out.append(far_ends_dict(ends));
+        return out;
+    }
+    py::array_t<uint64_t> wanted(size_t light) const {
+        const size_t words = words_for(source_.lights().at(light).count);
+        py::array_t<uint64_t> out({py::ssize_t(rows_), py::ssize_t(words)});
+        uint64_t* to = out.mutable_data();
+        for (const TileTap& tile : source_.tiles())
+            for (size_t r = 0; r < tile.eyes.size(); ++r, to += words)
+                std::memcpy(to, tile.wanted[light].row(r), words * sizeof(Word));
+        return out;
+    }
+    py::list sample_groups() const {
+        py::list out;
+        for (const auto& [group, there] : groups_) out.append(group);
+        return out;
+    }
+    /// Eye point, place or direction, normal, density and contribution of each sample of a group.
+    py::dict samples(int group) const {
+        const SamplesTap& s = joined(group);
+        const py::ssize_t n = py::ssize_t(s.at.size());
+        py::array_t<uint32_t> index(n);
+        for_each_sample(s.at, [&](uint32_t eye, size_t i) { index.mutable_at(py::ssize_t(i)) = eye; });
+        FarEnds ends;
+        ends.semantic = s.at.semantic;
+        ends.group = group;
+        ends.t_max = s.at.t_max;
+        ends.count = s.at.size();
+        for (size_t i = 0; i < s.at.size(); ++i) {
+            const Vec3 far = s.at.far(i), end = s.at.target(i);
+            const Vec3 normal = s.at.is_direction() ? Vec3{} : s.at.normal[i];
+            for (auto [to, from] : {std::pair{&ends.x, far.x},
+                                    {&ends.y, far.y},
+                                    {&ends.z, far.z},
+                                    {&ends.nx, normal.x},
+                                    {&ends.ny, normal.y},
+                                    {&ends.nz, normal.z},
+                                    {&ends.tx, end.x},
+                                    {&ends.ty, end.y},
+                                    {&ends.tz, end.z}})
+                to->push_back(from);
+        }
+        ends.density = s.at.density;
+        py::dict out = far_ends_dict(ends);
+        out["index"] = index;
+        out["contributions"] = from_vec3s(s.contribution);
+        return out;
+    }
+    py::array_t<float> contributions(int group, size_t begin, size_t end) {
+        if (begin > end || end > rows_) throw py::value_error("rows must lie inside the frame's eye points");
+        ContributionSource source(first_row_, group, begin, end);
+        run_interruptible([&](Control& control) {
+            render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
+        });
+        const size_t rows = end - begin, columns = rows ? source.values().size() / rows : 0;
+        py::array_t<float> out({py::ssize_t(rows), py::ssize_t(columns), py::ssize_t(3)});
+        std::memcpy(out.mutable_data(), source.values().data(), source.values().size() * sizeof(Rgb));
+        return out;
+    }
+    /// Asks a source about the samples of a group, as a frame does.
+    py::dict ask(OracleSource& source, int group, int threads) const {
+        EyeTiles tiles;
+        for (const TileTap& tile : source_.tiles()) {
+            tiles.eyes.push_back(tile.eyes);
+            auto& row = tiles.row.emplace_back(tile.eyes.size());
+            for (uint32_t& number : row) number = uint32_t(tiles.size++);
+        }
+        SamplesAnswer answer;
+        run_interruptible([&](Control& control) {
+            answer = ask_samples(source, tiles, joined(group).at, threads, control);
+        });
+        py::dict out;
+        py::array_t<bool> visible(py::ssize_t(answer.visible.size()));
+        std::copy(answer.visible.begin(), answer.visible.end(), visible.mutable_data());
+        out["visible"] = visible;
+        if (!answer.weights.empty())
+            out["weights"] = py::array_t<float>(py::ssize_t(answer.weights.size()), answer.weights.data());
+        out["order"] = answer.order;
+        out["run_end"] = answer.run_end;
+        out["rays"] = answer.counters.rays();
+        out["queries"] = answer.counters.queries();
+        return out;
+    }
+    /// Starts the answers of a frame.
+    GivenAnswers answers() const {
+        GivenAnswers out;
+        out.first_row = first_row_;
+        return out;
+    }
+    size_t rows() const { return rows_; }
+    const SamplesTap& joined(int group) const {
+        const auto found = joined_.find(group);
+        if (found == joined_.end()) throw py::value_error("the frame asks for no samples of this group");
+        return found->second;
+    }
+
+private:
+    /// The samples of a group through all tiles, eye points by their number in the frame.
+    void join(int group) {
+        SamplesTap& all = joined_[group];
+        for (size_t t = 0; t < source_.tiles().size(); ++t) {
+            const auto& samples = source_.tiles()[t].samples;
+            const auto found = samples.find(group);
+            if (found == samples.end()) continue;
+            const LocalSamples& s = found->second.at;
+            all.at.semantic = s.semantic;
+            all.at.group = group;
+            all.at.t_max = s.t_max;
+            const uint32_t before = uint32_t(all.at.size());
+            for (const uint32_t eye : s.eye) all.at.eye.push_back(uint32_t(first_row_[t]) + eye);
+            for (const uint32_t end : s.end) all.at.end.push_back(before + end);
+            const auto extend = [](auto& to, const auto& from) {
+                to.insert(to.end(), from.begin(), from.end());
+            };
+            extend(all.at.x, s.x);
+            extend(all.at.y, s.y);
+            extend(all.at.z, s.z);
+            extend(all.at.normal, s.normal);
+            extend(all.at.ray_end, s.ray_end);
+            extend(all.at.density, s.density);
+            extend(all.at.light_density, s.light_density);
+            extend(all.contribution, found->second.contribution);
+        }
+    }
+
+    const Scene& scene_;
+    const RayCaster& caster_;
+    const Camera camera_;
+    const IntegratorSettings integrator_;
+    const FrameSettings frame_;
+    TapSource source_;
+    std::vector<size_t> first_row_;
+    size_t rows_ = 0;
+    std::map<int, bool> groups_;
+    std::map<int, SamplesTap> joined_;
+};
+
+/// Answers for a frame; they hold on to the arrays they look at.
+class Answers {
+public:
+    explicit Answers(const FrameTaps& taps) : taps_(taps), given_(taps.answers()) {}
+    void block(int group, const BitRows& bits, const std::optional<FloatArray>& weights, size_t columns) {
+        const size_t words = words_for(columns);
+        if (bits.ndim() != 2 || size_t(bits.shape(0)) != taps_.rows() || size_t(bits.shape(1)) != words)
+            throw py::value_error("bits must have shape (" + std::to_string(taps_.rows()) + ", " +
+                                  std::to_string(words) + "), got " + shape_text(bits));
+        if (weights && (weights->ndim() != 2 || size_t(weights->shape(0)) != taps_.rows() ||
+                        size_t(weights->shape(1)) != columns))
+            throw py::value_error("weights must have shape (" + std::to_string(taps_.rows()) + ", " +
+                                  std::to_string(columns) + "), got " + shape_text(*weights));
+        given_.blocks[group] = {words, bits.data(), weights ? weights->data() : nullptr, columns};
+        keep_.append(bits);
+        if (weights) keep_.append(*weights);
+    }
+    void samples(int group, const Bools& visible, const std::optional<FloatArray>& weights,
+                 std::vector<std::vector<uint32_t>> order, std::vector<std::vector<uint32_t>> run_end) {
+        const LocalSamples& s = taps_.joined(group).at;
+        if (visible.ndim() != 1 || size_t(visible.size()) != s.size())
+            throw py::value_error("visible must have shape (" + std::to_string(s.size()) + ",), got " +
+                                  shape_text(visible));
+        if (weights && (weights->ndim() != 1 || size_t(weights->size()) != s.size()))
+            throw py::value_error("weights must have shape (" + std::to_string(s.size()) + ",), got " +
+                                  shape_text(*weights));
+        GivenSamples given;
+        given.visible = reinterpret_cast<const uint8_t*>(visible.data());
+        given.weights = weights ? weights->data() : nullptr;
+        given.order = std::move(order);
+        given.run_end = std::move(run_end);
+        given.first_sample.assign(taps_.rows() + 1, 0);
+        for (size_t row = 0; row < s.eye.size(); ++row) given.first_sample[s.eye[row]] = s.begin_of(row);
+        given_.samples[group] = std::move(given);
+        keep_.append(visible);
+        if (weights) keep_.append(*weights);
+    }
+    std::unique_ptr<GivenSource> source() const { return std::make_unique<GivenSource>(given_); }
+
+private:
+    const FrameTaps& taps_;
+    GivenAnswers given_;
+    py::list keep_;
+};
+
+}  // namespace
+
+void bind_taps(py::module_& m) {
+    py::class_<FrameTaps>(m, "FrameTaps", "All that a frame asks, see viscache.connections.")
+        .def(py::init<const Scene&, const RayCaster&, const Camera&, const IntegratorSettings&,
+                      const FrameSettings&>(),
+             py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
+             py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
+        .def("tiles", &FrameTaps::tiles)
+        .def("lights", &FrameTaps::lights)
+        .def("wanted", &FrameTaps::wanted, py::arg("light"))
+        .def("sample_groups", &FrameTaps::sample_groups)
+        .def("samples", &FrameTaps::samples, py::arg("group"))
+        .def("contributions", &FrameTaps::contributions, py::arg("group"), py::arg("begin"), py::arg("end"))
+        .def("ask", &FrameTaps::ask, py::arg("source"), py::arg("group"), py::arg("threads"))
+        .def_property_readonly("rows", &FrameTaps::rows);
+    py::class_<GivenSource, OracleSource>(m, "GivenSource", "Answers that were given.");
+    py::class_<Answers>(m, "GivenAnswers", "Answers for one frame.")
+        .def(py::init<const FrameTaps&>(), py::arg("taps"), py::keep_alive<1, 2>())
+        .def("block", &Answers::block, py::arg("group"), py::arg("bits"), py::arg("weights"),
+             py::arg("columns"))
+        .def("samples", &Answers::samples, py::arg("group"), py::arg("visible"), py::arg("weights"),
+             py::arg("order"), py::arg("run_end"))
+        .def("source", &Answers::source, py::keep_alive<0, 1>());
+}
+
+}  // namespace viscache::bindings

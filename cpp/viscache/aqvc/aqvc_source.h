@@ -1,0 +1,64 @@
+#pragma once
+// The quantized caches of a frame: each tile's own table, one table of the frame, or one kept over frames.
+#include "viscache/aqvc/quantized_cache.h"
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/oracle_source.h"
+
+namespace viscache {
+
+/// Caches that forget each tile.
+class AqvcSource : public OracleSource {
+public:
+    /// `spp`: samples per pixel.
+    AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp);
+    std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
+    int dealt_tile_edge() const override;
+
+protected:
+    std::unique_ptr<QuantizedCache> make_cache(FrameTable* table = nullptr) const;
+    const AqvcParameters parameters_;
+
+private:
+    const Scene& scene_;
+    const RayCaster& caster_;
+    int spp_;
+};
+
+/// Caches over one table that all threads of a frame share, for bidirectional path tracing.
+class FrameTableSource final : public AqvcSource {
+public:
+    FrameTableSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp)
+        : AqvcSource(scene, caster, parameters, spp), table_(parameters) {}
+    std::unique_ptr<VisibilityOracle> make() override { return make_cache(&table_); }
+    int dealt_tile_edge() const override { return 0; }
+    void begin_round(size_t items) override { table_.begin_round(items); }
+    void end_item(VisibilityOracle& oracle, size_t item) override {
+        table_.keep(item, dynamic_cast<QuantizedCache&>(oracle).writes());
+    }
+    void end_round(Counters& counters) override { table_.end_round(counters); }
+
+private:
+    FrameTable table_;
+};
+
+/// Caches whose tiles read and extend a table that outlives frames. An interrupted frame writes nothing.
+class KeptTableSource final : public AqvcSource {
+public:
+    /// `table` must outlive the source.
+    KeptTableSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
+                    KeptTable& table, KeptChecks checks)
+        : AqvcSource(scene, caster, parameters, spp), table_(table), checks_(checks) {}
+    std::unique_ptr<VisibilityOracle> make() override;
+    void begin_round(size_t) override { table_.begin_frame(); }
+    void end_item(VisibilityOracle& oracle, size_t item) override {
+        table_.keep(item, dynamic_cast<QuantizedCache&>(oracle).kept_writes());
+    }
+    void end_round(Counters& counters) override { table_.end_frame(counters); }
+    void report(Counters& counters, SourceReport& out) const override;
+
+private:
+    KeptTable& table_;
+    KeptChecks checks_;
+};
+
+}  // namespace viscache

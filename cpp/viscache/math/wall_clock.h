@@ -1,0 +1,11 @@
+#pragma once
+// Wall time.
+#include <chrono>
+
+namespace viscache {
+
+inline double wall_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace viscache

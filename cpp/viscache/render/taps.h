@@ -1,0 +1,98 @@
+#pragma once
+// The renderer's own questions, kept tile by tile; and frames whose answers are given.
+//
+// Both are oracles, so that a frame is rendered by the same code: what is kept is what any oracle is asked,
+// and given answers are added up as any oracle's are.
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "viscache/render/local_samples.h"
+#include "viscache/render/shared_lights.h"
+#include "viscache/visibility/oracle_source.h"
+
+namespace viscache {
+
+/// Samples that belong to one eye point each, of one light group of a tile.
+struct SamplesTap {
+    LocalSamples at;                ///< rows in the order of the eye points
+    std::vector<Rgb> contribution;  ///< what each brings unoccluded
+};
+
+/// What a frame asks about one tile.
+struct TileTap {
+    EyeBlock eyes;
+    std::vector<BitMatrix> wanted;      ///< of every shared light group
+    std::map<int, SamplesTap> samples;  ///< by light group
+};
+
+/// Keeps what a frame asks; nothing is visible.
+class TapSource final : public OracleSource {
+public:
+    void prepare(FrameStart& frame, Control& control) override;
+    std::unique_ptr<VisibilityOracle> make() override;
+    void begin_round(size_t items) override { tiles_.resize(items); }
+    void end_item(VisibilityOracle& oracle, size_t item) override;
+
+    const std::vector<FarEnds>& lights() const { return lights_; }
+    const std::vector<TileTap>& tiles() const { return tiles_; }
+
+private:
+    std::vector<FarEnds> lights_;
+    std::vector<TileTap> tiles_;
+};
+
+/// What some eye points would receive from the far ends of one shared group: rows × columns.
+class ContributionSource final : public OracleSource {
+public:
+    /// `first_row[t]`: number of the first eye point of tile t. Rows [begin, end) are wanted.
+    ContributionSource(std::vector<size_t> first_row, int group, size_t begin, size_t end)
+        : first_row_(std::move(first_row)), group_(group), begin_(begin), end_(end) {}
+    std::unique_ptr<VisibilityOracle> make() override;
+    const std::vector<Rgb>& values() const { return values_; }
+    void prepare(FrameStart& frame, Control& control) override;
+
+private:
+    friend class ContributionOracle;
+    std::vector<size_t> first_row_;
+    int group_;
+    size_t begin_, end_, columns_ = 0;
+    std::vector<Rgb> values_;
+};
+
+/// Answers of one shared light group, eye point by eye point through all tiles.
+struct GivenBlock {
+    size_t words = 0;
+    const Word* bits = nullptr;      ///< rows × words
+    const float* weights = nullptr;  ///< rows × columns; nullptr: 1 each
+    size_t columns = 0;
+};
+
+/// Answers of one group of samples, in the order a TapSource keeps them.
+struct GivenSamples {
+    const uint8_t* visible = nullptr;
+    const float* weights = nullptr;  ///< nullptr: 1 each
+    /// For each tile, the order in which its eye points are added up, and the ends of runs in it; empty:
+    /// theirs.
+    std::vector<std::vector<uint32_t>> order, run_end;
+    std::vector<size_t> first_sample;  ///< of every eye point of the frame, and the end
+};
+
+struct GivenAnswers {
+    std::vector<size_t> first_row;  ///< number of the first eye point of every tile
+    std::map<int, GivenBlock> blocks;
+    std::map<int, GivenSamples> samples;
+};
+
+/// A frame with these answers; groups that are not among them are dark.
+class GivenSource final : public OracleSource {
+public:
+    explicit GivenSource(GivenAnswers answers) : answers_(std::move(answers)) {}
+    std::unique_ptr<VisibilityOracle> make() override;
+
+private:
+    GivenAnswers answers_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,389 @@
+#include "viscache/visibility/ask.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <unordered_map>
+
+#include "viscache/math/morton.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr uint32_t kNowhere = 0xffffffffu;
+
+/// Appends point i of `from`.
+void append(EyeBlock& to, const EyeBlock& from, size_t i) {
+    to.position.push_back(from.position[i]);
+    to.normal.push_back(from.normal[i]);
+    to.origin.push_back(from.origin[i]);
+    to.density.push_back(from.density[i]);
+}
+
+/// Contributions as an array of rows × columns.
+class GivenContributions final : public Contributions {
+public:
+    GivenContributions(const float* f, size_t columns, std::span<const uint32_t> row)
+        : f_(f), columns_(columns), row_(row) {}
+    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
+        const std::span<const float> f(f_ + size_t(row_[eye]) * columns_, columns_);
+        float sum = 0, positive = 0;
+        for (const float v : f) {
+            sum += v;
+            positive += v > 0;
+        }
+        const float mean = sum / std::max(positive, 1.f);
+        for (size_t i = 0; i < rows.size(); ++i)
+            for (size_t k = 0; k < columns_; ++k) {
+                const bool set = shares[i] == kInfinity || f[k] <= shares[i] * mean;
+                set ? set_bit(rows[i], k) : clear_bit(rows[i], k);
+            }
+    }
+
+private:
+    const float* f_;
+    size_t columns_;
+    std::span<const uint32_t> row_;
+};
+
+/// Keeps a tile's log until its clusters have numbers.
+class TileLog final : public QueryLog {
+public:
+    explicit TileLog(std::span<const uint32_t> row) : row_(row) {}
+    void answered(uint32_t eye, uint32_t column, const QueryRecord& r) override {
+        kept.push_back({row_[eye], column, r.cluster, row_[r.representative], r.level, r.traced});
+    }
+    std::vector<AskedQuery> kept;
+
+private:
+    std::span<const uint32_t> row_;
+};
+
+/// One thread's oracle and buffers.
+struct Asker {
+    std::unique_ptr<VisibilityOracle> oracle;
+    BitMatrix wanted, visible;
+};
+
+/// What a source may ask when there is no frame but arrays.
+class ArraysStart final : public FrameStart {
+public:
+    ArraysStart(const EyeTiles& tiles, const BlockQuestion* block, const PairQuestion* pairs, int threads,
+                Counters& spent)
+        : tiles_(tiles), block_(block), pairs_(pairs), threads_(threads), spent_(spent) {
+        if (block_) lights_.push_back(block_->lights);
+    }
+    std::span<const FarEnds* const> lights() const override { return lights_; }
+    int threads() const override { return threads_; }
+    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
+        const size_t step = std::max<size_t>(1, tiles_.size / std::max<size_t>(1, pixels));
+        const Counters counters =
+            block_ ? every_block(step, source, control) : every_pair(step, source, control);
+        for (int g = 0; g < kLightGroups; ++g) spent_.group(g).rays += counters.groups[size_t(g)].rays;
+        control.done = 0;
+        return counters;
+    }
+
+private:
+    /// Every step-th eye point of each tile, all far ends.
+    Counters every_block(size_t step, OracleSource& source, Control& control) const {
+        EyeTiles some;
+        some.size = tiles_.size;
+        for (size_t t = 0; t < tiles_.eyes.size(); ++t) {
+            some.eyes.emplace_back();
+            some.row.emplace_back();
+            for (size_t i = 0; i < tiles_.eyes[t].size(); i += step) {
+                append(some.eyes.back(), tiles_.eyes[t], i);
+                some.row.back().push_back(tiles_.row[t][i]);
+            }
+        }
+        return ask_block(source, some, {.lights = block_->lights, .wanted = block_->wanted}, threads_,
+                         control)
+            .counters;
+    }
+    /// The queries of every step-th eye point.
+    Counters every_pair(size_t step, OracleSource& source, Control& control) const {
+        PairQuestion some;
+        for (const ShadowQuery& q : pairs_->queries)
+            if (q.eye % step == 0) some.queries.push_back(q);
+        return ask_pairs(source, tiles_, some, threads_, control).counters;
+    }
+
+    const EyeTiles& tiles_;
+    const BlockQuestion* block_;
+    const PairQuestion* pairs_;
+    int threads_;
+    Counters& spent_;
+    std::vector<const FarEnds*> lights_;
+};
+
+/// Runs `work(tile, asker, counters)` over all tiles as one round of the source.
+template <class Work>
+void over_tiles(OracleSource& source, const EyeTiles& tiles, int threads, Control& control,
+                Counters& counters, Work work) {
+    const size_t n = tiles.eyes.size();
+    threads = std::min<int>(resolve_threads(threads), int(std::max<size_t>(1, n)));
+    std::vector<Asker> askers(static_cast<size_t>(threads));
+    std::vector<Counters> counted(n);
+    control.total = n;
+    source.begin_round(n);
+    parallel_for(n, threads, [&](size_t t, int worker) {
+        control.check();
+        Asker& mine = askers[size_t(worker)];
+        if (!mine.oracle) {
+            mine.oracle = source.make();
+            mine.oracle->watch(control);
+        }
+        mine.oracle->begin_tile(tiles.eyes[t]);
+        work(t, mine, counted[t]);
+        source.end_item(*mine.oracle, t);
+        control.done.fetch_add(1);
+    });
+    for (const Counters& c : counted) counters.merge(c);
+    source.end_round(counters);
+}
+
+/// The wanted bits of a tile; all where none are given.
+void gather_wanted(const BlockQuestion& q, size_t words, std::span<const uint32_t> row, BitMatrix& wanted) {
+    wanted.reset(row.size(), q.lights->count);
+    for (size_t i = 0; i < row.size(); ++i) {
+        Word* to = wanted.row(i);
+        if (q.wanted)
+            std::copy_n(q.wanted + size_t(row[i]) * words, words, to);
+        else
+            std::fill_n(to, words, ~Word{0});
+        if (const size_t used = q.lights->count % kWordBits) to[words - 1] &= (Word{1} << used) - 1;
+    }
+}
+
+/// Clusters of one tile get numbers in order of first appearance, from `next` on.
+void number_clusters(std::vector<AskedQuery>& log, uint64_t& next) {
+    std::sort(log.begin(), log.end(), [](const AskedQuery& a, const AskedQuery& b) {
+        return std::pair(a.row, a.column) < std::pair(b.row, b.column);
+    });
+    std::unordered_map<uint64_t, uint64_t> numbers;
+    for (AskedQuery& q : log) q.cluster = numbers.try_emplace(q.cluster, next + numbers.size()).first->second;
+    next += numbers.size();
+}
+
+}  // namespace
+
+EyeTiles EyeTiles::along_curve(const EyeBlock& points, size_t most) {
+    EyeTiles tiles;
+    tiles.size = points.size();
+    const std::vector<uint32_t> order = morton_order(points.position);
+    const uint32_t side = std::bit_ceil(uint32_t(std::ceil(std::sqrt(double(most)))));
+    for (size_t first = 0; first < order.size(); first += most) {
+        EyeBlock& eyes = tiles.eyes.emplace_back();
+        std::vector<uint32_t>& row = tiles.row.emplace_back();
+        eyes.tile_width = eyes.tile_height = side;
+        for (size_t i = first; i < std::min(order.size(), first + most); ++i) {
+            append(eyes, points, order[i]);
+            row.push_back(order[i]);
+            const uint32_t along = uint32_t(i - first);
+            eyes.order_x.push_back(gather2(along));
+            eyes.order_y.push_back(gather2(along >> 1));
+        }
+    }
+    return tiles;
+}
+
+BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQuestion& question, int threads,
+                      Control& control) {
+    const FarEnds& lights = *question.lights;
+    BlockAnswer out;
+    out.words = words_for(lights.count);
+    out.bits.assign(tiles.size * out.words, 0);
+    ArraysStart start(tiles, &question, nullptr, threads, out.counters);
+    source.prepare(start, control);
+    std::vector<std::vector<AskedQuery>> logs(question.log ? tiles.eyes.size() : 0);
+    std::mutex weights_mutex;
+    over_tiles(
+        source, tiles, threads, control, out.counters, [&](size_t t, Asker& asker, Counters& counters) {
+            const EyeBlock& eyes = tiles.eyes[t];
+            const std::span<const uint32_t> row = tiles.row[t];
+            gather_wanted(question, out.words, row, asker.wanted);
+            asker.visible.reset(row.size(), lights.count);
+            std::optional<GivenContributions> given;
+            if (question.contributions) given.emplace(question.contributions, lights.count, row);
+            TileLog log(row);
+            asker.oracle->log(question.log ? &log : nullptr);
+            asker.oracle->weigh(given ? &*given : nullptr);
+            asker.oracle->block(eyes, lights, asker.wanted, asker.visible, counters);
+            asker.oracle->weigh(nullptr);
+            asker.oracle->log(nullptr);
+            for (size_t i = 0; i < row.size(); ++i) {
+                std::copy_n(asker.visible.row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
+                const std::span<const float> weights = asker.oracle->block_weights(uint32_t(i));
+                if (weights.empty()) continue;
+                {
+                    const std::lock_guard lock(weights_mutex);
+                    if (out.weights.empty()) out.weights.assign(tiles.size * lights.count, 1.f);
+                }
+                std::copy_n(weights.data(), lights.count, out.weights.data() + size_t(row[i]) * lights.count);
+            }
+            if (question.log) logs[t] = std::move(log.kept);
+        });
+    uint64_t clusters = 0;
+    for (auto& log : logs) {
+        number_clusters(log, clusters);
+        out.log.insert(out.log.end(), log.begin(), log.end());
+    }
+    source.report(out.counters, out.report);
+    return out;
+}
+
+PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQuestion& question, int threads,
+                     Control& control) {
+    PairAnswer out;
+    const size_t n = question.queries.size();
+    out.visible.assign(n, 0);
+    // Where each eye point is, and its queries
+    std::vector<uint32_t> tile_of(tiles.size, kNowhere), place_of(tiles.size, 0), begin(tiles.size + 1, 0);
+    for (uint32_t t = 0; t < tiles.row.size(); ++t)
+        for (uint32_t i = 0; i < tiles.row[t].size(); ++i) {
+            tile_of[tiles.row[t][i]] = t;
+            place_of[tiles.row[t][i]] = i;
+        }
+    for (const ShadowQuery& q : question.queries) ++begin[q.eye + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<uint32_t> sorted(n);
+    {
+        std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+        for (uint32_t k = 0; k < n; ++k) sorted[next[question.queries[k].eye]++] = k;
+    }
+    ArraysStart start(tiles, nullptr, &question, threads, out.counters);
+    source.prepare(start, control);
+    std::mutex weights_mutex;
+    over_tiles(
+        source, tiles, threads, control, out.counters, [&](size_t t, Asker& asker, Counters& counters) {
+            const EyeBlock& eyes = tiles.eyes[t];
+            const PairOrder order = asker.oracle->pair_order(eyes);
+            std::vector<ShadowQuery> queries;
+            std::vector<uint32_t> number;
+            std::vector<Word> answer;
+            size_t run = 0;
+            for (size_t first = 0; first < eyes.size();) {
+                const size_t last =
+                    run < order.run_end.size() ? order.run_end[run++] : std::min(first + 256, eyes.size());
+                queries.clear();
+                number.clear();
+                for (size_t i = first; i < last; ++i) {
+                    const uint32_t eye = order.eye.empty() ? uint32_t(i) : order.eye[i];
+                    const uint32_t row = tiles.row[t][eye];
+                    for (uint32_t k = begin[row]; k < begin[row + 1]; ++k) {
+                        number.push_back(sorted[k]);
+                        queries.push_back(question.queries[sorted[k]]);
+                        queries.back().eye = eye;
+                    }
+                }
+                first = last;
+                if (queries.empty()) continue;
+                answer.assign(words_for(queries.size()), 0);
+                asker.oracle->pairs(eyes, queries, answer, counters);
+                const std::span<const float> weights = asker.oracle->pair_weights();
+                if (!weights.empty()) {
+                    const std::lock_guard lock(weights_mutex);
+                    if (out.weights.empty()) out.weights.assign(n, 1.f);
+                }
+                for (size_t i = 0; i < number.size(); ++i) {
+                    out.visible[number[i]] = get_bit(answer.data(), i);
+                    if (!weights.empty()) out.weights[number[i]] = weights[i];
+                }
+            }
+        });
+    source.report(out.counters, out.report);
+    return out;
+}
+
+size_t eyes_per_batch(size_t samples_per_eye) {
+    constexpr size_t kMostEyes = 256, kMostSamples = 1 << 16;
+    return std::clamp<size_t>(kMostSamples / std::max<size_t>(1, samples_per_eye), 1, kMostEyes);
+}
+
+namespace {
+
+/// The samples of some eye points, whose numbers become those of a tile.
+class TileSamples {
+public:
+    TileSamples(const LocalSamples& all, size_t eyes) : all_(all), row_of_(eyes, kNowhere) {
+        for (uint32_t row = 0; row < all.eye.size(); ++row) row_of_[all.eye[row]] = row;
+    }
+    /// Appends the samples of eye point `eye` of a tile, the caller's `number`.
+    void append(uint32_t eye, uint32_t number, LocalSamples& out, std::vector<uint32_t>& numbers) const {
+        const uint32_t row = row_of_[number];
+        if (row != kNowhere)
+            for (size_t i = all_.begin_of(row); i < all_.end[row]; ++i) {
+                out.add(all_.far(i), all_.density[i], all_.light_density[i]);
+                if (!all_.is_direction()) {
+                    out.normal.push_back(all_.normal[i]);
+                    out.ray_end.push_back(all_.ray_end[i]);
+                }
+                numbers.push_back(uint32_t(i));
+            }
+        out.close(eye);
+    }
+
+private:
+    const LocalSamples& all_;
+    std::vector<uint32_t> row_of_;
+};
+
+}  // namespace
+
+SamplesAnswer ask_samples(OracleSource& source, const EyeTiles& tiles, const LocalSamples& samples,
+                          int threads, Control& control) {
+    SamplesAnswer out;
+    out.visible.assign(samples.size(), 0);
+    out.order.resize(tiles.eyes.size());
+    out.run_end.resize(tiles.eyes.size());
+    const TileSamples of_tile(samples, tiles.size);
+    size_t most = 1;
+    for (size_t row = 0; row < samples.eye.size(); ++row)
+        most = std::max(most, samples.end[row] - samples.begin_of(row));
+    ArraysStart start(tiles, nullptr, nullptr, threads, out.counters);
+    source.prepare(start, control);
+    std::mutex weights_mutex;
+    over_tiles(source, tiles, threads, control, out.counters,
+               [&](size_t t, Asker& asker, Counters& counters) {
+                   const EyeBlock& eyes = tiles.eyes[t];
+                   const PairOrder order = asker.oracle->sample_order(eyes, samples.group);
+                   out.order[t].assign(order.eye.begin(), order.eye.end());
+                   out.run_end[t].assign(order.run_end.begin(), order.run_end.end());
+                   LocalSamples some;
+                   some.semantic = samples.semantic;
+                   some.group = samples.group;
+                   some.t_max = samples.t_max;
+                   std::vector<uint32_t> numbers;
+                   std::vector<Word> answer;
+                   size_t run = 0;
+                   for (size_t first = 0; first < eyes.size();) {
+                       const size_t last = run < out.run_end[t].size()
+                                               ? out.run_end[t][run++]
+                                               : std::min(first + eyes_per_batch(most), eyes.size());
+                       some.clear();
+                       numbers.clear();
+                       for (size_t i = first; i < last; ++i) {
+                           const uint32_t eye = out.order[t].empty() ? uint32_t(i) : out.order[t][i];
+                           of_tile.append(eye, tiles.row[t][eye], some, numbers);
+                       }
+                       first = last;
+                       answer.assign(words_for(some.size()), 0);
+                       asker.oracle->samples(eyes, some, answer, counters);
+                       const std::span<const float> weights = asker.oracle->pair_weights();
+                       if (!weights.empty()) {
+                           const std::lock_guard lock(weights_mutex);
+                           if (out.weights.empty()) out.weights.assign(samples.size(), 1.f);
+                       }
+                       for (size_t i = 0; i < numbers.size(); ++i) {
+                           out.visible[numbers[i]] = get_bit(answer.data(), i);
+                           if (!weights.empty()) out.weights[numbers[i]] = weights[i];
+                       }
+                   }
+               });
+    source.report(out.counters, out.report);
+    return out;
+}
+
+}  // namespace viscache

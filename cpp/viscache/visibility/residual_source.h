@@ -1,0 +1,50 @@
+#pragma once
+// use="correct": the oracles of another source as control variates.
+#include <memory>
+
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/oracle_source.h"
+#include "viscache/visibility/residual_oracle.h"
+
+namespace viscache {
+
+class ResidualSource final : public OracleSource {
+public:
+    /// `inner` must outlive the source and serve nobody else.
+    ResidualSource(const Scene& scene, const RayCaster& caster, OracleSource& inner, double share,
+                   uint64_t seed, bool weighted = true)
+        : caster_(caster),
+          extent_(scene.offset_extent()),
+          inner_(inner),
+          share_(share),
+          seed_(seed),
+          weighted_(weighted) {
+        if (!(share > 0 && share <= 1))
+            throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(share));
+    }
+    void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
+    std::unique_ptr<VisibilityOracle> make() override {
+        return std::make_unique<ResidualOracle>(inner_.make(), caster_, extent_, share_, seed_, weighted_);
+    }
+    int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
+    void begin_round(size_t items) override { inner_.begin_round(items); }
+    void end_item(VisibilityOracle& oracle, size_t item) override {
+        inner_.end_item(dynamic_cast<ResidualOracle&>(oracle).inner(), item);
+    }
+    void end_round(Counters& counters) override { inner_.end_round(counters); }
+    void report(Counters& counters, SourceReport& out) const override {
+        inner_.report(counters, out);
+        out.counters.emplace_back("corrections", counters.corrections);
+        out.counters.emplace_back("contradicted", counters.contradicted);
+    }
+
+private:
+    const RayCaster& caster_;
+    float extent_;
+    OracleSource& inner_;
+    double share_;
+    uint64_t seed_;
+    bool weighted_;
+};
+
+}  // namespace viscache

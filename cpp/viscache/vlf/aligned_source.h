@@ -1,0 +1,36 @@
+#pragma once
+// Exact oracles of a frame whose shared directions may go through the aligned batch.
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/oracle_source.h"
+#include "viscache/vlf/aligned_oracle.h"
+
+namespace viscache {
+
+class AlignedSource final : public OracleSource {
+public:
+    /// With `choose`, each tile takes the engine that is cheaper for it.
+    AlignedSource(const Scene& scene, const RayCaster& caster, const AlignedBatch& batch, bool choose,
+                  std::optional<PacketOrder> order, std::optional<Coherence> flag)
+        : batch_(batch), exact_(caster, scene.offset_extent(), order, flag), choose_(choose) {}
+    std::unique_ptr<VisibilityOracle> make() override {
+        return std::make_unique<AlignedOracle>(batch_, exact_, choose_);
+    }
+    void report(Counters& c, SourceReport& out) const override {
+        const double share = c.predicted_rays ? 1 / double(c.predicted_rays) : 0;
+        const char* name = c.batch_rays == c.direction_rays ? "batch"
+                           : c.batch_rays                   ? "batch and embree"
+                                                            : "embree";
+        out.engine = {{"name", std::string(name)},
+                      {"direction_rays", c.direction_rays},
+                      {"batch_rays", c.batch_rays},
+                      {"batch_ns", c.batch_ns * share},
+                      {"embree_ns", c.embree_ns * share}};
+    }
+
+private:
+    const AlignedBatch& batch_;
+    ExactOracle exact_;
+    bool choose_;
+};
+
+}  // namespace viscache

@@ -1,0 +1,1 @@
+"""Scenes, rays and pictures that figures and benches both measure."""

@@ -1,0 +1,75 @@
+"""Pairs of renderers that are compared: product sampling, and the same with visibility maps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.frame import Frame
+from viscache.render import render
+from viscache.scene import Scene
+from viscache.settings.integrators import Direct
+from viscache.settings.visibility import VisMaps
+from viscache.vismap import MapSettings, VisibilityMapCache
+
+__all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]
+
+#: Samples between which product sampling's time is measured.
+CALIBRATED = (20, 80)
+Images = list[npt.NDArray[np.floating[Any]]]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Picture:
+    """A scene's picture at one size, with rays through the middles of pixels: only light varies."""
+
+    scene: Scene
+    size: tuple[int, int]
+    camera: int = 0
+
+    def build_cache(self, settings: MapSettings | None = None) -> VisibilityMapCache:
+        """A cache that every pixel was given its records in."""
+        cache = VisibilityMapCache(self.scene, settings)
+        cache.update(self.camera, size=self.size)
+        return cache
+
+    def product(self, samples: int, seed: int = 0) -> Frame:
+        """Product sampling alone."""
+        return self._frame(samples, seed, None)
+
+    def maps(self, samples: int, visibility: VisMaps, seed: int = 0) -> Frame:
+        """With maps."""
+        return self._frame(samples, seed, visibility)
+
+    def _direct(self, samples: int) -> Direct:
+        return Direct(environment="product", n_environment=samples, centred=True)
+
+    def _frame(self, samples: int, seed: int, visibility: VisMaps | None) -> Frame:
+        return render(self.scene, self._direct(samples), visibility=visibility, camera=self.camera,
+                      size=self.size, seed=seed)  # fmt: skip
+
+
+def paper_maps(cache: VisibilityMapCache | None) -> VisMaps:
+    """The paper's estimator: α = 1, no guiding. With a cache, it stays as it is."""
+    return VisMaps(cache=cache, update=cache is None, alpha="one", sampling="product")
+
+
+def images(make: Callable[[int], Frame], seeds: Sequence[int]) -> Images:
+    """Independent renders."""
+    return [make(seed).image for seed in seeds]
+
+
+def cpu_median(frames: list[Frame]) -> float:
+    """Median seconds of all processors together."""
+    return float(np.median([frame.timings["cpu_s"] for frame in frames]))
+
+
+def samples_in(picture: Picture, seconds: float) -> int:
+    """How many samples product sampling takes in so many seconds, by a line through two."""
+    low, high = (cpu_median([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
+    slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
+    return max(1, round(CALIBRATED[0] + (seconds - low) / slope))

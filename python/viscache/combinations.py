@@ -1,0 +1,173 @@
+"""What does not combine, in one table: refused by `viscache.render`, printed in docs/limits.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from viscache.oracles.written import is_written
+from viscache.settings.integrators import Bdpt, Direct, Whitted
+from viscache.settings.rays import Embree
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
+
+__all__ = ["RULES", "Request", "Rule", "check", "table"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What a frame is asked to be.
+
+    Attributes
+    ----------
+    integrator, rays, visibility
+        Settings.
+    use : str or Correct, optional
+    keep : bool
+        A table of the quantized cache is kept over frames.
+    parts : int
+        The frame is cut into so many parts.
+    batch : bool
+        Directions that all eye points share may go through the aligned batch.
+    """
+
+    integrator: Any
+    rays: Any
+    visibility: Any
+    use: Any = None
+    keep: bool = False
+    parts: int = 1
+    batch: bool = False
+
+    @property
+    def environment(self) -> str:
+        """How the integrator samples the environment."""
+        return str(getattr(self.integrator, "environment", ""))
+
+    @property
+    def shares_directions(self) -> bool:
+        """Ambient occlusion along directions that all eye points share."""
+        return getattr(self.integrator, "directions", "") == "shared"
+
+    @property
+    def corrects(self) -> bool:
+        """The answers of an oracle serve as a control variate."""
+        return self.use not in (None, "replace") and not isinstance(self.visibility, VisMaps)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One row of the table: `what` does not work with `other`.
+
+    Where `refused` holds, `must` says what must hold and `given` what was given.
+    """
+
+    what: str
+    other: str
+    instead: str
+    must: str
+    refused: Callable[[Request], bool]
+    given: Callable[[Request], Any] = lambda r: r.visibility
+
+
+def _robust(request: Request) -> bool:
+    return isinstance(request.rays, Embree) and request.rays.robust
+
+
+_IN_TILES = (Direct, Whitted)
+
+RULES: tuple[Rule, ...] = (
+    Rule("`VisMaps`", "`Bdpt`, `AmbientOcclusion`", "`Direct`, `Whitted`",
+         "integrator must be vc.Direct(...) or vc.Whitted(...) with visibility maps",
+         lambda r: isinstance(r.visibility, VisMaps) and not isinstance(r.integrator, _IN_TILES),
+         lambda r: r.integrator),
+    Rule("`VisMaps`", '`environment="shared"`', '`environment="product"`',
+         'environment must not be "shared" with visibility maps',
+         lambda r: isinstance(r.visibility, VisMaps) and r.environment == "shared",
+         lambda r: "shared"),
+    Rule("`ShadowMap`", "`Bdpt`, whose connections have no map", "`Aqvc`, `NeePlusPlus`",
+         "visibility must be vc.Exact(...), vc.Aqvc(...), vc.NeePlusPlus(...) or an oracle of your"
+         " own with Bdpt",
+         lambda r: isinstance(r.integrator, Bdpt) and isinstance(r.visibility, ShadowMap)),
+    Rule('`PaperForm(storage="shared")`', "`Direct`, `Whitted`, `AmbientOcclusion`",
+         '`storage="table"`',
+         'storage must be "table", "exact" or "paper_tiles" without Bdpt',
+         lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.paper.storage == "shared"
+                    and not isinstance(r.integrator, Bdpt)),
+         lambda r: r.visibility.paper.storage),
+    Rule("`Aqvc`, `NeePlusPlus`, an oracle of your own, `use=\"correct\"`",
+         '`environment="product"`', '`environment="mis"`',
+         'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
+         lambda r: (isinstance(r.integrator, Direct) and r.environment == "product"
+                    and (isinstance(r.visibility, Aqvc | NeePlusPlus) or is_written(r.visibility)
+                         or r.corrects))),
+    Rule("`Direct(passes=…)`", 'other than `environment="product"`', "`spp=…`",
+         'passes must be 1 without environment="product"',
+         lambda r: (isinstance(r.integrator, Direct) and not isinstance(r.visibility, VisMaps)
+                    and r.environment != "product" and r.integrator.passes != 1),
+         lambda r: r.integrator.passes),
+    Rule('`AmbientOcclusion(directions="shared")`', "any rays but robust Embree",
+         '`directions="own"`',
+         "rays must be vc.Embree() with shared directions",
+         lambda r: r.shares_directions and not _robust(r),
+         lambda r: r.rays),
+    Rule('`AmbientOcclusion(directions="shared")`', 'any cache, `use="correct"`',
+         '`directions="own"`',
+         "visibility must be vc.Exact(...) with shared directions",
+         lambda r: r.shares_directions and (not isinstance(r.visibility, Exact) or r.corrects)),
+    Rule("`Exact(sky_engine=…)`", "any rays but robust Embree", '`sky_engine="embree"`',
+         'rays must be vc.Embree() with sky_engine="batch" or "auto"',
+         lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
+                    and not _robust(r)),
+         lambda r: r.rays),
+    Rule("`Exact(sky_engine=…)`", "`Bdpt`, `AmbientOcclusion`", '`sky_engine="embree"`',
+         "integrator must be vc.Direct(...) or vc.Whitted(...) with sky_engine",
+         lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
+                    and not isinstance(r.integrator, _IN_TILES)),
+         lambda r: r.integrator),
+    Rule("`keep=AqvcTable(...)`", "any visibility but `Aqvc`", "`Aqvc`",
+         "visibility must be vc.Aqvc(...) with keep",
+         lambda r: r.keep and not isinstance(r.visibility, Aqvc)),
+    Rule("`keep=AqvcTable(...)`", "`Bdpt`, `AmbientOcclusion`", "`Direct`, `Whitted`",
+         "integrator must be vc.Direct(...) or vc.Whitted(...) with keep",
+         lambda r: r.keep and not isinstance(r.integrator, _IN_TILES),
+         lambda r: r.integrator),
+    Rule("frames in parts", "`keep=AqvcTable(...)`", "one machine",
+         "keep must be left out for parts of a frame",
+         lambda r: r.parts > 1 and r.keep, lambda r: "a table"),
+    Rule("frames in parts", "`ShadowMap`, `NeePlusPlus`, `VisMaps`, an oracle of your own",
+         "one machine",
+         "visibility must be vc.Exact(...) or vc.Aqvc(...) for parts of a frame",
+         lambda r: r.parts > 1 and not isinstance(r.visibility, Exact | Aqvc)),
+    Rule("frames in parts", "`Bdpt`, shared directions of ambient occlusion", "one machine",
+         "integrator must not be Bdpt nor share directions for parts of a frame",
+         lambda r: r.parts > 1 and (isinstance(r.integrator, Bdpt) or r.shares_directions),
+         lambda r: r.integrator),
+    Rule("frames in parts", '`PaperForm(storage="paper_tiles")`', '`storage="table"`',
+         'storage must be "table" or "exact" for parts of a frame',
+         lambda r: r.parts > 1 and getattr(r.visibility, "storage", "") == "paper_tiles"),
+    Rule("frames in parts", "shared directions with another `sky_engine`",
+         '`sky_engine="embree"`',
+         'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with shared'
+         " directions",
+         lambda r: r.parts > 1 and r.batch),
+)  # fmt: skip
+
+
+def check(request: Request) -> None:
+    """Refuse what does not combine.
+
+    Raises
+    ------
+    ValueError
+        The first rule that is broken: what must hold, and what was given.
+    """
+    for rule in RULES:
+        if rule.refused(request):
+            raise ValueError(f"{rule.must}, got {rule.given(request)!r}")
+
+
+def table() -> str:
+    """The rules as a table in Markdown, for docs/limits.md."""
+    rows = [f"| {rule.what} | {rule.other} | {rule.instead} |" for rule in RULES]
+    return "\n".join(["| | with | instead |", "| --- | --- | --- |", *rows])

@@ -1,0 +1,288 @@
+"""The renderer's taps: its own eye points, lights and samples, and frames from answers to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.frame import Frame
+from viscache.oracles.oracle import BlockAnswer, Oracle, PairAnswer
+from viscache.oracles.points import GROUPS, EyePoints, FarEnds, ends_of, pack
+from viscache.progress import progress_bar
+from viscache.provenance import provenance
+from viscache.render import frame_settings
+from viscache.scene import Env, Scene
+from viscache.scene.cameras import find_camera
+from viscache.settings.checks import require
+from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted, core_settings
+from viscache.settings.rays import Rays
+
+__all__ = ["Connections", "Samples", "connections"]
+
+Answer: TypeAlias = "BlockAnswer | PairAnswer | npt.NDArray[Any] | tuple[Any, Any]"
+
+
+class Samples:
+    """Samples that belong to one eye point each: of area lights, a sky or a hemisphere.
+
+    Attributes
+    ----------
+    index : (K,) uint32
+        Sample k belongs to eye point `index[k]`.
+    ends : FarEnds of K ends
+    contributions : (K, 3) float32
+        What each brings to its pixel unoccluded, linear RGB.
+    """
+
+    def __init__(self, arrays: dict[str, Any]) -> None:
+        self.index: npt.NDArray[np.uint32] = arrays["index"]
+        self.contributions: npt.NDArray[np.float32] = arrays["contributions"]
+        self.ends: FarEnds = ends_of(arrays)
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+
+class Connections:
+    """All that a frame asks, and the frame that answers make; see `viscache.connections`.
+
+    Attributes
+    ----------
+    eyes : EyePoints
+        Of all tiles, in the renderer's order: sample × branch at mirrors and glass × side.
+    groups : dict of str to FarEnds
+        Lights that all eye points share, by light group: "point", "directional", "vpl", and
+        "environment" with shared directions.
+    samples : dict of str to Samples
+        Samples of each eye point's own: "area", "environment", "ambient".
+    """
+
+    def __init__(
+        self, scene: Scene, integrator: Any, rays: Rays | None, frame: _core.FrameSettings,
+        camera: _core.Camera,
+    ) -> None:  # fmt: skip
+        self._scene, self._integrator, self._rays = scene, integrator, rays
+        self._frame, self._camera = frame, camera
+        self._core = core_settings(integrator)
+        self._caster = scene.caster(rays, threads=frame.threads)
+        self._taps = _core.FrameTaps(scene._core, self._caster, camera, self._core, frame)
+        tiles = self._taps.tiles()
+        joined = {
+            name: np.concatenate([tile[name] for tile in tiles])
+            for name in ("positions", "normals", "density", "origins")
+        }
+        self.eyes = EyePoints(
+            joined["positions"], joined["normals"], joined["density"], _origins=joined["origins"],
+            _tiles=tuple(tiles),
+        )  # fmt: skip
+        lights = self._taps.lights()
+        self._light_number = {GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
+        self.groups = {GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
+        self.samples = {
+            GROUPS[group]: Samples(self._taps.samples(group))
+            for group in self._taps.sample_groups()
+        }
+
+    def wanted(self, group: str) -> npt.NDArray[np.uint64]:
+        """Rows of bits (N, ⌈M/64⌉): the connections that would bring something unoccluded."""
+        return self._taps.wanted(self._number(group))
+
+    def contributions(self, group: str, rows: slice | None = None) -> npt.NDArray[np.float32]:
+        """What connections of some eye points would bring to their pixels unoccluded.
+
+        Parameters
+        ----------
+        group : str
+            One of `groups`.
+        rows : slice, optional
+            Eye points, without a step; all by default, which takes 12·N·M bytes.
+
+        Returns
+        -------
+        (rows, M, 3) float32
+            Linear RGB; the sum over what is visible is the eye point's light.
+        """
+        self._number(group)
+        begin, end, step = (rows or slice(None)).indices(len(self.eyes))
+        require(step == 1, "rows must be a slice without a step", rows)
+        return self._taps.contributions(GROUPS.index(group), begin, max(begin, end))
+
+    def answers(self, visibility: Any, *, use: Any = None) -> dict[str, Answer]:
+        """Every question of the frame, answered by a visibility setting as `viscache.render` does.
+
+        Returns
+        -------
+        dict
+            Group → answer, for `frame`.
+        """
+        oracle = self.oracle(visibility, use=use)
+        found: dict[str, Answer] = {
+            group: oracle.block(self.eyes, ends, self.wanted(group))
+            for group, ends in self.groups.items()
+        }
+        for group in self.samples:
+            result = self._taps.ask(oracle._source(), GROUPS.index(group), self._frame.threads)
+            found[group] = PairAnswer(
+                result["visible"], result.get("weights"),
+                {"queries": result["queries"], "rays": result["rays"]},
+                _order=(result["order"], result["run_end"]),
+            )  # fmt: skip
+        return found
+
+    def oracle(self, visibility: Any, *, use: Any = None) -> Oracle:
+        """`scene.oracle` with the frame's rays, seed, samples per pixel and threads."""
+        return Oracle(
+            self._scene, visibility, rays=self._rays, use=use, seed=self._frame.seed,
+            spp=self._frame.spp, threads=self._frame.threads,
+        )  # fmt: skip
+
+    def frame(self, answers: Mapping[str, Answer], *, progress: Any = False) -> Frame:
+        """The frame that answers make. Groups without an answer stay dark.
+
+        Parameters
+        ----------
+        answers : mapping of group to answer
+            What `oracle.block` and `oracle.pairs` return; of shared groups also (N, M) bool or
+            bits, of samples also (K,) bool; or any of these with weights, as (visible, weights).
+
+        Returns
+        -------
+        Frame
+            With the answers of a built-in setting the same bytes as `viscache.render`.
+
+        Raises
+        ------
+        ValueError
+            Groups that the frame does not have, shapes that do not fit.
+        """
+        known = [*self.groups, *self.samples]
+        given = _core.GivenAnswers(self._taps)
+        for group, answer in answers.items():
+            require(group in known, f"answers must be of {', '.join(known)}", group)
+            if group in self.groups:
+                self._give_block(given, group, answer)
+            else:
+                self._give_samples(given, group, answer)
+        with progress_bar(progress) as report:
+            result = _core.render_frame(
+                self._scene._core, self._caster, self._camera, self._core, self._frame,
+                given.source(), progress=report,
+            )  # fmt: skip
+        counted = [a.counters for a in answers.values() if isinstance(a, BlockAnswer | PairAnswer)]
+        rays = sum(int(c.get("rays", 0)) for c in counted)
+        counters = result["counters"]
+        counters["rays"] = rays
+        counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
+        made = Frame(
+            layers=result["layers"], counters=counters, timings=result["timings"],
+            parameters={
+                "scene": self._scene.spec or self._scene.name,
+                "scene_hash": self._scene.content_hash,
+                "integrator": {"name": type(self._integrator).__name__, **asdict(self._integrator)},
+                "visibility": {"name": "given"},
+                "size": [self._frame.width, self._frame.height], "spp": self._frame.spp,
+                "seed": self._frame.seed, "camera": self._camera.name,
+            },
+            provenance=provenance(), warnings=list(self._scene.warnings),
+        )  # fmt: skip
+        made.counters["sha256"] = made.sha256
+        return made
+
+    def __repr__(self) -> str:
+        shared = [f"{name}: {len(ends)}" for name, ends in self.groups.items()]
+        own = [f"{name}: {len(samples)} samples" for name, samples in self.samples.items()]
+        return f"Connections({len(self.eyes)} eye points; {', '.join([*shared, *own])})"
+
+    def _number(self, group: str) -> int:
+        require(group in self.groups, f"group must be one of {', '.join(self.groups)}", group)
+        return self._light_number[group]
+
+    def _give_block(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
+        if isinstance(answer, BlockAnswer):
+            bits, weights = answer.bits, answer.weights
+        else:
+            seen, weights = answer if isinstance(answer, tuple) else (answer, None)
+            seen = np.asarray(seen)
+            bits = pack(seen) if seen.dtype == bool and seen.ndim == 2 else seen
+        require(bits.dtype == np.uint64, f"answers[{group!r}] must be bool or bits", bits.dtype)
+        given.block(
+            GROUPS.index(group), np.ascontiguousarray(bits), _finite(weights, group),
+            len(self.groups[group]),
+        )  # fmt: skip
+
+    def _give_samples(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
+        order: tuple[Any, Any] = ([], [])
+        if isinstance(answer, PairAnswer):
+            seen, weights, order = answer.visible, answer.weights, answer._order or order
+        else:
+            seen, weights = answer if isinstance(answer, tuple) else (answer, None)
+        seen = np.asarray(seen)
+        require(seen.dtype == bool, f"answers[{group!r}] must be bool", seen.dtype)
+        given.samples(GROUPS.index(group), seen, _finite(weights, group), *order)
+
+
+def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
+    if weights is None:
+        return None
+    weights = np.ascontiguousarray(weights, dtype=np.float32)
+    good = bool(np.isfinite(weights).all())
+    require(good, f"weights of answers[{group!r}] must be finite", "values that are not")
+    return weights
+
+
+def connections(
+    scene: Scene,
+    integrator: Direct | Whitted | AmbientOcclusion,
+    *,
+    rays: Rays | None = None,
+    size: tuple[int, int] | None = None,
+    spp: int = 1,
+    seed: int = 0,
+    threads: int | None = None,
+    camera: str | int | _core.Camera | None = None,
+    env: Env | None = None,
+) -> Connections:
+    """The questions of a frame as arrays: eye points, lights, samples, and what each would bring.
+
+    Parameters
+    ----------
+    scene, rays, size, spp, seed, threads, camera, env
+        As in `viscache.render`.
+    integrator : Direct, Whitted or AmbientOcclusion
+        Of samples drawn beforehand: not `Bdpt`, nor environment="product", nor shared directions
+        of ambient occlusion.
+
+    Returns
+    -------
+    Connections
+        It holds the frame's eye points and samples: 60 bytes per eye point, 76 per sample, and a
+        bit per connection with shared lights.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene, light = vc.scenes.cube_on_plane(), vc.Whitted(n_vpls=16)
+    >>> conn = vc.connections(scene, light, size=(32, 20))
+    >>> frame = conn.frame(conn.answers(vc.Aqvc(c_e=8)))
+    >>> cached = vc.render(scene, light, visibility=vc.Aqvc(c_e=8), size=(32, 20))
+    >>> frame.sha256 == cached.sha256
+    True
+    """
+    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
+    require(fits, "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
+            integrator)  # fmt: skip
+    product = getattr(integrator, "environment", "") == "product"
+    require(not product, 'environment must not be "product" for connections', "product")
+    shared = getattr(integrator, "directions", "") == "shared"
+    require(not shared, 'directions must be "own" for connections', "shared")
+    if env is not None:
+        scene = scene.with_environment(env, threads=threads)
+    view = find_camera(scene, camera)
+    frame = frame_settings(size or (view.width, view.height), spp, seed, threads)
+    return Connections(scene, integrator, rays, frame, view)

@@ -1,0 +1,1 @@
+"""Visibility caches as modules: arrays of points in, bits out; oracles written in Python."""

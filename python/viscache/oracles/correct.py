@@ -1,0 +1,44 @@
+"""Any cache as a control variate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from viscache.settings.checks import check_types, require
+
+__all__ = ["Correct"]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Correct:
+    """How `use="correct"` draws: Ṽ + (V - Ṽ)/q for a random share q of the queries.
+
+    Every query is answered by the cache, and a share q of them is traced as well; where the ray
+    contradicts, the answer's weight carries the correction. The frame is right in expectation
+    whatever the cache says, with noise where it is wrong. At q = 1 it is the exact frame, byte for
+    byte. `frame.counters` has "corrections", the queries traced as well, and "contradicted", those
+    of them that the cache answered wrongly: an unbiased estimate of its share of wrong answers.
+
+    Parameters
+    ----------
+    share : float in (0, 1]
+        q, the same for all queries. The draw is keyed by the frame's seed and the places of both
+        ends.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene, cache = vc.scenes.cube_on_plane(), vc.Aqvc(c_e=16)
+    >>> exact = vc.render(scene, vc.Direct(), size=(32, 20))
+    >>> frame = vc.render(
+    ...     scene, vc.Direct(), visibility=cache, use=vc.Correct(share=1), size=(32, 20)
+    ... )
+    >>> frame.sha256 == exact.sha256
+    True
+    """
+
+    share: float = 0.1
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        require(0 < self.share <= 1, "share must be in (0, 1]", self.share)

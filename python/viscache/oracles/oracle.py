@@ -1,0 +1,277 @@
+"""A visibility cache as a module: arrays of points in, bits out."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.oracles.correct import Correct
+from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
+from viscache.oracles.sources import oracle_source, parameters_of
+from viscache.oracles.written import is_written
+from viscache.settings.checks import is_whole, require
+from viscache.settings.source_context import SourceContext
+from viscache.settings.visibility import Aqvc, VisMaps
+
+__all__ = ["BlockAnswer", "Oracle", "PairAnswer"]
+
+#: Points of a tile: as many as the renderer's tiles have eye samples, by the number of far ends.
+MANY_ENDS, TILE_POINTS, TILE_POINTS_FEW_ENDS = 256, 128 * 128, 256 * 256
+
+
+@dataclass(frozen=True, eq=False)
+class BlockAnswer:
+    """What eye points see of far ends they all share.
+
+    Attributes
+    ----------
+    bits : (N, ⌈M/64⌉) uint64
+        1 = visible; far end k is bit k % 64 of word k // 64. What was not wanted is 0.
+    weights : (N, M) float32 or None
+        What visible connections count by, of oracles that leave connections out at random.
+    counters, timings : dict
+        Of this call: "queries", "rays", "ray_reduction", "groups", ...; as of a `Frame`.
+    n_ends : int
+        M.
+    """
+
+    bits: npt.NDArray[np.uint64]
+    n_ends: int
+    weights: npt.NDArray[np.float32] | None = None
+    counters: dict[str, Any] = field(default_factory=dict)
+    timings: dict[str, float] = field(default_factory=dict)
+    _log: npt.NDArray[Any] | None = field(default=None, repr=False)
+
+    @property
+    def visible(self) -> npt.NDArray[np.bool_]:
+        """(N, M) bool, unpacked at each call."""
+        return unpack(self.bits, self.n_ends)
+
+    @property
+    def clusters(self) -> npt.NDArray[Any]:
+        """One row per query, by row and column: who answered it.
+
+        Fields: "row", "column" of the query; "cluster", queries with equal numbers share one
+        answer; "representative", the row whose ray answered; "level" of refinement, 0 = coarsest;
+        "traced", whether the query's own ray was that one.
+
+        Raises
+        ------
+        ValueError
+            The block was not asked with `clusters=True`.
+        """
+        if self._log is None:
+            raise ValueError("clusters must be asked for: oracle.block(..., clusters=True)")
+        return self._log
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        return np.asarray(self.visible, dtype=dtype)
+
+
+@dataclass(frozen=True, eq=False)
+class PairAnswer:
+    """What eye points see of far ends of their own.
+
+    Attributes
+    ----------
+    visible : (K,) bool
+    weights : (K,) float32 or None
+    counters, timings : dict
+        As of `BlockAnswer`.
+    """
+
+    visible: npt.NDArray[np.bool_]
+    weights: npt.NDArray[np.float32] | None = None
+    counters: dict[str, Any] = field(default_factory=dict)
+    timings: dict[str, float] = field(default_factory=dict)
+    #: Of a frame's samples: the order in which they were asked, and is added up in.
+    _order: tuple[Any, Any] | None = field(default=None, repr=False)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        return np.asarray(self.visible, dtype=dtype)
+
+
+class Oracle:
+    """Answers "does x see y?" for arrays of points, as a visibility setting does; `scene.oracle`.
+
+    Points may come from anywhere, in any order and number: they are sorted along a curve through
+    space and cut into tiles inside, so that memory is bounded by the answer. Every call stands for
+    itself, as a frame does: nothing is remembered from one to the next, and what a method prepares
+    (shadow maps, learned visibilities) is prepared anew.
+
+    Attributes
+    ----------
+    scene : Scene
+    visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, or an oracle of your own
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        visibility: Any,
+        *,
+        rays: Any = None,
+        use: Any = None,
+        seed: int = 0,
+        spp: int = 1,
+        threads: int | None = None,
+    ) -> None:
+        own = is_written(visibility)
+        known = own or (hasattr(visibility, "source") and not isinstance(visibility, VisMaps))
+        require(known, "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
+                " vc.NeePlusPlus(...) or an object with a method block", visibility)  # fmt: skip
+        fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
+            isinstance(use, Correct)
+        )  # fmt: skip
+        require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
+        for name, value in (("seed", seed), ("spp", spp)):
+            require(is_whole(value) and value >= 0, f"{name} must be a whole number >= 0", value)
+        good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
+        require(good, "threads must be in [1, 1024]", threads)
+        if isinstance(visibility, Aqvc):
+            require(visibility.paper.storage not in ("shared", "paper_tiles"),
+                    'storage must be "table" or "exact" for arrays of points',
+                    visibility.paper.storage)  # fmt: skip
+        self.scene, self.visibility = scene, visibility
+        self._use = use
+        self._threads = threads or len(os.sched_getaffinity(0))
+        self._context = SourceContext(
+            scene=scene._core, caster=scene.caster(rays, threads=self._threads), seed=int(seed),
+            spp=int(spp),
+        )  # fmt: skip
+
+    def block(
+        self,
+        eyes: EyePoints,
+        lamps: FarEnds,
+        wanted: Any = None,
+        contributions: Any = None,
+        *,
+        clusters: bool = False,
+    ) -> BlockAnswer:
+        """Every eye point × every far end.
+
+        Parameters
+        ----------
+        eyes : EyePoints of N points
+        lamps : FarEnds of M ends
+        wanted : (N, M) bool or (N, ⌈M/64⌉) uint64, optional
+            Which connections to answer; all by default.
+        contributions : (N, M) float, optional
+            What each connection would carry unoccluded. `Aqvc(by_contribution=True)` spends rays
+            by it.
+        clusters : bool
+            Keep who answered each query (`BlockAnswer.clusters`): 32 bytes per query. For Exact
+            and for Aqvc in its default form.
+
+        Returns
+        -------
+        BlockAnswer
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not fit, values that are not finite.
+
+        Examples
+        --------
+        >>> import numpy as np, viscache as vc
+        >>> scene = vc.scenes.cube_on_plane()
+        >>> oracle = scene.oracle(vc.Aqvc(c_e=8))
+        >>> eyes = vc.EyePoints([(2, 0, 0), (0.0, 0, 2)], [(0, 1, 0), (0, 1, 0)])
+        >>> lamps = vc.FarEnds.points([(2, 3, 0), (-2, 0.5, 0)])
+        >>> oracle.block(eyes, lamps).visible.shape
+        (2, 2)
+        """
+        eyes, lamps = self._checked(eyes, lamps)
+        shape = (len(eyes), len(lamps))
+        if contributions is not None:
+            contributions = np.ascontiguousarray(contributions, dtype=np.float32)
+            good = bool(np.isfinite(contributions).all() and (contributions >= 0).all())
+            require(good, "contributions must be finite and >= 0", "values that are not")
+        result = _core.ask_block(
+            self._source(), tiles_of(eyes), lamps._arrays(), wanted=_wanted_bits(wanted, shape),
+            contributions=contributions, log=clusters, extent=self._extent,
+            most=self._most(lamps), threads=self._threads,
+        )  # fmt: skip
+        return BlockAnswer(
+            result["bits"], len(lamps), result.get("weights"), result["counters"],
+            result["timings"], result.get("log"),
+        )  # fmt: skip
+
+    def pairs(self, eyes: EyePoints, index: Any, ends: FarEnds) -> PairAnswer:
+        """Connections of which each joins one eye point with one far end.
+
+        Parameters
+        ----------
+        eyes : EyePoints of N points
+        index : (K,) int
+            Connection k joins `eyes[index[k]]` with far end k.
+        ends : FarEnds of K ends
+
+        Returns
+        -------
+        PairAnswer
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not fit, indices out of range.
+        """
+        eyes, ends = self._checked(eyes, ends)
+        numbers = np.asarray(index)
+        whole = numbers.ndim == 1 and np.issubdtype(numbers.dtype, np.integer)
+        require(whole and len(numbers) == len(ends), f"index must be ({len(ends)},) integers",
+                f"{numbers.dtype} of shape {numbers.shape}")  # fmt: skip
+        inside = bool(np.all((numbers >= 0) & (numbers < len(eyes))))
+        require(inside, f"index must be in [0, {len(eyes)})", "values outside")
+        result = _core.ask_pairs(
+            self._source(), tiles_of(eyes), numbers.astype(np.uint32), ends._arrays(),
+            extent=self._extent, most=self._most(ends), threads=self._threads,
+        )  # fmt: skip
+        return PairAnswer(
+            result["visible"], result.get("weights"), result["counters"], result["timings"]
+        )
+
+    def __repr__(self) -> str:
+        return f"Oracle({self.scene!r}, {self.visibility!r})"
+
+    @property
+    def _extent(self) -> float:
+        return float(_core.scene_offset_extent(self.scene._core))
+
+    def _source(self) -> _core.OracleSource:
+        return oracle_source(self.visibility, self._use, self._context)
+
+    def _checked(self, eyes: EyePoints, ends: FarEnds) -> tuple[EyePoints, FarEnds]:
+        require(isinstance(eyes, EyePoints), "eyes must be vc.EyePoints(...)", eyes)
+        require(isinstance(ends, FarEnds), "far ends must be vc.FarEnds...", ends)
+        needs_density = isinstance(self.visibility, Aqvc) or is_written(self.visibility)
+        return eyes.with_density() if needs_density and eyes._tiles is None else eyes, ends
+
+    @staticmethod
+    def _most(ends: FarEnds) -> int:
+        return TILE_POINTS if len(ends) > MANY_ENDS else TILE_POINTS_FEW_ENDS
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values of the visibility setting."""
+        return parameters_of(self.visibility)
+
+
+def _wanted_bits(wanted: Any, shape: tuple[int, int]) -> npt.NDArray[np.uint64] | None:
+    """Rows of bits of what is asked."""
+    if wanted is None:
+        return None
+    asked = np.asarray(wanted)
+    if asked.dtype == bool and asked.shape == shape:
+        return pack(asked)
+    words = (shape[0], -(-shape[1] // 64))
+    require(asked.dtype == np.uint64 and asked.shape == words,
+            f"wanted must be bool of shape {shape} or uint64 of shape {words}",
+            f"{asked.dtype} of shape {asked.shape}")  # fmt: skip
+    return np.ascontiguousarray(asked)

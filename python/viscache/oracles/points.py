@@ -1,0 +1,316 @@
+"""The two ends of a connection as arrays: eye points, and what they look at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from viscache.settings.checks import require
+
+__all__ = ["EyePoints", "FarEnds"]
+
+Array: TypeAlias = npt.NDArray[Any]
+Kind: TypeAlias = Literal["points", "directions", "surfaces", "solid_angle"]
+
+#: Neighbours that say how dense points lie where the caller does not.
+NEIGHBOURS = 8
+#: Light groups by number (`visibility/counters.h`).
+GROUPS = (
+    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
+)  # fmt: skip
+GROUP_OF_KIND = {
+    "points": "point",
+    "directions": "directional",
+    "surfaces": "vpl",
+    "solid_angle": "environment",
+}
+
+
+def rows3(values: Any, name: str) -> npt.NDArray[np.float32]:
+    """An (N, 3) array of finite floats; the error names what was given."""
+    try:
+        rows = np.ascontiguousarray(values, dtype=np.float32)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be numbers of shape (N, 3), got {values!r}") from error
+    require(rows.ndim == 2 and rows.shape[1] == 3, f"{name} must have shape (N, 3)", rows.shape)
+    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if bad.size:
+        raise ValueError(f"{name} must be finite, row {bad[0]} is {rows[bad[0]]}")
+    return rows
+
+
+def units(values: Any, name: str) -> npt.NDArray[np.float32]:
+    """An (N, 3) array of directions, scaled to length 1."""
+    rows = rows3(values, name)
+    lengths = np.linalg.norm(rows.astype(np.float64), axis=1)
+    bad = np.flatnonzero(lengths == 0)
+    if bad.size:
+        raise ValueError(f"{name} must not be zero, row {bad[0]} is {rows[bad[0]]}")
+    if np.all(np.abs(lengths - 1) < 1e-4):
+        return rows
+    return (rows / lengths[:, None]).astype(np.float32)
+
+
+def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
+    """One density per row; a number holds for all."""
+    if values is None:
+        return None
+    given = np.asarray(values, dtype=np.float32)
+    require(given.shape in ((), (count,)), f"density must be a number or have shape ({count},)",
+            given.shape)  # fmt: skip
+    good = bool(np.all(np.isfinite(given) & (given >= 0)))
+    require(good, "density must be finite and >= 0", values)
+    return np.ascontiguousarray(np.broadcast_to(given, (count,)))
+
+
+def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Points per unit area from the distance r to the k-th nearest neighbour: k/(π r²).
+
+    k is 8, or fewer where there are fewer points. A point without neighbours has density 0: the
+    coarsest cells. Where k points coincide, the largest finite density of the set stands in.
+    """
+    k = min(NEIGHBOURS, len(positions) - 1)
+    if k < 1:
+        return np.zeros(len(positions), dtype=np.float32)
+    places = positions.astype(np.float64)
+    distance = cKDTree(places).query(places, k=[k + 1], workers=-1)[0][:, 0]
+    with np.errstate(divide="ignore"):
+        density = k / (np.pi * distance**2)
+    finite = density[np.isfinite(density)]
+    most = finite.max() if finite.size else 0.0
+    return np.minimum(density, most).astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class EyePoints:
+    """Points on surfaces that ask what they see, from any source.
+
+    Parameters
+    ----------
+    positions : (N, 3) float
+        On the surfaces, scene units, finite.
+    normals : (N, 3) float
+        Geometric normals on the side the connections leave from; scaled to length 1. Rays start
+        a few units in the last place off the surface on that side.
+    density : float or (N,) float, optional
+        Eye points per unit area at the point, which the quantized cache sizes its cells by. By
+        default from the distance of the 8th nearest neighbour, computed when a cache needs it.
+
+    Raises
+    ------
+    ValueError
+        Shapes that do not fit, values that are not finite.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> eyes = vc.EyePoints([(0, 0, 0), (1, 0, 0)], [(0, 1, 0), (0, 2, 0)])
+    >>> len(eyes), eyes[:1].normals.tolist()
+    (2, [[0.0, 1.0, 0.0]])
+    """
+
+    positions: Array
+    normals: Array
+    density: Array | float | None = None
+    _origins: Array | None = field(default=None, repr=False)  #: where rays start, if known
+    _tiles: tuple[dict[str, Any], ...] | None = field(default=None, repr=False)  #: of a frame
+    _tracer: Callable[..., Array] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        set_value = object.__setattr__
+        set_value(self, "positions", rows3(self.positions, "positions"))
+        set_value(self, "normals", units(self.normals, "normals"))
+        require(len(self.normals) == len(self.positions),
+                f"normals must have {len(self.positions)} rows", len(self.normals))  # fmt: skip
+        set_value(self, "density", densities(self.density, len(self.positions)))
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __getitem__(self, rows: Any) -> EyePoints:
+        """Some of the points: a slice, a mask or indices."""
+        rows = [rows] if isinstance(rows, int | np.integer) else rows
+        density = None if self.density is None else np.asarray(self.density)[rows]
+        origins = None if self._origins is None else self._origins[rows]
+        return replace(
+            self, positions=self.positions[rows], normals=self.normals[rows], density=density,
+            _origins=origins, _tiles=None,
+        )  # fmt: skip
+
+    def with_density(self) -> EyePoints:
+        """The same points with a density: their own, or the neighbours'."""
+        if self.density is not None:
+            return self
+        return replace(self, density=neighbour_density(self.positions))
+
+    def trace(self, ends: FarEnds, wanted: Any = None) -> npt.NDArray[np.bool_]:
+        """Exact visibility, ray by ray, for oracles written in Python: the frame counts the rays.
+
+        Parameters
+        ----------
+        ends : FarEnds
+        wanted : (N, M) bool, optional
+            Which connections to trace; all by default. The rest is answered False.
+
+        Returns
+        -------
+        (N, M) bool
+
+        Raises
+        ------
+        ValueError
+            Points that no frame handed to an oracle; `scene.visible_matrix` takes those.
+        """
+        if self._tracer is None:
+            raise ValueError("points must be those that a frame handed to an oracle, got others")
+        asked = None if wanted is None else np.asarray(wanted, dtype=bool)
+        return unpack(self._tracer(self, ends, asked), len(ends))
+
+    def _arrays(self) -> dict[str, Any]:
+        return {"positions": self.positions, "normals": self.normals, "density": self.density,
+                "origins": self._origins}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class FarEnds:
+    """What eye points look at: M points, directions, surface points or directions of a sky.
+
+    Made by `FarEnds.points`, `.directions`, `.surfaces` or `.solid_angle`.
+
+    Attributes
+    ----------
+    kind : {"points", "directions", "surfaces", "solid_angle"}
+        The semantic of the paper's keys (AQVC Sec. 3.5).
+    positions : (M, 3) float32
+        Positions, or unit directions towards the light.
+    normals : (M, 3) float32 or None
+        Of surfaces.
+    density : (M,) float32 or None
+        Light samples per unit area of surfaces, per steradian of a sky.
+    t_max : float
+        How far directions look, scene units.
+    group : str
+        The light group whose settings hold (c_e_groups, refinement_groups) and whose counters
+        count.
+    """
+
+    kind: Kind
+    positions: Array
+    normals: Array | None = None
+    density: Array | float | None = None
+    t_max: float = float("inf")
+    group: str = ""
+    _ends: Array | None = field(default=None, repr=False)  #: where rays end, if known
+
+    def __post_init__(self) -> None:
+        set_value = object.__setattr__
+        require(self.kind in GROUP_OF_KIND, f"kind must be one of {', '.join(GROUP_OF_KIND)}",
+                self.kind)  # fmt: skip
+        along = self.kind in ("directions", "solid_angle")
+        places = (
+            units(self.positions, "directions") if along else rows3(self.positions, "positions")
+        )
+        set_value(self, "positions", places)
+        require(len(places) > 0, "there must be a far end", 0)
+        if self.normals is not None:
+            normals = (units if self.kind == "surfaces" else rows3)(self.normals, "normals")
+            require(len(normals) == len(places), f"normals must have {len(places)} rows",
+                    len(normals))  # fmt: skip
+            set_value(self, "normals", normals)
+        set_value(self, "density", densities(self.density, len(places)))
+        require(self.t_max >= 0, "t_max must be >= 0", self.t_max)
+        set_value(self, "group", self.group or GROUP_OF_KIND[self.kind])
+        require(self.group in GROUPS, f"group must be one of {', '.join(GROUPS)}", self.group)
+
+    @classmethod
+    def points(cls, positions: Any, *, group: str = "point") -> FarEnds:
+        """Places that stand free: lamps, probes, virtual lights keyed as points; (M, 3)."""
+        return cls("points", positions, group=group)
+
+    @classmethod
+    def directions(
+        cls, directions: Any, *, t_max: float = float("inf"), group: str = "directional"
+    ) -> FarEnds:
+        """Directions towards far lights, (M, 3), and how far rays look along them."""
+        return cls("directions", directions, t_max=t_max, group=group)
+
+    @classmethod
+    def surfaces(
+        cls, positions: Any, normals: Any, density: Any = 0.0, *, group: str = "vpl"
+    ) -> FarEnds:
+        """Points on surfaces, (M, 3), with normals and samples per unit area."""
+        return cls("surfaces", positions, normals, density, group=group)
+
+    @classmethod
+    def solid_angle(
+        cls, directions: Any, density: Any, *, t_max: float = float("inf"),
+        group: str = "environment",
+    ) -> FarEnds:  # fmt: skip
+        """Directions of a sky, (M, 3), with samples per steradian."""
+        return cls("solid_angle", directions, None, density, t_max, group)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __getitem__(self, rows: Any) -> FarEnds:
+        """Some of the far ends: a slice, a mask or indices."""
+        rows = [rows] if isinstance(rows, int | np.integer) else rows
+
+        def some(values: Any) -> Any:
+            return None if values is None else np.asarray(values)[rows]
+
+        return replace(
+            self, positions=self.positions[rows], normals=some(self.normals),
+            density=some(self.density), _ends=some(self._ends),
+        )  # fmt: skip
+
+    def _arrays(self) -> dict[str, Any]:
+        return {"kind": self.kind, "group": GROUPS.index(self.group), "positions": self.positions,
+                "normals": self.normals, "ends": self._ends, "density": self.density,
+                "t_max": self.t_max}  # fmt: skip
+
+
+def eyes_of(arrays: dict[str, Any], tracer: Callable[..., Array] | None = None) -> EyePoints:
+    """Eye points as C++ hands them over."""
+    return EyePoints(
+        arrays["positions"], arrays["normals"], arrays["density"], _origins=arrays["origins"],
+        _tracer=tracer,
+    )  # fmt: skip
+
+
+def ends_of(arrays: dict[str, Any]) -> FarEnds:
+    """Far ends as C++ hands them over."""
+    normals = arrays["normals"] if arrays["kind"] == "surfaces" else None
+    return FarEnds(
+        arrays["kind"], arrays["positions"], normals, arrays["density"], arrays["t_max"],
+        GROUPS[arrays["group"]], _ends=arrays["ends"],
+    )  # fmt: skip
+
+
+def pack(visible: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:
+    """Rows of bits (N, ⌈M/64⌉) of a bool array (N, M): bit k % 64 of word k // 64."""
+    count, columns = visible.shape
+    words = -(-columns // 64)
+    if columns % 64:
+        padded = np.zeros((count, words * 64), dtype=bool)
+        padded[:, :columns] = visible
+        visible = padded
+    packed = np.packbits(visible, axis=1, bitorder="little")
+    return packed.view("<u8").astype(np.uint64, copy=False).reshape(count, words)
+
+
+def unpack(bits: npt.NDArray[np.uint64], columns: int) -> npt.NDArray[np.bool_]:
+    """The inverse of `pack`."""
+    words = np.ascontiguousarray(bits, dtype="<u8")
+    unpacked = np.unpackbits(words.view(np.uint8), axis=1, count=columns, bitorder="little")
+    return unpacked.view(np.bool_)
+
+
+def tiles_of(eyes: EyePoints) -> dict[str, Any] | list[dict[str, Any]]:
+    """What `_core.ask_block` takes: one set of arrays, or the tiles of a frame."""
+    return eyes._arrays() if eyes._tiles is None else list(eyes._tiles)

@@ -1,0 +1,35 @@
+"""From a visibility setting to the source of a frame's oracles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from viscache import _core
+from viscache.oracles import written
+from viscache.oracles.correct import Correct
+from viscache.settings.source_context import SourceContext
+from viscache.settings.visibility import VisMaps
+
+__all__ = ["oracle_source", "parameters_of"]
+
+
+def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.OracleSource:
+    """What makes the oracles of one frame: built in or written in Python, corrected if asked."""
+    if written.is_written(visibility):
+        source = written.source(visibility, context)
+    else:
+        source = visibility.source(context)
+    if use in (None, "replace") or isinstance(visibility, VisMaps):
+        return source
+    correct = use if isinstance(use, Correct) else Correct()
+    return _core.ResidualSource(
+        context.scene, context.caster, source, share=correct.share, seed=context.seed
+    )
+
+
+def parameters_of(visibility: Any) -> dict[str, Any]:
+    """Names and values of a visibility setting."""
+    if written.is_written(visibility):
+        return written.parameters(visibility)
+    values: dict[str, Any] = visibility.parameters()
+    return values

@@ -1,0 +1,159 @@
+"""Oracles written in Python: classes with a method `block` as visibility settings."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.oracles.points import EyePoints, FarEnds, ends_of, eyes_of, pack
+from viscache.settings.checks import require
+from viscache.settings.source_context import SourceContext
+
+__all__ = ["Written", "is_written"]
+
+Bits: TypeAlias = npt.NDArray[np.uint64]
+
+
+@runtime_checkable
+class Written(Protocol):
+    """A visibility setting of your own: a dataclass with a method `block`.
+
+    Methods
+    -------
+    block(eyes, lamps, wanted)
+        `eyes` : EyePoints of one tile, `lamps` : FarEnds of one light group, `wanted` : (N, M)
+        bool, the connections that would bring something. Returns what is visible: (N, M) bool, or
+        rows of bits (N, ⌈M/64⌉) uint64, or either with weights (N, M) that visible connections
+        count by. `eyes.trace(lamps, wanted)` traces rays, also of some eyes: `eyes[rows].trace`.
+    pairs(eyes, index, ends), optional
+        Connection k joins `eyes[index[k]]` with far end k: samples that belong to one eye point
+        each. Returns (K,) bool, or that with weights (K,). Without it these are traced.
+    begin_frame(lights), optional
+        Called once per frame with the list of its shared FarEnds.
+    begin_tile(eyes), optional
+        Called before the questions about a tile.
+
+    Every thread has its own shallow copy of the object, made after `begin_frame`. So a tile may
+    keep what it learns in attributes, which must not change what later tiles are answered.
+    """
+
+    def block(self, eyes: EyePoints, lamps: FarEnds, wanted: npt.NDArray[np.bool_]) -> Any:
+        """What is visible."""
+
+
+def is_written(visibility: Any) -> bool:
+    """Whether a visibility setting is an oracle written in Python."""
+    return (
+        not isinstance(visibility, type)
+        and callable(getattr(visibility, "block", None))
+        and not hasattr(visibility, "source")
+    )
+
+
+def parameters(visibility: Any) -> dict[str, Any]:
+    """Names and values of the fields of a dataclass; nothing of other classes."""
+    if not dataclasses.is_dataclass(visibility):
+        return {}
+    return {f.name: getattr(visibility, f.name) for f in dataclasses.fields(visibility)}
+
+
+def source(visibility: Any, context: SourceContext) -> _core.OracleSource:
+    """The source of one frame's oracles."""
+    return _core.PythonSource(context.scene, context.caster, WrittenSource(visibility))
+
+
+class WrittenSource:
+    """One frame of an oracle written in Python, as `bindings/python_oracle.h` calls it."""
+
+    def __init__(self, visibility: Any) -> None:
+        self.visibility = copy.copy(visibility)
+
+    def begin_frame(self, lights: list[dict[str, Any]]) -> None:
+        """Tell the oracle of the lights, if it likes."""
+        begin = getattr(self.visibility, "begin_frame", None)
+        if begin is not None:
+            begin([ends_of(arrays) for arrays in lights])
+
+    def oracle(self, tracer: _core.PythonTracer) -> WrittenOracle:
+        """The oracle of one thread."""
+        return WrittenOracle(copy.copy(self.visibility), tracer)
+
+
+class WrittenOracle:
+    """One thread's copy: arrays in and out, answers checked."""
+
+    def __init__(self, visibility: Any, tracer: _core.PythonTracer) -> None:
+        self.visibility, self.tracer = visibility, tracer
+        self.eyes: EyePoints | None = None
+
+    def begin_tile(self, arrays: dict[str, Any]) -> None:
+        """The eye points of the questions to come."""
+        self.eyes = eyes_of(arrays, self._trace)
+        begin = getattr(self.visibility, "begin_tile", None)
+        if begin is not None:
+            begin(self.eyes)
+
+    def block(
+        self, ends: dict[str, Any], wanted: npt.NDArray[np.bool_]
+    ) -> tuple[Bits, npt.NDArray[np.float32] | None]:
+        """All eye points of the tile × one light group."""
+        assert self.eyes is not None
+        lamps = ends_of(ends)
+        seen, weights = _parted(self.visibility.block(self.eyes, lamps, wanted))
+        shape = (len(self.eyes), len(lamps))
+        return self._bits(seen, shape), _weights(weights, shape)
+
+    def pairs(
+        self, index: npt.NDArray[np.uint32], ends: dict[str, Any]
+    ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.float32] | None]:
+        """Connections of which each belongs to one eye point."""
+        assert self.eyes is not None
+        ask = getattr(self.visibility, "pairs", None)
+        if ask is None:
+            return self.tracer.pairs(self.eyes._arrays(), index, ends), None
+        seen, weights = _parted(ask(self.eyes, index, ends_of(ends)))
+        seen = np.asarray(seen)
+        name = type(self.visibility).__name__
+        require(seen.dtype == bool and seen.shape == index.shape,
+                f"{name}.pairs must return bool of shape {index.shape}",
+                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        return seen, _weights(weights, index.shape)
+
+    def _bits(self, seen: Any, shape: tuple[int, int]) -> Bits:
+        seen, name = np.asarray(seen), type(self.visibility).__name__
+        if seen.dtype == bool and seen.shape == shape:
+            return pack(seen)
+        words = (shape[0], -(-shape[1] // 64))
+        require(seen.dtype == np.uint64 and seen.shape == words,
+                f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
+                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        return np.ascontiguousarray(seen)
+
+    def _trace(self, eyes: EyePoints, ends: FarEnds, wanted: npt.NDArray[np.bool_] | None) -> Bits:
+        return self.tracer.block(eyes._arrays(), ends._arrays(), wanted)
+
+
+def _parted(answer: Any) -> tuple[Any, Any]:
+    """An answer and its weights."""
+    if isinstance(answer, tuple):
+        require(len(answer) == 2, "an answer must be an array or (array, weights)",
+                f"{len(answer)} values")  # fmt: skip
+        return answer
+    # What `scene.oracle(...).block` returns serves as well
+    if hasattr(answer, "bits") and hasattr(answer, "weights"):
+        return answer.bits, answer.weights
+    return answer, None
+
+
+def _weights(weights: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float32] | None:
+    if weights is None:
+        return None
+    weights = np.ascontiguousarray(weights, dtype=np.float32)
+    require(weights.shape == shape, f"weights must have shape {shape}", weights.shape)
+    require(bool(np.isfinite(weights).all()), "weights must be finite", "values that are not")
+    return weights

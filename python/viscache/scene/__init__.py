@@ -1,0 +1,6 @@
+"""What is rendered: scenes, their cameras and environments."""
+
+from viscache.scene.cameras import look_at
+from viscache.scene.scene import Env, Intersection, Scene, SceneError, load_scene
+
+__all__ = ["Env", "Intersection", "Scene", "SceneError", "load_scene", "look_at"]

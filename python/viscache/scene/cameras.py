@@ -1,0 +1,57 @@
+"""Cameras made in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from viscache import _core
+from viscache.scene.scene import Scene
+from viscache.settings.checks import require
+
+__all__ = ["look_at"]
+
+
+def look_at(
+    origin: Sequence[float],
+    target: Sequence[float],
+    up: Sequence[float] = (0.0, 1.0, 0.0),
+    fov_deg: float = 45.0,
+) -> _core.Camera:
+    """A pinhole camera at `origin` that looks at `target`.
+
+    Parameters
+    ----------
+    origin, target : (3,) float
+        In scene units; they must differ.
+    up : (3,) float
+        What points up in the picture.
+    fov_deg : float in (0.01, 177)
+        Vertical angle of view.
+
+    Raises
+    ------
+    ValueError
+        Not three numbers each, or an angle out of range.
+    """
+    for name, value in (("origin", origin), ("target", target), ("up", up)):
+        require(len(value) == 3, f"{name} must be 3 numbers", value)
+    require(0.01 < fov_deg < 177, "fov_deg must be in (0.01, 177)", fov_deg)
+    x, y, z = (float(v) for v in origin)
+    tx, ty, tz = (float(v) for v in target)
+    ux, uy, uz = (float(v) for v in up)
+    return _core.look_at((x, y, z), (tx, ty, tz), (ux, uy, uz), fov_deg)
+
+
+def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
+    """A camera of the scene by name or index, its first one, or one that sees it whole."""
+    if isinstance(wish, _core.Camera):
+        return wish
+    cameras = scene.cameras
+    if wish is None:
+        return cameras[0] if cameras else scene.overview_camera()
+    if isinstance(wish, int):
+        require(0 <= wish < len(cameras), f"camera must be in [0, {len(cameras)})", wish)
+        return cameras[wish]
+    names = [c.name for c in cameras]
+    require(wish in names, f"camera must be one of {names}", wish)
+    return cameras[names.index(wish)]

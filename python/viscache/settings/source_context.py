@@ -1,0 +1,49 @@
+"""What a visibility setting needs to make the oracles of one frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from viscache import _core
+
+__all__ = ["MakesOracles", "SourceContext"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceContext:
+    """One frame, as the source of its oracles sees it.
+
+    Attributes
+    ----------
+    scene : _core.Scene
+    caster : _core.RayCaster
+        Traces every ray.
+    spp : int
+        Eye samples per pixel; 1 for arrays of points.
+    seed : int
+    bidirectional : bool
+        The frame joins eye paths with light paths: threads share one table.
+    batch : AlignedBatch, optional
+        Who may trace directions that all eye points share.
+    kept : (KeptTable, check, repair), optional
+        The table that outlives the frame.
+    """
+
+    scene: _core.Scene
+    caster: _core.RayCaster
+    spp: int = 1
+    seed: int = 0
+    bidirectional: bool = False
+    batch: _core.vlf.AlignedBatch | None = None
+    kept: tuple[_core.KeptTable, float, bool] | None = None
+
+
+class MakesOracles(Protocol):
+    """A visibility setting: it makes the oracles of a frame, and says what it is."""
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values."""

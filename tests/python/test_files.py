@@ -1,0 +1,38 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from viscache.files import whole_file, write_whole
+
+
+def test_a_file_takes_its_place_at_the_end_alone(tmp_path: Path) -> None:
+    target = tmp_path / "table.csv"
+    write_whole(target, "old")
+    with whole_file(target) as partial:
+        partial.write_text("näw", encoding="utf-8")
+        assert target.read_text("utf-8") == "old"
+    assert target.read_text("utf-8") == "näw"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_an_error_leaves_the_file_as_it_was_and_nothing_beside_it(tmp_path: Path) -> None:
+    target = tmp_path / "table.csv"
+    write_whole(target, "old")
+    with pytest.raises(RuntimeError, match="half way"), whole_file(target) as partial:
+        partial.write_text("ne", encoding="utf-8")
+        raise RuntimeError("half way")
+    assert target.read_text("utf-8") == "old" and list(tmp_path.iterdir()) == [target]
+
+
+def test_two_writers_of_one_file_do_not_share_a_path(tmp_path: Path) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    target = tmp_path / "a"
+    with whole_file(target) as one, ThreadPoolExecutor(1) as pool:
+        pool.submit(write_whole, target, "other").result()
+        one.write_text("one")
+    assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
