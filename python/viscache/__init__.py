@@ -1,5 +1,7 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
+import copyreg as _copyreg
+
 from viscache import (
     correlation,
     metrics,
@@ -9,6 +11,8 @@ from viscache import (
     scenes,
     temporal,
     tiles,
+    variance,
+    vismap,
     vlf,
 )
 from viscache._core import SceneDescription
@@ -29,6 +33,8 @@ from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
+from viscache.thumbnails import thumbnail as _thumbnail
+from viscache.travelling import reduced as _reduced
 from viscache.vismap import (
     MapSettings,
     Relighting,
@@ -88,10 +94,16 @@ __all__ = [
     "temporal",
     "tiles",
     "tune",
+    "variance",
+    "vismap",
     "vlf",
 ]
 
+# What scenes cannot do by themselves: they know neither a renderer nor what specs mean
+Scene._picture = staticmethod(_thumbnail)
+_copyreg.pickle(Scene, _reduced)
+
 
 def __dir__() -> list[str]:
-    """The public names alone."""
-    return list(__all__)
+    """The public names, without the modules that importing leaves behind."""
+    return sorted(__all__)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.scene import Scene
 from viscache.settings.aqvc import KEYED, Aqvc
 from viscache.settings.checks import is_whole, require
+from viscache.settings.spelling import spelled
 
 __all__ = ["AqvcTable"]
 
 
+@spelled
 class AqvcTable:
     """Bits of visibility that frames of `vc.render(..., keep=table)` hand on to the next ones.
 
@@ -84,19 +87,18 @@ class AqvcTable:
         if self._core:
             self._core.next_epoch()
 
-    def moved(self, scene: Scene, *, forget: bool = True) -> None:
+    def moved(self, scene: Scene | str | os.PathLike[str], *, forget: bool = True) -> None:
         """Go on with `scene`, whose geometry may differ from that of the frames before.
 
         Parameters
         ----------
-        scene : Scene
+        scene : Scene, path or str
             Of the next frames.
         forget : bool
             Start a new epoch. False keeps all bits: those that are wrong now (stale) stay until
             they are overwritten, or found by `repair`.
         """
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
-        self._geometry = scene.geometry_hash
+        self._geometry = sources.opened(scene).geometry_hash
         if forget:
             self.forget()
 

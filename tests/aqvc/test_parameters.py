@@ -77,7 +77,7 @@ def test_values_that_nobody_gave_are_values_and_say_so() -> None:
     assert all(not isinstance(value, NotGiven) for value in cache.resolved().values())
     assert cache.resolved()["scale_free"] is False and type(cache.resolved()["c_n"]) is int
     assert repr(vc.Aqvc(c_e=8, paper=vc.PaperForm(hash="scheme1"))) == (
-        "Aqvc(preset='default', c_e=8.0, paper=PaperForm(hash='scheme1'))"
+        "Aqvc(c_e=8.0, paper=PaperForm(hash='scheme1'))"
     )
 
 

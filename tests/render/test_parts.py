@@ -50,7 +50,7 @@ def test_any_number_of_parts_gives_the_same_bytes(
 def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
     import multiprocessing
 
-    ao = vc.AmbientOcclusion(n_samples=8)
+    ao = vc.AmbientOcclusion(n_samples=8, max_distance=None)
     whole = vc.render(vc.scenes.build(SCENE), ao, **SIZE)
     with ThreadPoolExecutor(3) as pool:
         assert_same(whole, tiles.render(SCENE, ao, executor=pool, parts=7, **SIZE))

@@ -212,7 +212,7 @@ def test_light_cells_leave_an_error_that_falls_with_the_samples():
 
 def test_ambient_occlusion_shares_rays():
     """The ambient group: fewer rays than queries, values in [0, 1], error falls with C_E."""
-    ambient = vc.AmbientOcclusion(n_samples=32)
+    ambient = vc.AmbientOcclusion(n_samples=32, max_distance=None)
     exact = q.exact(q.scene("cube_on_plane"), ambient)
     error = []
     for c_e in (16, 4, 1):

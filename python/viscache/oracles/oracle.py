@@ -14,6 +14,7 @@ from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
 from viscache.oracles.sources import oracle_source, parameters_of
 from viscache.oracles.written import is_written
+from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, VisMaps
@@ -121,6 +122,7 @@ class Oracle:
         spp: int = 1,
         threads: int | None = None,
     ) -> None:
+        visibility = by_name.setting("visibility", visibility)
         own = is_written(visibility)
         known = own or (hasattr(visibility, "source") and not isinstance(visibility, VisMaps))
         require(known, "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"

@@ -16,6 +16,7 @@ from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.not_given import NotGiven, not_given, plain
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
 
 __all__ = ["Aqvc", "PaperForm"]
 
@@ -90,19 +91,6 @@ def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
             object.__setattr__(settings, f.name, not_given(value))
 
 
-def _is_given(value: Any) -> bool:
-    if isinstance(value, PaperForm):
-        return any(_is_given(getattr(value, f.name)) for f in fields(value))
-    return not isinstance(value, NotGiven) and value != {}
-
-
-def _given(settings: Any) -> str:
-    """The constructor call with what was given."""
-    values = {f.name: getattr(settings, f.name) for f in fields(settings)}
-    given = [f"{name}={value!r}" for name, value in values.items() if _is_given(value)]
-    return f"{type(settings).__name__}({', '.join(given)})"
-
-
 def _core_of(*settings: Any) -> _core.aqvc.AqvcParameters:
     """The C++ struct with the values of these settings, checked."""
     core = _core.aqvc.AqvcParameters()
@@ -119,8 +107,9 @@ def _core_of(*settings: Any) -> _core.aqvc.AqvcParameters:
     return core
 
 
+@setting
 @_documented
-@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class PaperForm:
     """What the paper's own form of the cache has besides: `Aqvc(paper=PaperForm(...))`.
 
@@ -160,12 +149,10 @@ class PaperForm:
         check_types(self)
         _core_of(self)
 
-    def __repr__(self) -> str:
-        return _given(self)
 
-
+@setting
 @_documented
-@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Aqvc:
     """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
 
@@ -275,9 +262,6 @@ class Aqvc:
         require(form == "pairs", 'form must be "pairs" with keep', form)
         require(storage == "table", 'storage must be "table" with keep', storage)
         return made
-
-    def __repr__(self) -> str:
-        return _given(self)
 
     def _unless_given(self, own: Mapping[str, Any], paper: Mapping[str, Any]) -> Aqvc:
         """With these values, where nothing was given."""

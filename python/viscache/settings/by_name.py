@@ -66,6 +66,12 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
     return replaced(cls(), table, role)
 
 
+def setting(role: Role, value: Any, default: str | None = None) -> Any:
+    """Settings as a call takes them: a name or a table becomes an object, None the default's."""
+    value = default if value is None else value
+    return make(role, value) if isinstance(value, (str, Mapping)) else value
+
+
 def parameters(settings: Any) -> dict[str, Any]:
     """Names and values of a settings object, those of settings within it under their own names."""
     found: dict[str, Any] = {}

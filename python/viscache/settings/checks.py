@@ -101,4 +101,4 @@ def checked_points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
     with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
-        return np.ascontiguousarray(array, dtype=np.float32)
+        return np.asarray(array, dtype=np.float32, order="C")

@@ -10,11 +10,13 @@ from viscache.settings.aqvc import Aqvc, PaperForm
 from viscache.settings.checks import check_types, require
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
 from viscache.settings.vismaps import VisMaps
 
 __all__ = ["Aqvc", "Exact", "NeePlusPlus", "PaperForm", "ShadowMap", "VisMaps", "Visibility"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exact:
     """One ray per question.
@@ -59,6 +61,7 @@ class Exact:
         return {"order": self.order, "coherent": self.coherent, "sky_engine": self.sky_engine}
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ShadowMap:
     """Shadow maps: a plain depth test without a filter, the baseline of AQVC Fig. 8.
