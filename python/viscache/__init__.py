@@ -28,7 +28,7 @@ from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
@@ -64,6 +64,7 @@ __all__ = [
     "Intersection",
     "MapSettings",
     "NeePlusPlus",
+    "PaperForm",
     "Relighting",
     "Scene",
     "SceneDescription",

@@ -136,9 +136,9 @@ class Oracle:
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):
-            require(visibility.storage not in ("shared", "paper_tiles"),
+            require(visibility.paper.storage not in ("shared", "paper_tiles"),
                     'storage must be "table" or "exact" for arrays of points',
-                    visibility.storage)  # fmt: skip
+                    visibility.paper.storage)  # fmt: skip
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
