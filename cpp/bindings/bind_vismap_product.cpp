@@ -118,8 +118,8 @@ void bind_pyramid(py::module_& s) {
             py::arg("level"), "Sums of the nodes of a level along the Morton curve, (4^level,).");
 }
 
-void bind_tree(py::module_& s) {
-    py::class_<BoundTree>(s, "ProductTree", "L·B̃ over the sphere for one point, to draw directions from.")
+void bind_tree(py::module_& t) {
+    py::class_<BoundTree>(t, "ProductTree", "L·B̃ over the sphere for one point, to draw directions from.")
         .def_static(
             "of_surface",
             [](const std::shared_ptr<EnvironmentPyramid>& light, const ShadingPoint& sp, int m) {
@@ -172,11 +172,12 @@ void bind_tree(py::module_& s) {
 void bind_vismap_product(py::module_& m) {
     py::module_ s = m.def_submodule("vismap", "Visibility maps and product sampling of the environment.");
     bind_pyramid(s);
-    bind_tree(s);
+    py::module_ t = m.def_submodule("_testing");
+    bind_tree(t);
     s.def("points", &points, py::arg("set"), py::arg("count"), py::kw_only(), py::arg("seed") = 0,
           py::arg("pixel") = 0, py::arg("pass_") = 0,
           "Random or randomised (0, 2)-sequence points of the square, (count, 2).");
-    s.def(
+    t.def(
         "reflection_at_nodes",
         [](const ShadingPoint& sp, int level, uint32_t first) {
             if (level < 6 || level > 8 || first % 16 || first >= uint32_t{1} << (2 * level))

@@ -170,4 +170,4 @@ def check(request: Request) -> None:
 def table() -> str:
     """The rules as a table in Markdown, for docs/limits.md."""
     rows = [f"| {rule.what} | {rule.other} | {rule.instead} |" for rule in RULES]
-    return "\n".join(["| | with | instead |", "| --- | --- | --- |", *rows])
+    return "\n".join(["| this | does not work with | use instead |", "| --- | --- | --- |", *rows])

@@ -148,6 +148,8 @@ class VisibilityMapCache:
                 ordered = points.take(pixel_order(self.settings.order, width, height))
             found = self._insert(ordered, cores, progress)
             self._core.mark_used(points, self.frame, cores)
+        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
+        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
         return UpdateReport(
             frame=self.frame,
             startup=startup["inserted"],
@@ -157,10 +159,8 @@ class VisibilityMapCache:
             pixels=width * height,
             misses=misses,
             bad_normals=bad_normals,
-            **{name: found[name] for name in (
-                "no_candidate", "weight", "difference", "suppressed", "refused", "lookups", "passes"
-            )},
-        )  # fmt: skip
+            **counts,
+        )
 
     def _pixels(
         self, view: _core.Camera, width: int, height: int, at: tuple[float, float], threads: int
@@ -189,10 +189,10 @@ class VisibilityMapCache:
         """Creates the start-up records if they do not exist yet."""
         if self.started:
             return {"inserted": 0, "duplicates": 0, "rays": 0}
+        s, rules = self.settings, _core.vismap.PixelRules(self.settings.d_max)
         points, _, _ = _core.vismap.startup_points(
-            self.scene._core, self._caster(), view, width, height, self.settings.n_startup,
-            self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
-        )  # fmt: skip
+            self.scene._core, self._caster(), view, width, height, s.n_startup, s.seed, rules
+        )
         before = len(self)
         found = self._core.bootstrap(self.scene._core, self._caster(), points, self.frame, threads)
         self.started = True

@@ -146,22 +146,15 @@ def trace_aligned(
     asked = _Asked(scene, points, normals, frames, t_max, n_threads)
     chosen, reason = (engine, "asked for") if engine != "auto" else _choose(asked, field)
     with progress_bar(progress, unit="direction") as report:
+        options: dict[str, Any] = {"t_max": t_max, "threads": n_threads, "progress": report}
         if chosen == "batch":
-            bits, _ = scene.aligned_batch().rows(
-                scene._core, points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+            bits, _ = scene.aligned_batch().rows(scene._core, points, normals, frames, **options)
         elif chosen == "field":
             settings = Vlf(n_directions=n_directions)
             core = field._core if field else scene.caster(settings, threads=threads)
-            bits = _core.vlf.field_rows(
-                core, points, normals, frames, t_max=t_max, threads=n_threads, progress=report
-            )
+            bits = _core.vlf.field_rows(core, points, normals, frames, **options)
         else:
-            bits = _core.vlf.embree_rows(
-                scene.caster(), points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+            bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **options)
     return AlignedRows(
         bits=bits,
         n_directions=len(frames),
