@@ -22,13 +22,14 @@ from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
 from viscache.provenance import VERSION
+from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
@@ -64,6 +65,7 @@ __all__ = [
     "Intersection",
     "MapSettings",
     "NeePlusPlus",
+    "PaperForm",
     "Relighting",
     "Scene",
     "SceneDescription",
@@ -86,6 +88,7 @@ __all__ = [
     "metrics",
     "notebook",
     "plots",
+    "record_queries",
     "render",
     "report",
     "scenes",

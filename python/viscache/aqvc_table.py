@@ -10,17 +10,11 @@ from typing import Any
 
 from viscache import _core, sources
 from viscache.scene import Scene
+from viscache.settings.aqvc import KEYED, Aqvc
 from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Aqvc
 
 __all__ = ["AqvcTable"]
-
-#: Parameters on which keys, or what is kept under them, depend: the same in all frames of a table.
-KEYED_BY = (
-    *("c_l", "c_n", "c_z", "c_r", "normal_mode", "grid_offset", "grid_seed", "scale_free"),
-    *("res_rule", "env_rule", "vpl_key", "hash", "digest_bits"),
-)
 
 
 @spelled
@@ -126,7 +120,7 @@ class AqvcTable:
                 self)  # fmt: skip
         try:
             core = cache.core()
-            keyed = {name: getattr(core, name) for name in KEYED_BY}
+            keyed = {name: getattr(core, name) for name in KEYED}
             if not core.scale_free:
                 keyed["the scene's bounding sphere"] = _core.scene_sphere(scene._core)
             if self._core is None:

@@ -1,4 +1,4 @@
-"""Oracles written in Python: rendered, swept, corrected; wrong ones are refused and nothing is lost."""
+"""Oracles written in Python: rendered, swept, corrected; wrong ones are refused."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def assert_same(a: vc.Frame, b: vc.Frame) -> None:
     [
         *((vc.Exact(), parts) for parts in (1, 2, 5, 9)),
         *((vc.Aqvc(c_e=8), parts) for parts in (2, 5, 9)),
-        (vc.Aqvc(form="pairs"), 4),
+        (vc.Aqvc(paper=vc.PaperForm(form="pairs")), 4),
     ],
 )
 def test_any_number_of_parts_gives_the_same_bytes(

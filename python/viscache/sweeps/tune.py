@@ -26,6 +26,7 @@ from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
+from viscache.settings.not_given import NotGiven
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact
 
@@ -248,8 +249,8 @@ def with_light_cells(groups: Callable[[Aqvc], dict[str, float]], base: Aqvc, tar
     `groups` tells what each light group is off by.
     """
     tried = base
-    for halvings in range(MOST_HALVINGS + 1 if base.c_l is None else 0):
-        tried = replace(base, c_l=None if halvings == 0 else 0.5**halvings)
+    for halvings in range(MOST_HALVINGS + 1 if isinstance(base.c_l, NotGiven) else 0):
+        tried = replace(base, c_l=0.5**halvings) if halvings else base
         off = groups(replace(tried, c_e=FINE_C_E))
         if sum(value for name, value in off.items() if name in OWN_SAMPLES) <= target / 2:
             break
