@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'sample_points', 'startup_points', 'time_product', 'wilson_lower']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'morton_order', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'sample_points', 'startup_points', 'time_product', 'wilson_lower']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -182,7 +182,7 @@ class CachePoints:
     """
     Points that ask a cache; d_max = 0 where there is no surface.
     """
-    def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+    def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], first_row: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
     def __len__(self) -> int:
         ...
@@ -347,6 +347,10 @@ def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b
 def morton2(x: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
     """
     Z-order numbers of cells.
+    """
+def morton_order(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.uint32]:
+    """
+    Rows of the positions along the Morton curve of their bounding box.
     """
 def node_codes(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint8]:
     """
