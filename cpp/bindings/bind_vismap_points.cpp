@@ -3,6 +3,7 @@
 
 #include "cache_points.h"
 #include "interrupt.h"
+#include "viscache/math/morton.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/vismap/pixel_points.h"
@@ -14,7 +15,7 @@ namespace {
 using IdArray = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
 Points points_of(const FloatArray& positions, const FloatArray& normals, const FloatArray& d_max,
-                 const FloatArray& footprint) {
+                 const FloatArray& footprint, size_t first_row) {
     const Vec3 *p = rows3(positions, "positions"), *n = rows3(normals, "normals");
     for (const auto& [name, size] : {std::pair{"normals", normals.shape(0)},
                                      {"d_max", d_max.ndim() == 1 ? d_max.shape(0) : -1},
@@ -25,7 +26,7 @@ Points points_of(const FloatArray& positions, const FloatArray& normals, const F
     Points points;
     for (py::ssize_t i = 0; i < positions.shape(0); ++i) {
         points.push_back({p[i], n[i], d_max.at(i), footprint.at(i)});
-        check_point(points.back(), size_t(i));
+        check_point(points.back(), first_row + size_t(i));
     }
     return points;
 }
@@ -63,7 +64,7 @@ void bind_vismap_points(py::module_& m) {
     py::module_ v = m.def_submodule("vismap");
     py::class_<Points>(v, "CachePoints", "Points that ask a cache; d_max = 0 where there is no surface.")
         .def(py::init(&points_of), py::arg("positions"), py::arg("normals"), py::arg("d_max"),
-             py::arg("footprint"))
+             py::arg("footprint"), py::arg("first_row") = 0)
         .def("__len__", [](const Points& p) { return p.size(); })
         .def("take", &taken, py::arg("indices"), "Some of the points, in this order.")
         .def_property_readonly(
@@ -84,6 +85,20 @@ void bind_vismap_points(py::module_& m) {
              }),
              py::arg("reach"), py::arg("most_reach") = PixelRules{}.most_reach,
              py::arg("least_cos") = PixelRules{}.least_cos);
+    v.def(
+        "morton_order",
+        [](const FloatArray& positions) {
+            const Vec3* rows = rows3(positions, "positions");
+            const size_t n = size_t(positions.shape(0));
+            if (n >= kNoRecord) throw py::value_error("positions must be fewer than 2^32 - 1");
+            std::vector<uint32_t> order;
+            {
+                py::gil_scoped_release release;
+                order = morton_order({rows, n});
+            }
+            return py::array_t<uint32_t>(py::ssize_t(n), order.data());
+        },
+        py::arg("positions"), "Rows of the positions along the Morton curve of their bounding box.");
     v.def(
         "pixel_points",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,

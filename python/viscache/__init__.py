@@ -22,6 +22,7 @@ from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
 from viscache.provenance import VERSION
+from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.scene.cameras import look_at
@@ -87,6 +88,7 @@ __all__ = [
     "metrics",
     "notebook",
     "plots",
+    "record_queries",
     "render",
     "report",
     "scenes",

@@ -8,6 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from viscache import _core, sources
 from viscache.scene import Scene
 from viscache.settings.aqvc import KEYED, Aqvc
@@ -15,6 +18,10 @@ from viscache.settings.checks import is_whole, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["AqvcTable"]
+
+
+#: One row of `AqvcTable.entries`.
+ENTRY = np.dtype([("slot", "u4"), ("digest", "u4"), ("visible", "?"), ("current", "?")], align=True)
 
 
 @spelled
@@ -81,6 +88,47 @@ class AqvcTable:
     def occupancy(self) -> float:
         """Share of the slots in use, those of forgotten epochs among them."""
         return self._core.occupied / self._core.slots if self._core else 0.0
+
+    def entries(self) -> npt.NDArray[np.void]:
+        """Copies of the occupied slots, in slot order.
+
+        A slot holds a digest of a query's key and one bit of visibility, not the key itself.
+
+        Returns
+        -------
+        (N,) structured array
+            "slot" (uint32), "digest" (uint32), "visible" (bool), and "current" (bool): the slot was
+            written in the current epoch. Slots of earlier epochs are never found again. They stay
+            until they are overwritten.
+
+        Raises
+        ------
+        ValueError
+            A frame is using the table.
+
+        Examples
+        --------
+        >>> import viscache as vc
+        >>> scene, table = vc.scenes.cube_on_plane(), vc.AqvcTable(table_bytes=1 << 20)
+        >>> frame = vc.render(
+        ...     scene, vc.Direct(), visibility=vc.Aqvc(c_e=8), size=(32, 20), keep=table
+        ... )
+        >>> found = table.entries()
+        >>> found.dtype.names
+        ('slot', 'digest', 'visible', 'current')
+        >>> len(found) == frame.counters["table_occupied"], bool(found["current"].all())
+        (True, True)
+        >>> table.forget()
+        >>> bool(table.entries()["current"].any())
+        False
+        """
+        if self._core is None:
+            return np.zeros(0, ENTRY)
+        require(self._busy.acquire(blocking=False), "the table must not be in use by a frame", self)
+        try:
+            return self._core.entries()
+        finally:
+            self._busy.release()
 
     def forget(self) -> None:
         """Start a new epoch: no bit from before is found again. Takes no time."""

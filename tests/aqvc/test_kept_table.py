@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import viscache as vc
 from viscache import _core
+from viscache.aqvc_table import ENTRY
 
 SIZE = (72, 48)
 #: Without shared cells: every eye sample has its own bit.
@@ -209,3 +213,83 @@ def test_an_interrupted_frame_writes_nothing() -> None:
         frame(scene(), table, progress=stop, size=(512, 384))
     assert table.frames == 0
     assert frame(scene(), table).counters["reused_kept"] == 0
+
+
+def frame_and_entries(table: vc.AqvcTable) -> tuple[vc.Frame, npt.NDArray[Any]]:
+    made = frame(scene(), table)
+    return made, table.entries()
+
+
+def test_entries_are_the_occupied_slots_with_their_bits() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 14)
+    made, entries = frame_and_entries(table)
+    assert entries.dtype == ENTRY
+    counters = made.counters
+    replaced = counters["evictions"] + counters["duplicates"]
+    assert counters["evictions"] > 0
+    assert len(entries) == counters["table_occupied"] == counters["table_writes"] - replaced
+    assert len(entries) == round(table.occupancy * counters["table_slots"])
+    assert (np.diff(entries["slot"].astype(int)) > 0).all()
+    assert entries["slot"].max() < counters["table_slots"]
+    assert entries["digest"].min() > 0 and entries["digest"].max() < 1 << 31
+    assert entries["current"].all()
+
+
+def test_the_bits_of_entries_are_the_visibility_that_was_traced() -> None:
+    exactly = exact(scene(blocker=True)).counters
+    table = vc.AqvcTable(table_bytes=1 << 25)
+    counters = frame(scene(blocker=True), table).counters
+    entries = table.entries()
+    replaced = counters["evictions"] + counters["duplicates"]
+    visible = exactly["queries"] - exactly["occluded"]
+    assert 0.1 < exactly["occluded"] / exactly["queries"] < 0.9
+    assert visible - replaced <= entries["visible"].sum() <= visible
+    assert replaced < 0.01 * visible
+
+
+def test_no_entry_is_current_after_forgetting() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 14)
+    before = frame_and_entries(table)[1]
+    table.forget()
+    forgotten = table.entries()
+    assert not forgotten["current"].any()
+    for name in ("slot", "digest", "visible"):
+        np.testing.assert_array_equal(forgotten[name], before[name])
+    made, after = frame_and_entries(table)
+    c = made.counters
+    assert 0 < after["current"].sum() < len(after) == c["table_occupied"]
+    # What this frame wrote is current; the rest is of the epoch before, as it was
+    old = after[~after["current"]]
+    kept = before[np.isin(before["slot"], old["slot"])]
+    for name in ("slot", "digest", "visible"):
+        np.testing.assert_array_equal(old[name], kept[name])
+    again = frame_and_entries(table)[1]
+    assert set(again["slot"][again["current"]]) >= set(after["slot"][after["current"]])
+    table.forget()
+    assert not table.entries()["current"].any()
+
+
+def test_entries_are_the_same_for_any_number_of_threads() -> None:
+    found = []
+    for threads in (1, 3):
+        table = vc.AqvcTable(table_bytes=1 << 16)
+        for c_e in (8, 6):
+            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c_e), camera=None, threads=threads,
+                  size=TILED["size"])  # fmt: skip
+            table.forget()
+        frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=8), camera=None, threads=threads)
+        found.append(table.entries())
+    assert len(found[0]) > 1000 and 0 < found[0]["current"].mean() < 1
+    np.testing.assert_array_equal(found[0], found[1])
+
+
+def test_entries_of_an_unused_table_are_none_and_of_a_busy_one_refused() -> None:
+    table = vc.AqvcTable(table_bytes=1 << 20)
+    assert table.entries().shape == (0,)
+
+    def look(done: int, total: int) -> None:
+        with pytest.raises(ValueError, match="the table must not be in use by a frame"):
+            table.entries()
+
+    frame(scene(), table, progress=look)
+    assert len(table.entries()) > 0

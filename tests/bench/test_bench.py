@@ -20,6 +20,7 @@ SMALL = (
     "aqvc-frame",
     "aqvc-apartment",
     "aqvc-lookup",
+    "oracle",
     "memory",
     "correlation",
     "vlf-build",

@@ -24,6 +24,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("aqvc_table", "combinations", "vismap", "vlf"),
     ("render",),
     ("connections", "thumbnails", "tiles", "travelling"),
+    ("query_record",),
     ("sweeps",),
     ("plots",),
     ("correlation", "report"),

@@ -165,7 +165,8 @@ void arrays_are_answered_as_rays_are() {
     const SharedLights lights = lamps();
     const auto ask = [&](OracleSource& source, size_t most, int threads, bool log = false) {
         const EyeTiles tiles = EyeTiles::along_curve(eyes, most);
-        return ask_block(source, tiles, {.lights = &lights.ends, .log = log}, threads, setup.control);
+        return ask_block(source, tiles, {.lights = &lights.ends, .log_end = log ? lights.ends.count : 0},
+                         threads, setup.control);
     };
     AqvcParameters p;
     p.c_e = 1e-3;

@@ -111,9 +111,11 @@ public:
     }
     uint64_t slots() const { return words_.size(); }
     uint64_t occupied() const { return detail::load(occupied_); }
+    size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
+    /// Digest and bit of a slot; 0 = empty.
+    uint32_t word(size_t slot) const { return detail::load(words_[slot]); }
 
 private:
-    size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
     /// The low bits of scheme 2, the high bits of the linear chains of scheme 1.
     uint32_t digest(KeyHash h) const {
         const uint32_t all = scheme_ == HashScheme::kScheme2 ? h.digest & ((1u << digest_bits_) - 1)

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "viscache/aqvc/bit_table.h"
@@ -27,6 +28,13 @@ struct KeptChecks {
     bool repair = false;  ///< of those from frames before alone: the ray is the answer, and is written down
 };
 
+/// An occupied slot.
+struct KeptEntry {
+    uint32_t slot, digest;
+    bool visible;
+    bool current;  ///< of the current epoch: it can be found
+};
+
 class KeptTable {
 public:
     KeptTable(uint64_t bytes, int digest_bits, HashScheme scheme)
@@ -35,7 +43,19 @@ public:
     const BitTable& bits() const { return bits_; }
     uint64_t epoch() const { return epoch_; }
     uint64_t frames() const { return frames_; }  ///< finished since it was made
-    void next_epoch() { bits_.set_epoch(++epoch_); }
+    void next_epoch() {
+        bits_.set_epoch(++epoch_);
+        is_current_.assign(bits_.slots(), false);
+    }
+    /// Writes the occupied slots in order; `entries` has room for bits().occupied() of them. Not while a
+    /// frame ends.
+    void read(std::span<KeptEntry> entries) const {
+        auto next = entries.begin();
+        for (size_t slot = 0; slot < bits_.slots(); ++slot)
+            if (const uint32_t word = bits_.word(slot))
+                *next++ = {uint32_t(slot), word >> 1, bool(word & 1),
+                           is_current_.empty() || is_current_[slot]};
+    }
 
     void begin_frame() { waiting_.clear(); }
     /// What a tile wrote; of different tiles from any threads.
@@ -46,8 +66,11 @@ public:
     void end_frame(Counters& counters) {
         TableCounts counts;
         for (const auto& [tile, writes] : waiting_)
-            for (PackedWrite w : writes)
-                bits_.put_hashed({uint32_t(w >> 32), uint32_t(w) >> 1}, w & 1, counts);
+            for (PackedWrite w : writes) {
+                const KeyHash h{uint32_t(w >> 32), uint32_t(w) >> 1};
+                bits_.put_hashed(h, w & 1, counts);
+                if (epoch_) is_current_[bits_.slot(h)] = true;
+            }
         waiting_.clear(), ++frames_;
         counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
         counters.table_slots = bits_.slots(), counters.table_occupied = bits_.occupied();
@@ -55,6 +78,7 @@ public:
 
 private:
     BitTable bits_;
+    std::vector<bool> is_current_;  ///< slots written in this epoch; empty in the first one, as all are
     uint64_t epoch_ = 0, frames_ = 0;
     std::mutex mutex_;
     std::map<size_t, std::vector<PackedWrite>> waiting_;

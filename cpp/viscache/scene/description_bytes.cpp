@@ -59,7 +59,10 @@ private:
         else
             fields(*this, value);
     }
-    void one(std::string& text) { count(text.size()), raw(text.data(), text.size()); }
+    void one(std::string& text) {
+        count(text.size());
+        raw(text.data(), text.size());
+    }
     template <class T>
     void one(std::vector<T>& values) {
         count(values.size());

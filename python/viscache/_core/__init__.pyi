@@ -514,6 +514,10 @@ class KeptTable:
     """
     def __init__(self, table_bytes: typing.SupportsInt | typing.SupportsIndex, parameters: aqvc.AqvcParameters) -> None:
         ...
+    def entries(self) -> numpy.ndarray:
+        """
+        Occupied slots in order: slot, digest, visible, current.
+        """
     def next_epoch(self) -> None:
         ...
     @property

@@ -14,6 +14,7 @@ from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.notebook_slider import notebook_slider
+from viscache.bench.oracle import oracle
 from viscache.bench.rays import rays
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
@@ -55,6 +56,10 @@ BENCHES: dict[str, BenchInfo] = {
     "aqvc-lookup": BenchInfo(
         description="nanoseconds per query of each form of the quantized cache, beside one ray",
         function=aqvc_lookup,
+    ),
+    "oracle": BenchInfo(
+        description="caches asked with arrays, and oracles written in Python, beside frames",
+        function=oracle,
     ),
     "memory": BenchInfo(
         description="peak memory of a 1280x800 frame of a scene of 2.2 million triangles",

@@ -154,7 +154,7 @@ class Oracle:
         wanted: Any = None,
         contributions: Any = None,
         *,
-        clusters: bool = False,
+        clusters: bool | slice = False,
     ) -> BlockAnswer:
         """Every eye point × every far end.
 
@@ -167,9 +167,9 @@ class Oracle:
         contributions : (N, M) float, optional
             What each connection would carry unoccluded. `Aqvc(by_contribution=True)` spends rays
             by it.
-        clusters : bool
-            Keep who answered each query (`BlockAnswer.clusters`): 32 bytes per query. For Exact
-            and for Aqvc in its default form.
+        clusters : bool or slice
+            Keep who answered each query (`BlockAnswer.clusters`), of all far ends or of a slice of
+            them: 32 bytes per query. For Exact and for Aqvc in its default form.
 
         Returns
         -------
@@ -196,9 +196,12 @@ class Oracle:
             contributions = np.ascontiguousarray(contributions, dtype=np.float32)
             good = bool(np.isfinite(contributions).all() and (contributions >= 0).all())
             require(good, "contributions must be finite and >= 0", "values that are not")
+        kept = clusters if isinstance(clusters, slice) else slice(None if clusters else 0)
+        begin, end, step = kept.indices(len(lamps))
+        require(step == 1, "clusters must be a slice without a step", clusters)
         result = _core.ask_block(
             self._source(), tiles_of(eyes), lamps._arrays(), wanted=_wanted_bits(wanted, shape),
-            contributions=contributions, log=clusters, extent=self._extent,
+            contributions=contributions, log=(begin, max(begin, end)), extent=self._extent,
             most=self._most(lamps), threads=self._threads,
         )  # fmt: skip
         return BlockAnswer(

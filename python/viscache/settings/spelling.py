@@ -36,13 +36,14 @@ def spelled(called: Called) -> Called:
         and name != "self"
     ]  # fmt: skip
     accepted = frozenset(known)
+    public = [name for name in known if not name.startswith("_")]
     whose = called.__name__
 
     @functools.wraps(function)
     def checked(*args: Any, **kwargs: Any) -> Any:
         if not accepted.issuperset(kwargs):
             name = next(name for name in kwargs if name not in accepted)
-            raise TypeError(f"{whose} has no parameter {name!r}{nearest(name, known)}")
+            raise TypeError(f"{whose} has no parameter {name!r}{nearest(name, public)}")
         return function(*args, **kwargs)
 
     if not isinstance(called, type):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +19,19 @@ from viscache.settings.rays import Caster, Rays, check_rays
 from viscache.settings.spelling import spelled
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
+from viscache.vismap.points import TILE, Cloud, make_cloud
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
 
 __all__ = ["VisibilityMapCache"]
 
+Rows: TypeAlias = npt.NDArray[np.uint32]
+
 MAX_PIXELS = 1 << 28
+#: Counts of an insertion that add up over calls, and those of which the latest per point holds.
+SUMMED = ("inserted", "no_candidate", "weight", "difference", "rays", "lookups", "passes")
+LATEST = ("suppressed", "duplicates", "refused", "unusable")
+#: Of a start-up that was not needed.
+NOTHING = {"inserted": 0, "duplicates": 0, "rays": 0}
 
 
 @spelled
@@ -148,15 +156,125 @@ class VisibilityMapCache:
                 ordered = points.take(pixel_order(self.settings.order, width, height))
             found = self._insert(ordered, cores, progress)
             self._core.mark_used(points, self.frame, cores)
-        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
-        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
+        return self._report(startup, found, width * height, misses, bad_normals)
+
+    def insert(
+        self,
+        positions: npt.ArrayLike,
+        normals: npt.ArrayLike,
+        d_max: npt.ArrayLike | None = None,
+        footprint: npt.ArrayLike | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> UpdateReport:
+        """Insert records where points of any source need them.
+
+        A point gets a record if no existing record serves it, by the same test as the pixels of
+        `update`. Start-up records are not created, except with preset "auto" before the first
+        update: they are inserted at `n_startup` of the points and determine the thresholds.
+
+        Any number of points is taken: they are visited along a Morton curve, 2^20 at a time. The
+        order in which they are given matters only for points that lie very close together.
+
+        Parameters
+        ----------
+        positions, normals : (N, 3) float
+            Unit normals, on the visible side.
+        d_max : float or (N,) float, >= 0, optional
+            Search radius for records in scene units; 0: the point is ignored. By default
+            `settings.d_max` · √N · `footprint`, at most a tenth of the scene's diagonal: the points
+            count as the pixels of a square image.
+        footprint : float or (N,) float, >= 0, optional
+            Distance between neighbouring points in scene units, the size of a "pixel" for
+            `settings.r_min_px`; 0: unknown. By default 1 / √density, with the density from the
+            distance of the 8th nearest neighbour.
+        threads : int >= 1, optional
+            All cores by default. The records do not depend on it, except with mode "locked".
+        progress : bool or callable
+            True shows a progress bar; a callable is called with (done, total) points of a pass.
+
+        Returns
+        -------
+        UpdateReport
+            Of points instead of pixels; `misses` counts the ignored ones.
+
+        Raises
+        ------
+        ValueError
+            Shapes do not match, positions are not finite, normals are not unit vectors, or another
+            value is out of range. The cache stays as it was.
+        KeyboardInterrupt
+            Within half a second of Ctrl-C; finished records are kept.
+
+        Examples
+        --------
+        >>> import viscache as vc
+        >>> scene = vc.scenes.cube_on_plane()
+        >>> points = vc.correlation.surface_points(scene, 500, points="area")
+        >>> cache = vc.VisibilityMapCache(scene)
+        >>> report = cache.insert(points.positions, points.normals)
+        >>> 0 < report.inserted == len(cache) < 500
+        True
+        >>> found = cache.lookup(points.positions, points.normals)
+        >>> bool((found.candidates > 0).all())
+        True
+        """
+        points = self._cloud(positions, normals, d_max, footprint)
+        cores = checked_threads(threads)
+        with self._lock:
+            order = points.order()
+            startup = self._start_at(points, order, cores)
+            found = self._insert_tiles(points, order, cores, progress)
+        return self._report(startup, found, len(points), found["unusable"], 0)
+
+    def _cloud(
+        self,
+        positions: npt.ArrayLike,
+        normals: npt.ArrayLike,
+        d_max: npt.ArrayLike | None,
+        footprint: npt.ArrayLike | None,
+    ) -> Cloud:
+        reach, extent = self.settings.d_max, self.scene._core.offset_extent
+        return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
+
+    def _insert_tiles(
+        self, points: Cloud, order: Rows, threads: int, progress: Progress
+    ) -> dict[str, int]:
+        """Inserts at all points; visits a tile again while records of others may reach it."""
+        tiles = [order[first : first + TILE] for first in range(0, len(order), TILE)]
+        totals = dict.fromkeys(SUMMED, 0)
+        last: list[dict[str, int]] = [{} for _ in tiles]
+        settled_at = [-1] * len(tiles)
+        while any(size != len(self) for size in settled_at):
+            for number, rows in enumerate(tiles):
+                if settled_at[number] == len(self):
+                    continue
+                last[number] = self._insert(points.take(rows), threads, progress, "point")
+                settled_at[number] = len(self)
+                for name in SUMMED:
+                    totals[name] += last[number][name]
+            if not self.settings.settle:
+                break
+        for rows in tiles:
+            self._core.mark_used(points.take(rows), self.frame, threads)
+        return totals | {name: sum(found[name] for found in last) for name in LATEST}
+
+    def _report(
+        self,
+        startup: dict[str, int],
+        found: dict[str, int],
+        pixels: int,
+        misses: int,
+        bad_normals: int,
+    ) -> UpdateReport:
         return UpdateReport(
             frame=self.frame,
             startup=startup["inserted"],
             inserted=startup["inserted"] + found["inserted"],
             duplicates=startup["duplicates"] + found["duplicates"],
             rays=startup["rays"] + found["rays"],
-            pixels=width * height,
+            pixels=pixels,
             misses=misses,
             bad_normals=bad_normals,
             **counts,
@@ -173,10 +291,14 @@ class VisibilityMapCache:
         )
 
     def _insert(
-        self, points: _core.vismap.CachePoints, threads: int, progress: Progress = False
-    ) -> dict[str, Any]:
+        self,
+        points: _core.vismap.CachePoints,
+        threads: int,
+        progress: Progress = False,
+        unit: str = "pixel",
+    ) -> dict[str, int]:
         """Inserts records at the points that need them."""
-        with progress_bar(progress, unit="pixel") as report:
+        with progress_bar(progress, unit=unit) as report:
             found = self._core.insert(
                 self.scene._core, self._caster(), points, frame=self.frame,
                 mode=self.settings.mode, batch=self.settings.batch, settle=self.settings.settle,
@@ -185,14 +307,24 @@ class VisibilityMapCache:
         self.rays += found["rays"]
         return found
 
-    def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, Any]:
-        """Creates the start-up records if they do not exist yet."""
+    def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, int]:
+        """Creates the start-up records of an image if they do not exist yet."""
         if self.started:
-            return {"inserted": 0, "duplicates": 0, "rays": 0}
-        s, rules = self.settings, _core.vismap.PixelRules(self.settings.d_max)
+            return NOTHING
         points, _, _ = _core.vismap.startup_points(
-            self.scene._core, self._caster(), view, width, height, s.n_startup, s.seed, rules
-        )
+            self.scene._core, self._caster(), view, width, height, self.settings.n_startup,
+            self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
+        )  # fmt: skip
+        return self._bootstrap(points, threads)
+
+    def _start_at(self, points: Cloud, order: Rows, threads: int) -> dict[str, int]:
+        """Creates start-up records at some of the points if the thresholds depend on them."""
+        if self.started or self.settings.preset != "auto" or not len(points):
+            return NOTHING
+        step = -(-len(points) // self.settings.n_startup)
+        return self._bootstrap(points.take(order[::step]), threads)
+
+    def _bootstrap(self, points: _core.vismap.CachePoints, threads: int) -> dict[str, int]:
         before = len(self)
         found = self._core.bootstrap(self.scene._core, self._caster(), points, self.frame, threads)
         self.started = True
@@ -211,7 +343,7 @@ class VisibilityMapCache:
         self,
         positions: npt.ArrayLike,
         normals: npt.ArrayLike,
-        d_max: npt.ArrayLike,
+        d_max: npt.ArrayLike | None = None,
         *,
         threads: int | None = None,
     ) -> Lookup:
@@ -221,8 +353,9 @@ class VisibilityMapCache:
         ----------
         positions, normals : (N, 3) float
             Unit normals, on the visible side.
-        d_max : float or (N,) float, >= 0
-            Search radius for records in scene units; 0: the point is ignored.
+        d_max : float or (N,) float, >= 0, optional
+            Search radius for records in scene units; 0: the point is ignored. By default as
+            `insert` chooses it for these points.
         threads : int, optional
             All cores by default.
 
@@ -235,9 +368,10 @@ class VisibilityMapCache:
         ValueError
             Shapes do not match, positions are not finite, or normals are not unit vectors.
         """
-        points = cache_points(positions, normals, d_max)
+        points = self._cloud(positions, normals, d_max, None if d_max is None else 0.0)
+        cores = checked_threads(threads)
         with self._lock:
-            found = self._core.select(points, checked_threads(threads))
+            found = self._core.select(points.take(slice(None)), cores)
         return Lookup(
             ids=found["ids"],
             beta=found["beta"],
@@ -410,19 +544,3 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     fits = width >= 1 and height >= 1 and width * height <= MAX_PIXELS
     require(fits, "size must be at least 1×1 and at most 2^28 pixels", size)
     return width, height
-
-
-def cache_points(
-    positions: npt.ArrayLike, normals: npt.ArrayLike, d_max: npt.ArrayLike
-) -> _core.vismap.CachePoints:
-    """Points of a lookup in the form of the C++ core."""
-    places = checked_points(positions, "positions")
-    rows = places.ndim == 2 and places.shape[1] == 3
-    require(rows, "positions must have shape (N, 3)", places.shape)
-    count = len(places)
-    reach = checked_points(d_max, "d_max")
-    fits = np.ndim(d_max) == 0 or reach.shape == (count,)
-    require(fits, f"d_max must be one or {count} numbers", reach.shape)
-    reach = np.ascontiguousarray(np.broadcast_to(reach, (count,)))
-    none = np.zeros(count, np.float32)
-    return _core.vismap.CachePoints(places, checked_points(normals, "normals"), reach, none)

@@ -53,7 +53,7 @@ class Lookup:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class UpdateReport:
-    """Statistics of an update."""
+    """Statistics of an update by pixels, or of an insertion at points, which count as pixels."""
 
     frame: int
     inserted: int
@@ -77,6 +77,6 @@ class UpdateReport:
     passes: int
     pixels: int
     misses: int
-    """Pixels that see no surface."""
+    """Pixels that see no surface, or points with d_max 0."""
     bad_normals: int
     """Pixels whose triangle has no normal: they use no records and get none."""

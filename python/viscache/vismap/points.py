@@ -1,0 +1,108 @@
+"""Points of any source in the form that a cache takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.oracles.points import neighbour_density
+from viscache.settings.checks import checked_points, require
+from viscache.vismap.records import Floats
+
+__all__ = ["TILE", "Cloud", "make_cloud"]
+
+#: Points that are converted for the core together.
+TILE = 1 << 20
+#: Limits of the default d_max in diagonals of the scene; the upper one is that of pixels.
+LEAST_REACH, MOST_REACH = 1e-6, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """N checked points on surfaces, each with a search radius and a footprint."""
+
+    positions: Floats
+    normals: Floats
+    d_max: Floats
+    footprint: Floats
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def take(self, rows: npt.NDArray[np.integer] | slice) -> _core.vismap.CachePoints:
+        """Some of the points in the form of the C++ core."""
+        return _core.vismap.CachePoints(
+            self.positions[rows], self.normals[rows], self.d_max[rows], self.footprint[rows]
+        )
+
+    def order(self) -> npt.NDArray[np.uint32]:
+        """Rows of the points along a Morton curve."""
+        return _core.vismap.morton_order(self.positions)
+
+
+def make_cloud(
+    positions: npt.ArrayLike,
+    normals: npt.ArrayLike,
+    d_max: npt.ArrayLike | None,
+    footprint: npt.ArrayLike | None,
+    *,
+    reach: float,
+    extent: float,
+) -> Cloud:
+    """Check points, and choose their search radii and footprints where none are given.
+
+    Parameters
+    ----------
+    positions, normals : (N, 3) float
+    d_max, footprint : float or (N,) float, optional
+        See `VisibilityMapCache.insert`.
+    reach : float
+        `MapSettings.d_max`.
+    extent : float
+        The scene's diagonal.
+
+    Raises
+    ------
+    ValueError
+        Shapes do not match, or a row is out of range; the message names the row.
+    """
+    places, sides = checked_points(positions, "positions"), checked_points(normals, "normals")
+    for name, rows in (("positions", places), ("normals", sides)):
+        fits = rows.ndim == 2 and rows.shape[1] == 3
+        require(fits, f"{name} must have shape (N, 3)", rows.shape)
+    count = len(places)
+    require(len(sides) == count, f"normals must have one row per position, {count}", len(sides))
+    radii = _per_row(1.0 if d_max is None else d_max, "d_max", count)
+    sizes = _per_row(0.0 if footprint is None else footprint, "footprint", count)
+    for first in range(0, count, TILE):
+        some = slice(first, first + TILE)
+        _core.vismap.CachePoints(places[some], sides[some], radii[some], sizes[some], first)
+    if footprint is None:
+        sizes = _spacing(places)
+    if d_max is None:
+        radii = _default_reach(sizes, reach, extent)
+    return Cloud(places, sides, radii, sizes)
+
+
+def _per_row(value: npt.ArrayLike, name: str, count: int) -> Floats:
+    given = checked_points(value, name)
+    fits = np.ndim(value) == 0 or given.shape == (count,)
+    require(fits, f"{name} must be one or {count} numbers", given.shape)
+    return np.broadcast_to(given.reshape(-1), (count,))
+
+
+def _spacing(positions: Floats) -> Floats:
+    """1 / √density: the edge of the square that a point has for itself; 0 without neighbours."""
+    density = neighbour_density(positions)
+    spacing = np.zeros_like(density)
+    np.divide(1, np.sqrt(density), out=spacing, where=density > 0)
+    return spacing
+
+
+def _default_reach(footprint: Floats, reach: float, extent: float) -> Floats:
+    """Search radii as if the points were the pixels of a square image."""
+    wide = np.where(footprint > 0, reach * np.sqrt(len(footprint)) * footprint, np.inf)
+    return np.clip(wide, LEAST_REACH * extent, MOST_REACH * extent).astype(np.float32)
