@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'Relighting', 'cell_light', 'dilated', 'morton2', 'pixel_points', 'points', 'record_nbytes', 'record_weight', 'sample_points', 'startup_points', 'time_product']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'Relighting', 'cell_light', 'dilated', 'morton2', 'pixel_points', 'points', 'record_nbytes', 'record_weight', 'sample_points', 'startup_points']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -269,8 +269,4 @@ def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster,
 def startup_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
     """
     First hits of n rays, stratified over the image; misses; bad normals.
-    """
-def time_product(light: EnvironmentPyramid, shading: collections.abc.Sequence[viscache._core.sampling.ShadingPoint], samples: typing.SupportsInt | typing.SupportsIndex, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> dict:
-    """
-    CPU seconds per tree and per sample over the shading points, and the mean number of leaves.
     """
