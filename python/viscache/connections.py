@@ -128,17 +128,24 @@ class Connections:
         dict
             Group → answer, for `frame`.
         """
-        oracle = self.oracle(visibility, use=use)
-        found: dict[str, Answer] = {
-            group: oracle.block(self.eyes, ends, self.wanted(group))
-            for group, ends in self.groups.items()
-        }
-        for group in self.samples:
-            result = self._taps.ask(oracle._source(), GROUPS.index(group), self._frame.threads)
+        result = self._taps.ask(self.oracle(visibility, use=use)._source())
+        counters, timings = result["counters"], result["timings"]
+
+        def counted(group: str) -> dict[str, Any]:
+            own = counters["groups"].get(group, {"queries": 0, "rays": 0})
+            return {**own, "frame": counters}
+
+        found: dict[str, Answer] = {}
+        for group, ends in self.groups.items():
+            block = result["lights"][self._light_number[group]]
+            found[group] = BlockAnswer(
+                block["bits"], len(ends), block.get("weights"), counted(group), timings
+            )
+        for number, samples in result["samples"].items():
+            group = GROUPS[number]
             found[group] = PairAnswer(
-                result["visible"], result.get("weights"),
-                {"queries": result["queries"], "rays": result["rays"]},
-                _order=(result["order"], result["run_end"]),
+                samples["visible"], samples.get("weights"), counted(group), timings,
+                (samples["order"], samples["run_end"]),
             )  # fmt: skip
         return found
 
