@@ -1,8 +1,8 @@
-// Parameters of the quantized cache.
+// Parameters of the quantized cache, by their table.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <array>
+#include <map>
 
 #include "viscache/aqvc/parameters.h"
 
@@ -17,45 +17,72 @@ void bind_aqvc_samples(py::module_& m);
 
 namespace {
 
-constexpr std::array kRefinements{"auto", "on", "off"};
+using Class = py::class_<AqvcParameters>;
+template <class Value>
+using Row = ParameterRow<AqvcParameters, Value>;
+template <class Value>
+using ByGroup = std::array<Value, kLightGroups>;
 
 /// The member of a closed set that has this name.
-template <class Enum, size_t N>
-Enum named(const char* field, const std::array<const char*, N>& names, const std::string& name) {
+template <class Enum>
+Enum named(const char* parameter, const std::string& name) {
     std::string all;
-    for (size_t i = 0; i < N; ++i) {
-        if (name == names[i]) return Enum(i);
-        all += (i ? ", " : "") + std::string(names[i]);
+    for (size_t i = 0; i < kNames<Enum>.size(); ++i) {
+        if (name == kNames<Enum>[i]) return Enum(i);
+        all += (i ? ", " : "") + std::string(kNames<Enum>[i]);
     }
-    throw py::value_error(std::string(field) + " must be one of " + all + ", got " + name);
+    throw py::value_error(std::string(parameter) + " must be one of " + all + ", got " + name);
 }
 
-/// A field of a closed set, read and written by name.
-template <class Enum, size_t N>
-void named_field(py::class_<AqvcParameters>& c, const char* field, Enum AqvcParameters::* member,
-                 std::array<const char*, N> names) {
-    c.def_property(
-        field, [=](const AqvcParameters& p) { return names[size_t(p.*member)]; },
-        [=](AqvcParameters& p, const std::string& name) { p.*member = named<Enum>(field, names, name); });
+size_t group_named(const char* parameter, const std::string& name) {
+    for (size_t g = 0; g < size_t(kLightGroups); ++g)
+        if (name == kLightGroupNames[g]) return g;
+    throw py::value_error(std::string(parameter) + " must be of light groups, got " + name);
 }
 
-/// Refinement by light group: names, or None where the group follows `refinement`.
-void bind_refinement_group(py::class_<AqvcParameters>& c) {
-    using Names = std::array<std::optional<std::string>, kLightGroups>;
+// How a parameter is read and written: numbers as they are, closed sets by name, those by light group as
+// mappings of the groups that have their own.
+template <class Value>
+void bind_row(Class& c, const Row<Value>& row) {
+    if constexpr (std::is_enum_v<Value>)
+        c.def_property(
+            row.name, [row](const AqvcParameters& p) { return kNames<Value>[size_t(p.*row.member)]; },
+            [row](AqvcParameters& p, const std::string& name) {
+                p.*row.member = named<Value>(row.name, name);
+            });
+    else
+        c.def_readwrite(row.name, row.member);
+}
+
+void bind_row(Class& c, const Row<ByGroup<double>>& row) {
     c.def_property(
-        "refinement_group",
-        [](const AqvcParameters& p) {
-            Names names;
-            for (size_t g = 0; g < names.size(); ++g)
-                if (p.refinement_group[g]) names[g] = kRefinements[size_t(*p.refinement_group[g])];
-            return names;
+        row.name,
+        [row](const AqvcParameters& p) {
+            std::map<std::string, double> own;
+            for (size_t g = 0; g < size_t(kLightGroups); ++g)
+                if ((p.*row.member)[g] > 0) own[kLightGroupNames[g]] = (p.*row.member)[g];
+            return own;
         },
-        [](AqvcParameters& p, const Names& names) {
-            for (size_t g = 0; g < names.size(); ++g) {
-                p.refinement_group[g].reset();
-                if (names[g])
-                    p.refinement_group[g] = named<Refinement>("refinement_group", kRefinements, *names[g]);
-            }
+        [row](AqvcParameters& p, const std::map<std::string, double>& own) {
+            p.*row.member = {};
+            for (const auto& [group, c_e] : own) (p.*row.member)[group_named(row.name, group)] = c_e;
+        });
+}
+
+void bind_row(Class& c, const Row<ByGroup<std::optional<Refinement>>>& row) {
+    c.def_property(
+        row.name,
+        [row](const AqvcParameters& p) {
+            std::map<std::string, std::string> own;
+            for (size_t g = 0; g < size_t(kLightGroups); ++g)
+                if (const auto& chosen = (p.*row.member)[g])
+                    own[kLightGroupNames[g]] = kNames<Refinement>[size_t(*chosen)];
+            return own;
+        },
+        [row](AqvcParameters& p, const std::map<std::string, std::string>& own) {
+            p.*row.member = {};
+            for (const auto& [group, name] : own)
+                (p.*row.member)[group_named(row.name, group)] = named<Refinement>(row.name, name);
         });
 }
 
@@ -63,60 +90,52 @@ AqvcParameters from_keywords(const py::kwargs& keywords) {
     AqvcParameters p;
     py::object self = py::cast(&p, py::return_value_policy::reference);
     for (auto [name, value] : keywords) {
-        if (!py::hasattr(self, name))
-            throw py::value_error("AqvcParameters has no parameter " + py::cast<std::string>(name));
+        bool known = false;
+        for_each_row(kAqvcRows, [&](const auto& row) { known |= py::cast<std::string>(name) == row.name; });
+        if (!known) throw py::value_error("AqvcParameters has no parameter " + py::cast<std::string>(name));
         py::setattr(self, name, value);
     }
     p.validate();
     return p;
 }
 
+/// What a parameter may be, as Python's help says it.
+template <class Value>
+std::string kind_of(const Row<Value>& row) {
+    if constexpr (std::is_enum_v<Value>) {
+        std::string all;
+        for (const char* name : kNames<Value>)
+            all += (all.empty() ? "\"" : ", \"") + std::string(name) + "\"";
+        return "{" + all + "}";
+    } else if constexpr (std::same_as<Value, ByGroup<double>>) {
+        return "mapping of light group to float > 0";
+    } else if constexpr (std::same_as<Value, ByGroup<std::optional<Refinement>>>) {
+        return "mapping of light group to {\"auto\", \"on\", \"off\"}";
+    } else if constexpr (std::same_as<Value, bool>) {
+        return "bool";
+    } else {
+        const std::string range = row.range.text();
+        return (std::is_floating_point_v<Value> ? "float" : "int") + (range.empty() ? range : " " + range);
+    }
+}
+
+py::list parameter_rows() {
+    using namespace py::literals;
+    py::list rows;
+    for_each_row(kAqvcRows, [&](const auto& row) {
+        rows.append(py::dict("name"_a = row.name, "kind"_a = kind_of(row), "keyed"_a = bool(row.use & kKeyed),
+                             "paper"_a = bool(row.use & kPaper), "doc"_a = row.doc));
+    });
+    return rows;
+}
+
 }  // namespace
 
 void bind_aqvc(py::module_& m) {
     py::module_ a = m.def_submodule("aqvc", "Quantized visibility cache (AQVC).");
-    py::class_<AqvcParameters> c(a, "AqvcParameters",
-                                 "Parameters of the quantized cache; see viscache.Aqvc.");
+    Class c(a, "AqvcParameters", "Parameters of the quantized cache; see viscache.Aqvc.");
     c.def(py::init(&from_keywords));
-    c.def_readwrite("c_e", &AqvcParameters::c_e);
-    c.def_readwrite("c_e_group", &AqvcParameters::c_e_group);
-    c.def_readwrite("c_l", &AqvcParameters::c_l);
-    c.def_readwrite("c_n", &AqvcParameters::c_n);
-    c.def_readwrite("c_z", &AqvcParameters::c_z);
-    c.def_readwrite("c_r", &AqvcParameters::c_r);
-    named_field(c, "normal_mode", &AqvcParameters::normal_mode,
-                std::array{"round", "floor", "octahedral", "single"});
-    c.def_readwrite("grid_offset", &AqvcParameters::grid_offset);
-    c.def_readwrite("scale_free", &AqvcParameters::scale_free);
-    c.def_readwrite("grid_seed", &AqvcParameters::grid_seed);
-    c.def_readwrite("tangent_neighbours", &AqvcParameters::tangent_neighbours);
-    named_field(c, "res_rule", &AqvcParameters::res_rule, std::array{"eq7", "eq6"});
-    named_field(c, "env_rule", &AqvcParameters::env_rule, std::array{"derived", "printed"});
-    c.def_readwrite("jitter", &AqvcParameters::jitter);
-    named_field(c, "cell_density", &AqvcParameters::cell_density, std::array{"light", "mixture"});
-    named_field(c, "vpl_key", &AqvcParameters::vpl_key, std::array{"point", "surface"});
-    named_field(c, "refinement", &AqvcParameters::refinement, kRefinements);
-    bind_refinement_group(c);
-    c.def_readwrite("nil_refine", &AqvcParameters::nil_refine);
-    named_field(c, "level_rule", &AqvcParameters::level_rule, std::array{"finest", "log2"});
-    c.def_readwrite("level_step", &AqvcParameters::level_step);
-    c.def_readwrite("c_finest", &AqvcParameters::c_finest);
-    c.def_readwrite("max_levels", &AqvcParameters::max_levels);
-    c.def_readwrite("by_contribution", &AqvcParameters::by_contribution);
-    c.def_readwrite("contribution_power", &AqvcParameters::contribution_power);
-    c.def_readwrite("contribution_lift", &AqvcParameters::contribution_lift);
-    c.def_readwrite("contribution_slack", &AqvcParameters::contribution_slack);
-    named_field(c, "hash", &AqvcParameters::hash, std::array{"scheme2", "scheme1", "scheme1_mixed"});
-    c.def_readwrite("digest_bits", &AqvcParameters::digest_bits);
-    c.def_readwrite("table_bytes", &AqvcParameters::table_bytes);
-    named_field(c, "order", &AqvcParameters::order, std::array{"hm", "scanline", "random"});
-    c.def_readwrite("c_pg", &AqvcParameters::c_pg);
-    named_field(c, "form", &AqvcParameters::form, std::array{"waves", "rows", "pairs"});
-    named_field(c, "storage", &AqvcParameters::storage,
-                std::array{"table", "exact", "shared", "paper_tiles"});
-    c.def_readwrite("batch", &AqvcParameters::batch);
-    c.def_readwrite("queue", &AqvcParameters::queue);
-    c.def_readwrite("c_w", &AqvcParameters::c_w);
+    for_each_row(kAqvcRows, [&](const auto& row) { bind_row(c, row); });
     c.def("validate", &AqvcParameters::validate);
     c.def(
         "level_list",
@@ -125,6 +144,8 @@ void bind_aqvc(py::module_& m) {
         },
         py::arg("group"), py::kw_only(), py::arg("spp") = 1, py::arg("lift") = 1.0,
         "C_E of every level of a light group, coarse to fine.");
+    a.def("parameter_rows", &parameter_rows,
+          "Name, kind, keyed, paper and doc of every parameter, as the C++ table has them.");
     bind_aqvc_keys(a);
     bind_aqvc_levels(a);
     bind_aqvc_run(a);

@@ -39,8 +39,8 @@ py::array_t<AskedQuery> log_array(const std::vector<AskedQuery>& log) {
 }
 
 py::dict block(OracleSource& source, const py::object& eyes, const py::dict& ends,
-               const std::optional<BitRows>& wanted, const std::optional<FloatArray>& contributions, bool log,
-               float extent, size_t most, int threads) {
+               const std::optional<BitRows>& wanted, const std::optional<FloatArray>& contributions,
+               std::pair<size_t, size_t> log, float extent, size_t most, int threads) {
     const EyeTiles tiles = tiles_of(eyes, extent, most);
     const FarEnds lights = far_ends_from(ends, extent);
     const size_t words = words_for(lights.count);
@@ -55,7 +55,8 @@ py::dict block(OracleSource& source, const py::object& eyes, const py::dict& end
     const BlockQuestion question{.lights = &lights,
                                  .wanted = wanted ? wanted->data() : nullptr,
                                  .contributions = contributions ? contributions->data() : nullptr,
-                                 .log = log};
+                                 .log_begin = log.first,
+                                 .log_end = log.second};
     BlockAnswer answer;
     run_interruptible(
         [&](Control& control) { answer = ask_block(source, tiles, question, threads, control); });
@@ -68,7 +69,7 @@ py::dict block(OracleSource& source, const py::object& eyes, const py::dict& end
         std::memcpy(weights.mutable_data(), answer.weights.data(), answer.weights.size() * sizeof(float));
         out["weights"] = weights;
     }
-    if (log) out["log"] = log_array(answer.log);
+    if (log.second > log.first) out["log"] = log_array(answer.log);
     return out;
 }
 
@@ -101,8 +102,9 @@ py::dict pairs(OracleSource& source, const py::object& eyes, const UintArray& in
 void bind_ask(py::module_& m) {
     PYBIND11_NUMPY_DTYPE(AskedQuery, row, column, cluster, representative, level, traced);
     m.def("ask_block", &block, py::arg("source"), py::arg("eyes"), py::arg("ends"), py::kw_only(),
-          py::arg("wanted") = py::none(), py::arg("contributions") = py::none(), py::arg("log") = false,
-          py::arg("extent"), py::arg("most"), py::arg("threads"),
+          py::arg("wanted") = py::none(), py::arg("contributions") = py::none(),
+          py::arg("log") = std::pair<size_t, size_t>(0, 0), py::arg("extent"), py::arg("most"),
+          py::arg("threads"),
           "All eye points × all far ends: bits, weights, counters, timings and log. `eyes` is one dict of "
           "arrays, cut into tiles of `most` points, or a list of the tiles of a frame.");
     m.def("ask_pairs", &pairs, py::arg("source"), py::arg("eyes"), py::arg("index"), py::arg("ends"),

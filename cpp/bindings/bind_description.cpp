@@ -2,6 +2,7 @@
 #include <pybind11/native_enum.h>
 
 #include "described.h"
+#include "viscache/scene/description_bytes.h"
 
 namespace viscache::bindings {
 
@@ -190,7 +191,9 @@ void bind_description(py::module_& m) {
                 return d.point_lights.size() + d.directional_lights.size() + d.sphere_lights.size() +
                        emitters + d.environment.has_value();
             },
-            "Lights added so far: emitting meshes and the environment count as one each.");
+            "Lights added so far: emitting meshes and the environment count as one each.")
+        .def(py::pickle([](const SceneDescription& d) { return py::bytes(description_bytes(d)); },
+                        [](const py::bytes& bytes) { return description_from(bytes); }));
 }
 
 }  // namespace viscache::bindings

@@ -66,7 +66,7 @@ void bind_environment(py::module_& s) {
         .def_property_readonly("power_ratio", &EnvironmentMap::power_ratio);
 }
 
-void bind_shading_point(py::module_& s) {
+void bind_shading_point(py::module_& s, py::module_& t) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "What reflection needs at a point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta) {
@@ -83,16 +83,16 @@ void bind_shading_point(py::module_& s) {
             return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return eval_bsdf(sp, w); });
         },
         py::arg("sp"), py::arg("wi"), "f without the cosine, (N, 3).");
-    s.def(
+    t.def(
         "diffuse_albedo", [](const ShadingPoint& sp) { return array3(diffuse_albedo(sp)); }, py::arg("sp"),
         "Albedo of the diffuse part alone for light from wo.");
-    s.def(
+    t.def(
         "pdf_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {
             return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return pdf_bsdf(sp, w); });
         },
         py::arg("sp"), py::arg("wi"), "Density of `sample_bsdf` per solid angle, (N,).");
-    s.def(
+    t.def(
         "sample_bsdf",
         [](const ShadingPoint& sp, const FloatArray& u) {
             std::vector<Vec3> wi, weight;
@@ -111,8 +111,9 @@ void bind_shading_point(py::module_& s) {
 
 void bind_light_and_reflection(py::module_& m) {
     py::module_ s = m.def_submodule("sampling");
+    py::module_ t = m.def_submodule("_testing");
     bind_environment(s);
-    bind_shading_point(s);
+    bind_shading_point(s, t);
 }
 
 }  // namespace viscache::bindings

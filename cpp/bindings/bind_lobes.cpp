@@ -59,13 +59,13 @@ py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int 
 }  // namespace
 
 void bind_lobes(py::module_& m) {
-    py::module_ s = m.attr("sampling").cast<py::module_>();
-    s.def("reflect_directions", &reflected, py::arg("sp"), py::arg("wi"), py::kw_only(),
+    py::module_ t = m.def_submodule("_testing");
+    t.def("reflect_directions", &reflected, py::arg("sp"), py::arg("wi"), py::kw_only(),
           py::arg("isa") = py::none(), "f·cos (N, 3) and densities of `sample_bsdf` (N,).");
-    s.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
+    t.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
           py::arg("first") = 0, py::arg("n"), py::arg("isa") = py::none(),
           "Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.");
-    s.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
+    t.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
           py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
           py::arg("isa") = py::none(), "Sum of f·g·value over the columns that are seen.");
 }

@@ -30,8 +30,8 @@ py::array_t<Value> draws(const KeyArray& keys, py::ssize_t count, Draw draw) {
     return out;
 }
 
-void bind_sequences(py::module_& s) {
-    s.def(
+void bind_sequences(py::module_& t) {
+    t.def(
         "random_u32",
         [](const KeyArray& keys, py::ssize_t count) {
             return draws<uint32_t>(keys, count, [](Rng& rng) { return rng.next_u32(); });
@@ -39,13 +39,13 @@ void bind_sequences(py::module_& s) {
         py::arg("keys"), py::arg("count"),
         "First `count` numbers of each stream; keys (N, 4) are (seed, purpose, pixel, pass). (N, count) "
         "uint32.");
-    s.def(
+    t.def(
         "random",
         [](const KeyArray& keys, py::ssize_t count) {
             return draws<float>(keys, count, [](Rng& rng) { return rng.next(); });
         },
         py::arg("keys"), py::arg("count"), "The same streams as floats in [0, 1).");
-    s.def(
+    t.def(
         "sobol02",
         [](const UintArray& index, uint32_t scramble_x, uint32_t scramble_y) {
             if (index.ndim() != 1)
@@ -58,7 +58,7 @@ void bind_sequences(py::module_& s) {
         },
         py::arg("index"), py::arg("scramble_x"), py::arg("scramble_y"),
         "Points of the Owen-scrambled (0, 2)-sequence, (N, 2) in [0, 1).");
-    s.def(
+    t.def(
         "radical_inverse",
         [](uint32_t base, uint64_t index) {
             if (base < 2) throw py::value_error("base must be >= 2, got " + std::to_string(base));
@@ -67,8 +67,8 @@ void bind_sequences(py::module_& s) {
         py::arg("base"), py::arg("index"), "Digits of `index` mirrored at the radix point, in [0, 1).");
 }
 
-void bind_distribution(py::module_& s) {
-    py::class_<Distribution1D>(s, "Distribution1D", "Indices with given, piecewise constant probability.")
+void bind_distribution(py::module_& t) {
+    py::class_<Distribution1D>(t, "Distribution1D", "Indices with given, piecewise constant probability.")
         .def(py::init([](const DoubleArray& weights) {
                  if (weights.ndim() != 1)
                      throw py::value_error("weights must have shape (N,), got " + shape_text(weights));
@@ -104,12 +104,12 @@ void bind_distribution(py::module_& s) {
         .def("__len__", &Distribution1D::size);
 }
 
-void bind_octahedral(py::module_& s) {
-    s.def(
+void bind_octahedral(py::module_& s, py::module_& t) {
+    t.def(
         "direction_to_octahedral",
         [](const FloatArray& d) { return map_rows<Vec3>(d, "d", direction_to_octahedral); }, py::arg("d"),
         "Octahedral map of directions (N, 3) into [0, 1]², (N, 2).");
-    s.def(
+    t.def(
         "octahedral_to_direction",
         [](const FloatArray& p) { return map_rows<Vec2>(p, "p", octahedral_to_direction); }, py::arg("p"),
         "Its inverse: (N, 2) to unit vectors (N, 3).");
@@ -143,11 +143,11 @@ void bind_directions(py::module_& s) {
 }  // namespace
 
 void bind_sampling(py::module_& m) {
-    py::module_ s =
-        m.def_submodule("sampling", "Samplers and their densities, as tests and notebooks use them.");
-    bind_sequences(s);
-    bind_distribution(s);
-    bind_octahedral(s);
+    py::module_ s = m.def_submodule("sampling", "Directions, light and reflection.");
+    py::module_ t = m.def_submodule("_testing");
+    bind_sequences(t);
+    bind_distribution(t);
+    bind_octahedral(s, t);
     bind_directions(s);
 }
 

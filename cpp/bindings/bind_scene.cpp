@@ -103,8 +103,9 @@ void bind_scene(py::module_& m) {
         .def_property_readonly(
             "bounds", [](const Scene& s) { return std::pair(array3(s.bounds().lo), array3(s.bounds().hi)); });
     py::class_<RayCaster, std::shared_ptr<RayCaster>>(m, "RayCaster", "Which rays hit, and where?");
-    py::class_<EmbreeCaster, RayCaster, std::shared_ptr<EmbreeCaster>>(m, "EmbreeCaster",
-                                                                       "Exact rays by Embree.")
+    py::class_<EmbreeCaster, RayCaster, std::shared_ptr<EmbreeCaster>> embree(m, "EmbreeCaster",
+                                                                              "Exact rays by Embree.");
+    embree
         .def(py::init([](std::shared_ptr<Scene> scene, bool robust) {
                  return std::make_shared<EmbreeCaster>(std::move(scene), EmbreeOptions{robust});
              }),
@@ -112,7 +113,6 @@ void bind_scene(py::module_& m) {
              py::call_guard<py::gil_scoped_release>())
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("threads") = 0)
-        .def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("intersect", &nearest_hits<EmbreeCaster>, py::arg("origins"), py::arg("directions"),
              py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
@@ -122,6 +122,7 @@ void bind_scene(py::module_& m) {
              py::arg("threads") = 0,
              "Distances of nearest hits by one call of Embree per ray: the baseline of single-ray tracers.")
         .def_property_readonly("native16", &EmbreeCaster::native16);
+    bind_segments(embree);
     m.def("embree_version", &EmbreeCaster::version);
 }
 

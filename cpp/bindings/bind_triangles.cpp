@@ -94,13 +94,14 @@ void bind_triangles(py::module_& m) {
         .value("WATERTIGHT", TriangleKernel::kWatertight)
         .value("WALD", TriangleKernel::kWald)
         .finalize();
-    v.def("flat_triangles", &flat_dict, py::arg("scene"),
+    py::module_ t = m.def_submodule("_testing");
+    t.def("flat_triangles", &flat_dict, py::arg("scene"),
           "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "
           "degenerate ones, left out.");
-    v.def("solid_at", &solid, py::arg("scene"), py::arg("meshes"), py::arg("triangles"), py::arg("uv"),
+    t.def("solid_at", &solid, py::arg("scene"), py::arg("meshes"), py::arg("triangles"), py::arg("uv"),
           "(N,) bool: do alpha masks leave points of triangles solid, at barycentrics (u, v) of their second "
           "and third corners?");
-    v.def("triangle_hits", &triangle_hits, py::arg("kernel"), py::arg("a"), py::arg("b"), py::arg("c"),
+    t.def("triangle_hits", &triangle_hits, py::arg("kernel"), py::arg("a"), py::arg("b"), py::arg("c"),
           py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
           "Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.");
 }

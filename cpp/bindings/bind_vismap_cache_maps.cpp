@@ -123,22 +123,22 @@ struct TestTree {
     NeighbourList around;
 };
 
-void bind_maps(py::module_& v) {
+void bind_maps(py::module_& v, py::module_& t) {
     v.def("morton2", py::vectorize(morton2), py::arg("x"), py::arg("y"), "Z-order numbers of cells.");
-    v.def("gather2", py::vectorize(gather2), py::arg("v"), "The bits on even places.");
+    t.def("gather2", py::vectorize(gather2), py::arg("v"), "The bits on even places.");
     v.def(
         "record_nbytes", [](int m) { return record_nbytes(checked_m(m)); }, py::arg("m"),
         "Bytes of a record as the paper counts them.");
-    v.def("hierarchy", &hierarchy_of, py::arg("bits"), py::arg("m"), "Words of the codes above a map.");
-    v.def("node_codes", &node_codes, py::arg("bits"), py::arg("m"), py::arg("level"),
+    t.def("hierarchy", &hierarchy_of, py::arg("bits"), py::arg("m"), "Words of the codes above a map.");
+    t.def("node_codes", &node_codes, py::arg("bits"), py::arg("m"), py::arg("level"),
           "Codes of a level's nodes, (4^level,).");
     v.def("dilated", &dilated, py::arg("bits"), py::arg("m"), py::arg("level"), "V^level of a map.");
-    v.def("map_differences", &map_differences, py::arg("a"), py::arg("b"), py::arg("m"),
+    t.def("map_differences", &map_differences, py::arg("a"), py::arg("b"), py::arg("m"),
           py::arg("isa") = py::none(), "δ of rows of maps, (N,).");
-    v.def(
+    t.def(
         "record_pattern", [](int m, uint64_t seed) { return from_vec3s(record_pattern(checked_m(m), seed)); },
         py::arg("m"), py::arg("seed"), "Directions of the cells in Z order, (4^m, 3).");
-    v.def(
+    t.def(
         "ambient_visibility",
         [](const WordArray& bits, int m, const FloatArray& pattern, std::array<float, 3> normal) {
             const std::vector<Vec3> directions = vec3s(pattern, "pattern");
@@ -147,26 +147,26 @@ void bind_maps(py::module_& v) {
             return ambient_visibility({checked_map(bits, m), map_words(m)}, directions, vec3(normal));
         },
         py::arg("bits"), py::arg("m"), py::arg("pattern"), py::arg("normal"), "A of a map.");
-    v.def("wilson_lower", py::vectorize(wilson_lower), py::arg("misses"), py::arg("rays"),
+    t.def("wilson_lower", py::vectorize(wilson_lower), py::arg("misses"), py::arg("rays"),
           "Lower end of the 95 % interval of a share.");
 }
 
-void bind_weights(py::module_& v) {
+void bind_weights(py::module_& v, py::module_& t) {
     v.def("record_weight", py::vectorize(record_weight), py::arg("t"), py::arg("theta"), py::arg("lambda_"),
           "w of Eq. 9; t = d / d_max, θ in radians.");
-    v.def(
+    t.def(
         "normalized_weight",
         [](float t, float theta, float theta_max, float lambda) {
             return NormalizedWeight(theta_max, lambda)(t, theta);
         },
         py::arg("t"), py::arg("theta"), py::arg("theta_max"), py::arg("lambda_"), "ŵ.");
-    v.def(
+    t.def(
         "geometric_weight",
         [](std::array<float, 3> normal, std::array<float, 3> to_record, float d_max) {
             return geometric_weight(vec3(normal), vec3(to_record), length(vec3(to_record)), d_max);
         },
         py::arg("normal"), py::arg("to_record"), py::arg("d_max"), "w_g.");
-    v.def(
+    t.def(
         "normal_angle",
         [](std::array<float, 3> a, std::array<float, 3> b) { return normal_angle(vec3(a), vec3(b)); },
         py::arg("a"), py::arg("b"), "θ of unit normals, in radians.");
@@ -176,9 +176,10 @@ void bind_weights(py::module_& v) {
 
 void bind_vismap_cache_maps(py::module_& m) {
     py::module_ v = m.def_submodule("vismap", "The visibility-map cache (VisMap).");
-    bind_maps(v);
-    bind_weights(v);
-    py::class_<TestTree>(v, "KdTree", "The records' tree; finds the m nearest within a radius.")
+    py::module_ t = m.def_submodule("_testing");
+    bind_maps(v, t);
+    bind_weights(v, t);
+    py::class_<TestTree>(t, "KdTree", "The records' tree; finds the m nearest within a radius.")
         .def(py::init<>())
         .def("insert", &TestTree::insert, py::arg("positions"), py::arg("first_id"))
         .def("build", &TestTree::build, py::arg("positions"))

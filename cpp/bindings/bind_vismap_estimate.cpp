@@ -202,10 +202,10 @@ void bind_point(py::module_& s) {
              py::arg("threads") = 1, "The same for passes of these sizes; `alpha` is the first's.");
 }
 
-void bind_equations(py::module_& s) {
-    s.def("control_variate_estimate", py::vectorize(control_variate_estimate), py::arg("sum_f"),
+void bind_equations(py::module_& t) {
+    t.def("control_variate_estimate", py::vectorize(control_variate_estimate), py::arg("sum_f"),
           py::arg("sum_g"), py::arg("j"), py::arg("alpha"), py::arg("n"), "Eq. 2 for one channel.");
-    s.def(
+    t.def(
         "product_terms",
         [](double ratio, double visible, double approximate, double d) {
             const ProductTerms t = product_terms(ratio, visible, approximate, d);
@@ -213,14 +213,14 @@ void bind_equations(py::module_& s) {
         },
         py::arg("b_over_b_tilde"), py::arg("visible"), py::arg("approximate"), py::arg("d") = 1.0,
         "Eq. 3: Z and W.");
-    s.def("residual_variance", py::vectorize(residual_variance), py::arg("var_z"), py::arg("var_w"),
+    t.def("residual_variance", py::vectorize(residual_variance), py::arg("var_z"), py::arg("var_w"),
           py::arg("covariance"), py::arg("alpha"), "Eq. 4: variance of Z − αW.");
-    s.def("best_alpha", &best_alpha, py::arg("var_w"), py::arg("covariance"));
-    s.def("least_residual_variance", &least_residual_variance, py::arg("var_z"), py::arg("rho"),
+    t.def("best_alpha", &best_alpha, py::arg("var_w"), py::arg("covariance"));
+    t.def("least_residual_variance", &least_residual_variance, py::arg("var_z"), py::arg("rho"),
           "Eq. 5: variance at the best α.");
-    s.def("correlation", &correlation, py::arg("var_z"), py::arg("var_w"), py::arg("covariance"),
+    t.def("correlation", &correlation, py::arg("var_z"), py::arg("var_w"), py::arg("covariance"),
           "Eq. 6: ρ.");
-    s.def(
+    t.def(
         "regressed_alpha",
         [](const DoubleArray& z, const DoubleArray& w, double var_w) {
             if (z.ndim() != 1 || w.ndim() != 1 || z.shape(0) != w.shape(0))
@@ -241,8 +241,9 @@ void bind_vismap_estimate(py::module_& m) {
         .value("PREVIOUS_PASS", AlphaMode::kPreviousPass)
         .finalize();
     py::module_ s = m.def_submodule("vismap");
+    py::module_ t = m.def_submodule("_testing");
     bind_point(s);
-    bind_equations(s);
+    bind_equations(t);
 }
 
 }  // namespace viscache::bindings

@@ -68,32 +68,6 @@ py::array_t<double> points(PointSet set, py::ssize_t count, uint64_t seed, uint6
     return out;
 }
 
-/// Seconds of CPU per tree and per sample, over all the points; the sum of the drawn texels keeps the
-/// compiler from skipping any.
-py::dict time_product(const Pyramid& light, const std::vector<ShadingPoint>& shading, int samples, int m) {
-    require_map_level(m);
-    if (shading.empty() || samples < 1) throw py::value_error("shading must not be empty, samples >= 1");
-    double build = 0, sample = 0, leaves = 0;
-    uint64_t sum = 0;
-    {
-        const py::gil_scoped_release release;
-        ProductTree tree;
-        for (size_t i = 0; i < shading.size(); ++i) {
-            const double start = thread_cpu_seconds();
-            tree.build(*light, SurfaceReflection(shading[i]), m);
-            const double between = thread_cpu_seconds();
-            build += between - start, leaves += tree.leaves();
-            if (!(tree.total() > 0)) continue;
-            const PointStream stream(PointSet::kZeroTwo, 0, Purpose::kProduct, i, 0);
-            for (int k = 0; k < samples; ++k) sum += tree.sample(stream.at(uint32_t(k))).texel;
-            sample += thread_cpu_seconds() - between;
-        }
-    }
-    const double n = double(shading.size());
-    return py::dict(py::arg("build_s") = build / n, py::arg("sample_s") = sample / (n * samples),
-                    py::arg("leaves") = leaves / n, py::arg("sum") = sum);
-}
-
 void bind_pyramid(py::module_& s) {
     py::class_<EnvironmentPyramid, std::shared_ptr<EnvironmentPyramid>>(
         s, "EnvironmentPyramid", "Sums of luminance × solid angle over the equal-area map.")
@@ -118,8 +92,8 @@ void bind_pyramid(py::module_& s) {
             py::arg("level"), "Sums of the nodes of a level along the Morton curve, (4^level,).");
 }
 
-void bind_tree(py::module_& s) {
-    py::class_<BoundTree>(s, "ProductTree", "L·B̃ over the sphere for one point, to draw directions from.")
+void bind_tree(py::module_& t) {
+    py::class_<BoundTree>(t, "ProductTree", "L·B̃ over the sphere for one point, to draw directions from.")
         .def_static(
             "of_surface",
             [](const std::shared_ptr<EnvironmentPyramid>& light, const ShadingPoint& sp, int m) {
@@ -172,11 +146,12 @@ void bind_tree(py::module_& s) {
 void bind_vismap_product(py::module_& m) {
     py::module_ s = m.def_submodule("vismap", "Visibility maps and product sampling of the environment.");
     bind_pyramid(s);
-    bind_tree(s);
+    py::module_ t = m.def_submodule("_testing");
+    bind_tree(t);
     s.def("points", &points, py::arg("set"), py::arg("count"), py::kw_only(), py::arg("seed") = 0,
           py::arg("pixel") = 0, py::arg("pass_") = 0,
           "Random or randomised (0, 2)-sequence points of the square, (count, 2).");
-    s.def(
+    t.def(
         "reflection_at_nodes",
         [](const ShadingPoint& sp, int level, uint32_t first) {
             if (level < 6 || level > 8 || first % 16 || first >= uint32_t{1} << (2 * level))
@@ -190,12 +165,6 @@ void bind_vismap_product(py::module_& m) {
         },
         py::arg("shading"), py::arg("level"), py::arg("first"),
         "Sixteen node centres (16, 3) and B = f·cos there, as the tree sees it (16, 3).");
-    s.def(
-        "time_product",
-        [](const std::shared_ptr<EnvironmentPyramid>& light, const std::vector<ShadingPoint>& shading,
-           int samples, int m) { return time_product(light, shading, samples, m); },
-        py::arg("light"), py::arg("shading"), py::arg("samples"), py::arg("map_level") = 5,
-        "CPU seconds per tree and per sample over the shading points, and the mean number of leaves.");
 }
 
 }  // namespace viscache::bindings

@@ -63,7 +63,8 @@ void bind_vlf_directions(py::module_& m) {
             return py::array_t<float>(py::ssize_t(weights.size()), weights.data());
         },
         py::arg("n_directions"), "Solid angles (l,), in sr.");
-    v.def("shared_axes", &shared_axes, py::arg("directions"),
+    py::module_ t = m.def_submodule("_testing");
+    t.def("shared_axes", &shared_axes, py::arg("directions"),
           "Which of unit directions go along and against one axis, (A, 2); -1 against: none.");
     v.def("nearest_direction", &nearest_direction, py::arg("directions"), py::arg("n_directions"),
           "Index of the axis nearest to each row.");

@@ -87,6 +87,7 @@ uint64_t predicted(const std::shared_ptr<Scene>& scene, const FieldSettings& set
 
 void bind_vlf_parts(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
+    py::module_ t = m.def_submodule("_testing");
     v.def("cover_tiles", &cover, py::arg("triangles"), py::arg("n_tiles"),
           "Tiles of triangles in canonical space: (triangle, x, y) (K, 3) and depth ranges (K, 2).");
     v.def("walk_tiles", &walk, py::arg("origin"), py::arg("direction"), py::arg("n_tiles"),
@@ -94,7 +95,7 @@ void bind_vlf_parts(py::module_& m) {
           "Tiles (K, 2) and t (K, 2) of a ray in canonical space.");
     v.def("walk_leaves", &leaves, py::arg("z0"), py::arg("z1"), py::arg("leaves"), py::arg("borders"),
           py::arg("low"), py::arg("high"), py::arg("upwards"), py::arg("how"));
-    v.def("tile_depth", &tile_depth, py::arg("count"), py::arg("depth"), py::arg("leaf_target"));
+    t.def("tile_depth", &tile_depth, py::arg("count"), py::arg("depth"), py::arg("leaf_target"));
     v.def(
         "expected_references",
         [](const std::shared_ptr<Scene>& scene, int n_tiles) {
@@ -103,7 +104,7 @@ void bind_vlf_parts(py::module_& m) {
             return expected_references(triangles.in_ball(), n_tiles);
         },
         py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
-    v.def(
+    t.def(
         "expected_build_s",
         [](const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
             settings.validate();

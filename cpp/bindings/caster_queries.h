@@ -1,9 +1,10 @@
 #pragma once
-// Rays of numpy arrays through any ray caster: `intersect`, `occluded` and `visible` of the bound classes.
+// Rays of numpy arrays through any ray caster: what the bound classes answer.
 #include "arrays.h"
 #include "interrupt.h"
 #include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/ray_caster.h"
+#include "viscache/visibility/visible_matrix.h"
 
 namespace viscache::bindings {
 
@@ -93,13 +94,23 @@ inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray
     in_chunks(n, threads, [&](size_t first, size_t last, int) {
         std::vector<Ray> rays(last - first);
         std::vector<uint8_t> blocked(last - first);
-        for (size_t i = first; i < last; ++i) {
-            const float e = std::min(segment_epsilon(x[i], y[i]), 1.f);
-            rays[i - first] = {x[i], e, y[i] - x[i], 1 - e};
-        }
+        for (size_t i = first; i < last; ++i) rays[i - first] = segment_between(x[i], y[i]);
         caster.occluded(rays, blocked);
         for (size_t i = first; i < last; ++i) out[i] = !blocked[i - first];
     });
+    return result;
+}
+
+/// Every point against every target: (N, ceil(M / 64)) words.
+inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray& points,
+                                      const FloatArray& targets, int threads, const py::object& progress) {
+    require_usable(points, "points"), require_usable(targets, "targets");
+    const std::span<const Vec3> from(rows3(points, "points"), size_t(points.shape(0)));
+    const std::span<const Vec3> to(rows3(targets, "targets"), size_t(targets.shape(0)));
+    py::array_t<Word> result({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
+    const std::span<Word> rows(result.mutable_data(), size_t(result.size()));
+    run_interruptible([&](Control& control) { visible_matrix(caster, from, to, rows, threads, control); },
+                      progress);
     return result;
 }
 
@@ -136,16 +147,24 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
     return py::make_tuple(t, triangle, uv, instance);
 }
 
-/// The three on a bound class; `intersect` needs Caster::scene.
+/// `visible` and `visible_matrix` on a bound class.
+template <class Class>
+void bind_segments(Class& bound) {
+    bound.def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
+        .def("visible_matrix", &visible_bits, py::arg("points"), py::arg("targets"), py::arg("threads") = 0,
+             py::arg("progress") = py::none());
+}
+
+/// All on a bound class; `intersect` needs Caster::scene.
 template <class Class>
 void bind_queries(Class& bound) {
     using Caster = typename Class::type;
     bound
         .def("occluded", &any_hits, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("threads") = 0)
-        .def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
         .def("intersect", &nearest_hits<Caster>, py::arg("origins"), py::arg("directions"),
              py::arg("threads") = 0);
+    bind_segments(bound);
 }
 
 }  // namespace viscache::bindings

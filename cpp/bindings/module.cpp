@@ -47,6 +47,7 @@ void bind_warp(py::module_& m);
 PYBIND11_MODULE(_core, m) {
     using namespace viscache::bindings;
     m.doc() = "C++ core of viscache; use the package viscache, not this module.";
+    m.def_submodule("_testing", "What tests alone ask for: equations and parts of structures.");
     bind_aqvc(m);
     bind_correlation_pairs(m);
     bind_description(m);

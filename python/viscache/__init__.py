@@ -1,5 +1,7 @@
 """Visibility caches for ray tracing: trade shadow rays for accuracy, and measure the trade."""
 
+import copyreg as _copyreg
+
 from viscache import (
     correlation,
     metrics,
@@ -9,6 +11,8 @@ from viscache import (
     scenes,
     temporal,
     tiles,
+    variance,
+    vismap,
     vlf,
 )
 from viscache._core import SceneDescription
@@ -18,17 +22,20 @@ from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
 from viscache.provenance import VERSION
+from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
 from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, ShadowMap
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
+from viscache.thumbnails import thumbnail as _thumbnail
+from viscache.travelling import reduced as _reduced
 from viscache.vismap import (
     MapSettings,
     Relighting,
@@ -58,6 +65,7 @@ __all__ = [
     "Intersection",
     "MapSettings",
     "NeePlusPlus",
+    "PaperForm",
     "Relighting",
     "Scene",
     "SceneDescription",
@@ -80,6 +88,7 @@ __all__ = [
     "metrics",
     "notebook",
     "plots",
+    "record_queries",
     "render",
     "report",
     "scenes",
@@ -87,10 +96,16 @@ __all__ = [
     "temporal",
     "tiles",
     "tune",
+    "variance",
+    "vismap",
     "vlf",
 ]
 
+# What scenes cannot do by themselves: they know neither a renderer nor what specs mean
+Scene._picture = staticmethod(_thumbnail)
+_copyreg.pickle(Scene, _reduced)
+
 
 def __dir__() -> list[str]:
-    """The public names alone."""
-    return list(__all__)
+    """The public names, without the modules that importing leaves behind."""
+    return sorted(__all__)

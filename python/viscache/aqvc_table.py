@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,24 +11,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.scene import Scene
+from viscache.settings.aqvc import KEYED, Aqvc
 from viscache.settings.checks import is_whole, require
-from viscache.settings.visibility import Aqvc
+from viscache.settings.spelling import spelled
 
 __all__ = ["AqvcTable"]
-
-#: Parameters on which keys, or what is kept under them, depend: the same in all frames of a table.
-KEYED_BY = (
-    *("c_l", "c_n", "c_z", "c_r", "normal_mode", "grid_offset", "grid_seed", "scale_free"),
-    *("res_rule", "env_rule", "vpl_key", "hash", "digest_bits"),
-)
 
 
 #: One row of `AqvcTable.entries`.
 ENTRY = np.dtype([("slot", "u4"), ("digest", "u4"), ("visible", "?"), ("current", "?")], align=True)
 
 
+@spelled
 class AqvcTable:
     """Bits of visibility that frames of `vc.render(..., keep=table)` hand on to the next ones.
 
@@ -138,19 +135,18 @@ class AqvcTable:
         if self._core:
             self._core.next_epoch()
 
-    def moved(self, scene: Scene, *, forget: bool = True) -> None:
+    def moved(self, scene: Scene | str | os.PathLike[str], *, forget: bool = True) -> None:
         """Go on with `scene`, whose geometry may differ from that of the frames before.
 
         Parameters
         ----------
-        scene : Scene
+        scene : Scene, path or str
             Of the next frames.
         forget : bool
             Start a new epoch. False keeps all bits: those that are wrong now (stale) stay until
             they are overwritten, or found by `repair`.
         """
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
-        self._geometry = scene.geometry_hash
+        self._geometry = sources.opened(scene).geometry_hash
         if forget:
             self.forget()
 
@@ -172,7 +168,7 @@ class AqvcTable:
                 self)  # fmt: skip
         try:
             core = cache.core()
-            keyed = {name: getattr(core, name) for name in KEYED_BY}
+            keyed = {name: getattr(core, name) for name in KEYED}
             if not core.scale_free:
                 keyed["the scene's bounding sphere"] = _core.scene_sphere(scene._core)
             if self._core is None:

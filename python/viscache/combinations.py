@@ -89,12 +89,12 @@ RULES: tuple[Rule, ...] = (
          "visibility must be vc.Exact(...), vc.Aqvc(...), vc.NeePlusPlus(...) or an oracle of your"
          " own with Bdpt",
          lambda r: isinstance(r.integrator, Bdpt) and isinstance(r.visibility, ShadowMap)),
-    Rule('`Aqvc(storage="shared")`', "`Direct`, `Whitted`, `AmbientOcclusion`",
+    Rule('`PaperForm(storage="shared")`', "`Direct`, `Whitted`, `AmbientOcclusion`",
          '`storage="table"`',
          'storage must be "table", "exact" or "paper_tiles" without Bdpt',
-         lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.storage == "shared"
+         lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.paper.storage == "shared"
                     and not isinstance(r.integrator, Bdpt)),
-         lambda r: r.visibility.storage),
+         lambda r: r.visibility.paper.storage),
     Rule("`Aqvc`, `NeePlusPlus`, an oracle of your own, `use=\"correct\"`",
          '`environment="product"`', '`environment="mis"`',
          'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
@@ -143,7 +143,7 @@ RULES: tuple[Rule, ...] = (
          "integrator must not be Bdpt nor share directions for parts of a frame",
          lambda r: r.parts > 1 and (isinstance(r.integrator, Bdpt) or r.shares_directions),
          lambda r: r.integrator),
-    Rule("frames in parts", '`Aqvc(storage="paper_tiles")`', '`storage="table"`',
+    Rule("frames in parts", '`PaperForm(storage="paper_tiles")`', '`storage="table"`',
          'storage must be "table" or "exact" for parts of a frame',
          lambda r: r.parts > 1 and getattr(r.visibility, "storage", "") == "paper_tiles"),
     Rule("frames in parts", "shared directions with another `sky_engine`",
@@ -170,4 +170,4 @@ def check(request: Request) -> None:
 def table() -> str:
     """The rules as a table in Markdown, for docs/limits.md."""
     rows = [f"| {rule.what} | {rule.other} | {rule.instead} |" for rule in RULES]
-    return "\n".join(["| | with | instead |", "| --- | --- | --- |", *rows])
+    return "\n".join(["| this | does not work with | use instead |", "| --- | --- | --- |", *rows])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, TypeAlias
@@ -9,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.frame import Frame
 from viscache.oracles.oracle import BlockAnswer, Oracle, PairAnswer
 from viscache.oracles.points import GROUPS, EyePoints, FarEnds, ends_of, pack
@@ -17,10 +18,12 @@ from viscache.progress import progress_bar
 from viscache.provenance import provenance
 from viscache.render import frame_settings
 from viscache.scene import Env, Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
+from viscache.settings import by_name
 from viscache.settings.checks import require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted, core_settings
 from viscache.settings.rays import Rays
+from viscache.settings.spelling import spelled
 
 __all__ = ["Connections", "Samples", "connections"]
 
@@ -63,7 +66,7 @@ class Connections:
     """
 
     def __init__(
-        self, scene: Scene, integrator: Any, rays: Rays | None, frame: _core.FrameSettings,
+        self, scene: Scene, integrator: Any, rays: Rays | str | None, frame: _core.FrameSettings,
         camera: _core.Camera,
     ) -> None:  # fmt: skip
         self._scene, self._integrator, self._rays = scene, integrator, rays
@@ -235,11 +238,12 @@ def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
     return weights
 
 
+@spelled
 def connections(
-    scene: Scene,
-    integrator: Direct | Whitted | AmbientOcclusion,
+    scene: Scene | str | os.PathLike[str],
+    integrator: Direct | Whitted | AmbientOcclusion | str,
     *,
-    rays: Rays | None = None,
+    rays: Rays | str | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
     seed: int = 0,
@@ -273,7 +277,8 @@ def connections(
     >>> frame.sha256 == cached.sha256
     True
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
+    integrator = by_name.setting("integrator", integrator)
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
     require(fits, "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
             integrator)  # fmt: skip
@@ -281,8 +286,10 @@ def connections(
     require(not product, 'environment must not be "product" for connections', "product")
     shared = getattr(integrator, "directions", "") == "shared"
     require(not shared, 'directions must be "own" for connections', "shared")
+    if isinstance(integrator, AmbientOcclusion):
+        integrator = integrator.within(scene.bounds)
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
-    frame = frame_settings(size or (view.width, view.height), spp, seed, threads)
+    frame = frame_settings(frame_size(size, view), spp, seed, threads)
     return Connections(scene, integrator, rays, frame, view)

@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
-import html
 import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
+from viscache.array_output import ArrayOutput
 from viscache.files import whole_file
+from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
+from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 
 Layer = npt.NDArray[np.float32]
 
+#: Suffix to kind of file: what `Frame.save` writes.
+KINDS: dict[str, Literal["exr", "png", "jpeg"]] = {
+    ".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg",
+}  # fmt: skip
 _RECORDS = ("counters", "timings", "parameters", "provenance")
 _PREFIX = "viscache."  # of the header attributes
 
 
+@spelled
 @dataclass(eq=False, kw_only=True, slots=True)
-class Frame:
+class Frame(ArrayOutput):
     """What `viscache.render` returns.
+
+    `np.asarray(frame)` and `torch.from_dlpack(frame)` are its image.
 
     Parameters
     ----------
@@ -36,7 +45,9 @@ class Frame:
     counters : dict
         Plain Python numbers; nested dicts per light group, lists per level.
     timings : dict of str to float
-        Seconds: "total_s", "visibility_s", "shading_s", ...
+        Seconds. "cpu_s" and names that end so are CPU seconds, summed over the threads; all others
+        are wall seconds: "total_s", "build_s" of the ray caster, "lights_s", "tiles_s", ... The
+        wall time of "visibility_s" and "shading_s" is their CPU time over the threads that ran.
     parameters : dict
         The settings the frame was made with, JSON-able.
     provenance : dict
@@ -84,20 +95,46 @@ class Frame:
         """Hex digest of the little-endian float32 pixels of the colour layer."""
         return hashlib.sha256(np.ascontiguousarray(self.image, dtype="<f4").tobytes()).hexdigest()
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a multi-layer EXR that tev shows; the records go into the header as JSON.
+    def save(self, path: str | os.PathLike[str], *, exposure: float | None = None) -> None:
+        """Write a file of the kind that its suffix names. It appears whole or not.
 
-        The colour layer is R, G, B at top level; the others `name.R/G/B`, `name.X/Y/Z` (position,
-        normal), `name.V` (one channel) or `name.0, name.1, ...`. The file appears whole or not.
+        `.exr`: all layers, scene-linear; tev shows them, `load` reads them back. The records go
+        into the header as JSON. The colour layer is R, G, B at top level; the others
+        `name.R/G/B`, `name.X/Y/Z` (position, normal), `name.V` (one channel) or
+        `name.0, name.1, ...`. `.png`, `.jpg`, `.jpeg`: the colour layer alone, to look at, with 8
+        bits and the sRGB curve.
+
+        Parameters
+        ----------
+        path : path
+        exposure : float, optional
+            Factor before the curve of a PNG or JPEG; chosen by the picture by default
+            (`viscache.tonemap.display_exposure`).
 
         Raises
         ------
+        ValueError
+            Another suffix, or an exposure for an EXR.
         OSError
             The file cannot be written.
         """
+        target = Path(path)
+        kind = checked_suffix(target)
+        linear = kind == "exr"
+        require(not linear or exposure is None, "exposure must be left out for .exr", exposure)
+        try:
+            with whole_file(target) as partial:
+                if linear:
+                    self._write_exr(partial)
+                else:
+                    pixels = tonemap.to_srgb8(self.image, exposure)
+                    partial.write_bytes(tonemap.encode(pixels, kind=kind))
+        except (RuntimeError, OSError) as error:
+            raise OSError(f"cannot write {target}: {error}") from error
+
+    def _write_exr(self, target: Path) -> None:
         import OpenEXR
 
-        target = Path(path)
         channels: dict[str, Any] = {}
         index: dict[str, list[str]] = {}
         for name, pixels in self.layers.items():
@@ -112,11 +149,7 @@ class Frame:
         }
         for name in _RECORDS:
             header[_PREFIX + name] = json.dumps(getattr(self, name))
-        try:
-            with whole_file(target) as partial:
-                OpenEXR.File(header, channels).write(str(partial))
-        except (RuntimeError, OSError) as error:
-            raise OSError(f"cannot write {target}: {error}") from error
+        OpenEXR.File(header, channels).write(str(target))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Frame:
@@ -167,18 +200,17 @@ class Frame:
         return f"<Frame {width}x{height} layers={list(self.layers)} sha256={self.sha256[:12]}>"
 
     def _repr_html_(self) -> str:
-        png = tonemap.encode(tonemap.to_srgb8(self.image), max_width=640)
-        data = base64.b64encode(png).decode("ascii")
-        width, height = self.size
-        rows = [(k, v) for k, v in {**self.timings, **self.counters}.items() if _is_number(v)]
-        cells = "".join(
-            f"<tr><td>{html.escape(k)}</td><td style='text-align:right'>{_number(v)}</td></tr>"
-            for k, v in rows
-        )
-        return (
-            f"<div><img alt='{width}x{height} frame' src='data:image/png;base64,{data}'>"
-            f"<table>{cells}</table></div>"
-        )
+        return frame_html(self.image, self.timings, self.counters)
+
+    def _array(self) -> Layer:
+        return self.image
+
+
+def checked_suffix(path: Path) -> Literal["exr", "png", "jpeg"]:
+    """What a path's suffix names; ValueError where `Frame.save` does not write it."""
+    suffix = path.suffix.lower()
+    require(suffix in KINDS, f"path must end in {', '.join(KINDS)}", str(path))
+    return KINDS[suffix]
 
 
 def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
@@ -249,11 +281,3 @@ def _json_attribute(header: Mapping[str, Any], name: str, default: Any, source: 
         raise ValueError(
             f"{source}: header attribute {_PREFIX}{name} is not JSON: {error}"
         ) from error
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _number(value: float) -> str:
-    return f"{value:,}" if isinstance(value, int) else f"{value:.4g}"

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from viscache import tonemap
 from viscache.frame import Frame
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 
 __all__ = ["Film", "Sliders", "is_quick", "sliders"]
 
@@ -31,6 +32,7 @@ def is_quick() -> bool:
     return bool(os.environ.get("VISCACHE_QUICK"))
 
 
+@spelled
 class Film:
     """Shows a frame as it grows: `vc.tiles.render(..., show=vc.notebook.Film())`.
 

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import asdict, replace
 from typing import Any, Literal, cast, get_args
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
 from viscache.combinations import Request, check
 from viscache.frame import Frame
@@ -19,7 +19,8 @@ from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
+from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
     AmbientOcclusion,
@@ -27,8 +28,9 @@ from viscache.settings.integrators import (
     Integrator,
     core_settings,
 )
-from viscache.settings.rays import Embree, Rays, Vlf, check_rays
+from viscache.settings.rays import Rays, Vlf, check_rays
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
 
@@ -39,12 +41,13 @@ __all__ = ["render"]
 MOST_POINTS_OF_A_TILE = 1 << 16
 
 
+@spelled
 def render(
-    scene: Scene,
-    integrator: Integrator,
+    scene: Scene | str | os.PathLike[str],
+    integrator: Integrator | str,
     *,
-    rays: Rays | None = None,
-    visibility: Visibility | Written | None = None,
+    rays: Rays | str | None = None,
+    visibility: Visibility | Written | str | None = None,
     use: Literal["replace", "correct"] | Correct | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -59,12 +62,16 @@ def render(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
+        A string is a file or a built-in name (`room?triangles=5000`).
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
+        Or its name with default settings: "direct", "whitted", "ao" or "bdpt". So with the next
+        two.
     rays : Embree, Bsp or Vlf, optional
-        The ray caster: all rays of the frame go through it.
+        The ray caster: all rays of the frame go through it. "embree", "bsp" or "vlf".
     visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        Who answers "does x see y?"; exact by default. An object with a method
+        Who answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
+        "nee_plus_plus" or "vismap". An object with a method
         `block(eyes, lamps, wanted)` is an oracle of your own (docs/howto/own-cache.md).
     use : {"replace", "correct"} or Correct, optional
         How an approximation is used: in place of visibility (the default, but of VisMaps), or as a
@@ -116,6 +123,7 @@ def render(
     >>> scene = vc.scenes.cube_on_plane()
     >>> vc.render(scene, vc.Direct(), size=(32, 20)).image.shape
     (20, 32, 3)
+    >>> frame = vc.render("slits", "direct", visibility="aqvc", size=(32, 20))
     """
     return render_part(
         scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
@@ -124,12 +132,12 @@ def render(
 
 
 def render_part(
-    scene: Scene,
-    integrator: Integrator,
+    scene: Scene | str | os.PathLike[str],
+    integrator: Integrator | str,
     part: tuple[int, int],
     *,
-    rays: Rays | None = None,
-    visibility: Visibility | Written | None = None,
+    rays: Rays | str | None = None,
+    visibility: Visibility | Written | str | None = None,
     use: Literal["replace", "correct"] | Correct | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -144,8 +152,10 @@ def render_part(
 
     `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
     """
-    rays = Embree() if rays is None else rays
-    visibility = visibility or Exact()
+    scene = sources.opened(scene)
+    integrator = cast(Integrator, by_name.setting("integrator", integrator))
+    rays = check_rays(rays)
+    visibility = cast("Visibility | Written", by_name.setting("visibility", visibility, "exact"))
     _check_settings(scene, integrator, rays, visibility, use, keep)
     number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
@@ -157,11 +167,13 @@ def render_part(
         parts=parts,
     )  # fmt: skip
     check(request)
+    if isinstance(integrator, AmbientOcclusion):
+        integrator = integrator.within(scene.bounds)
     geometry = scene
     if env is not None:
         scene = scene.with_environment(env, threads=threads)
     view = find_camera(scene, camera)
-    frame = frame_settings(size or (view.width, view.height), spp, seed, threads)
+    frame = frame_settings(frame_size(size, view), spp, seed, threads)
     frame.part, frame.parts = number, parts
 
     start, cpu = time.perf_counter(), time.process_time()

@@ -1,4 +1,4 @@
-"""What SCENE means on the command line and in sweep files: a file, or a built-in name."""
+"""What a scene may be given as: a scene, a file, or a built-in name."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from viscache import scenes
-from viscache.scene import load_scene
+from viscache.scene import Scene, load_scene
 from viscache.settings.checks import require
 
 #: Folder of scenes that do not come with viscache.
@@ -45,7 +45,7 @@ def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
     return str(Path(relative_to) / spec)
 
 
-def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Any:
+def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Scene:
     """The scene of a spec.
 
     Raises
@@ -57,5 +57,15 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> An
     """
     require(bool(spec), "the scene must be a file or a built-in name", spec)
     if is_builtin(spec):
-        return scenes.build(spec)
+        made: Scene = scenes.build(spec)
+        return made
     return load_scene(spec, strict=strict, env=env)
+
+
+def opened(scene: Any) -> Scene:
+    """The scene that an argument `scene` means: a Scene itself, a path, or a built-in name."""
+    if isinstance(scene, str | os.PathLike):
+        return open_scene(os.fspath(scene))
+    require(isinstance(scene, Scene), "scene must be a Scene, a file or a built-in name", scene)
+    checked: Scene = scene
+    return checked

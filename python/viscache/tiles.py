@@ -8,6 +8,7 @@ cost.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
@@ -54,21 +55,22 @@ class Part:
 
 
 def render(
-    scene: Scene | str,
+    scene: Scene | str | os.PathLike[str],
     integrator: Any,
     *,
     executor: Executor | None = None,
     parts: int | None = None,
     show: Callable[[Frame, int, int], None] | None = None,
-    size: tuple[int, int] = (640, 400),
+    size: tuple[int, int] | None = None,
     **options: Any,
 ) -> Frame:
     """Render a frame in parts; the same bytes as `viscache.render`.
 
     Parameters
     ----------
-    scene : Scene or str
-        With an executor a string, so that every worker loads it itself, once.
+    scene : Scene, path or str
+        With an executor, a scene that has a spec is loaded by every worker itself, once; another
+        one travels with its arrays.
     integrator : Direct, Whitted or AmbientOcclusion (its directions not shared)
     executor : concurrent.futures.Executor, optional
         Renders the parts; without it, this process does.
@@ -77,8 +79,8 @@ def render(
     show : callable, optional
         Gets what there is of the frame, the number of finished parts and that of all, after each
         part: a live view.
-    size : (width, height)
-        Pixels.
+    size : (width, height), optional
+        Pixels; the camera's own by default, as everywhere.
     **options
         rays, visibility (`Exact` or `Aqvc`), spp, seed, threads, camera, env of `viscache.render`.
 
@@ -92,11 +94,6 @@ def render(
     ValueError
         As `viscache.render`; a frame whose tiles depend on each other, or on a cache that lasts.
     """
-    if executor is not None:
-        named = scene if isinstance(scene, str) else scene.spec
-        require(named is not None,
-                "scene must be a file or a built-in name when an executor's workers render it",
-                scene)  # fmt: skip
     n = parts or (PARTS_HERE if executor is None else workers.window(executor))
     require(is_whole(n) and 1 <= n <= 1 << 16, "parts must be in [1, 65536]", n)
     tasks = [(number, int(n)) for number in range(int(n))]
@@ -104,7 +101,7 @@ def render(
     given = {**options, "size": size}
     source = _parts_here(scene, integrator, tasks, given)
     if executor is not None:
-        source = _parts_there(executor, named, integrator, tasks, given)
+        source = _parts_there(executor, scene, integrator, tasks, given)
     for finished, part in enumerate(source, 1):
         done[part.number] = part
         if show is not None:
@@ -154,9 +151,12 @@ def tile_boxes(
 
 
 def _parts_here(
-    scene: Scene | str, integrator: Any, tasks: list[tuple[int, int]], options: dict[str, Any]
+    scene: Scene | str | os.PathLike[str],
+    integrator: Any,
+    tasks: list[tuple[int, int]],
+    options: dict[str, Any],
 ) -> Iterator[Part]:
-    opened: Scene = sources.open_scene(scene) if isinstance(scene, str) else scene
+    opened = sources.opened(scene)
     env = options.pop("env", None)
     lit = opened if env is None else opened.with_environment(env)
     for number, parts in tasks:
@@ -182,10 +182,13 @@ _SCENE = Newest()
 
 
 def render_in_worker(
-    scene: str, integrator: Any, task: tuple[int, int], options: dict[str, Any]
+    scene: Scene | str | os.PathLike[str],
+    integrator: Any,
+    task: tuple[int, int],
+    options: dict[str, Any],
 ) -> Part:
     """One part; the worker keeps its newest scene."""
-    opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
+    opened = _SCENE.get(scene, lambda: sources.opened(scene))
     return cut(render_part(opened, integrator, task, **options), *task)
 
 

@@ -67,8 +67,8 @@ def test_a_frame_that_was_seen_before_needs_no_ray() -> None:
 def test_the_first_frame_is_that_of_tiles_without_a_kept_table() -> None:
     cache = vc.Aqvc(c_e=8)
     kept = frame(vc.scenes.stairs(), vc.AqvcTable(), cache, camera=None)
-    plain = frame(vc.scenes.stairs(), None, vc.Aqvc(c_e=8, form="pairs", scale_free=True),
-                  camera=None)  # fmt: skip
+    alike = vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs"), scale_free=True)
+    plain = frame(vc.scenes.stairs(), None, alike, camera=None)
     assert kept.sha256 == plain.sha256 and kept.counters["rays"] == plain.counters["rays"]
 
 
@@ -172,12 +172,13 @@ def test_light_and_camera_may_change_and_geometry_may_not() -> None:
 def test_what_a_kept_table_cannot_do_is_refused() -> None:
     table = vc.AqvcTable(table_bytes=1 << 20)
     frame(scene(), table)
-    for other in (vc.Aqvc(c_n=6), vc.Aqvc(normal_mode="floor"), vc.Aqvc(grid_seed=1)):
+    floored = vc.Aqvc(paper=vc.PaperForm(normal_mode="floor"))
+    for other in (vc.Aqvc(c_n=6), floored, vc.Aqvc(grid_seed=1)):
         with pytest.raises(ValueError, match=r"must be .* as in the table's frames before"):
             frame(scene(), table, other)
     for cache, message in (
-        (vc.Aqvc(form="waves"), 'form must be "pairs" with keep'),
-        (vc.Aqvc(storage="exact"), 'storage must be "table" with keep'),
+        (vc.Aqvc(paper=vc.PaperForm(form="waves")), 'form must be "pairs" with keep'),
+        (vc.Aqvc(paper=vc.PaperForm(storage="exact")), 'storage must be "table" with keep'),
         (vc.Exact(), "visibility must be vc.Aqvc"),
     ):
         with pytest.raises(ValueError, match=message):

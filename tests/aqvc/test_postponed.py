@@ -104,10 +104,10 @@ def test_postponing_costs_few_rays_and_little_error() -> None:
 )
 def test_bad_queues_are_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        vc.Aqvc(**given)
+        vc.PaperForm(**given)
 
 
 def test_bidirectional_path_tracing_has_no_queue() -> None:
     scene = vc.scenes.cornell_box()
     with pytest.raises(ValueError, match=r"queue must be 0 .* got 64"):
-        vc.render(scene, vc.Bdpt(), size=(4, 4), visibility=vc.Aqvc(queue=64))
+        vc.render(scene, vc.Bdpt(), size=(4, 4), visibility=vc.Aqvc(paper=vc.PaperForm(queue=64)))

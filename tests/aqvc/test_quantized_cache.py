@@ -13,13 +13,10 @@ from viscache import _core
 
 FORMS = [
     {"form": "waves"},
-    {"form": "rows"},
-    {"form": "rows", "batch": 1},
     {"form": "pairs"},
     {"form": "pairs", "storage": "exact", "batch": 1},
-    {"form": "waves", "jitter": True, "nil_refine": 0.5, "normal_mode": "octahedral"},
-    {"form": "rows", "jitter": True, "nil_refine": 0.5, "normal_mode": "single"},
-    {"form": "pairs", "jitter": True, "nil_refine": 0.5},
+    {"form": "waves", "normal_mode": "octahedral"},
+    {"form": "waves", "normal_mode": "single"},
     {"form": "pairs", "queue": 64},
 ]
 EXACT_KINDS = ["point", "directional", "vpl", "ambient"]
@@ -55,7 +52,7 @@ def test_tiny_clusters_are_exact_where_cells_are_scale_free(form, c_e):
     assert counters["rays"] == wanted.sum() and counters["clamped_high"] == 0
 
 
-@pytest.mark.parametrize("form", FORMS[:1] + FORMS[3:4], ids=str)
+@pytest.mark.parametrize("form", FORMS[:2], ids=str)
 def test_scale_free_cells_answer_as_well_as_those_of_the_sphere(form):
     """Rays within 15 % and errors within 40 %: other cells of the same size."""
     eyes = tiles.eye_points(64, 64)
@@ -67,7 +64,7 @@ def test_scale_free_cells_answer_as_well_as_those_of_the_sphere(form):
     assert errors[1] == pytest.approx(errors[0], rel=0.4)
 
 
-@pytest.mark.parametrize("form", FORMS[:1] + FORMS[3:4], ids=str)
+@pytest.mark.parametrize("form", FORMS[:2], ids=str)
 def test_c_e_of_one_is_not_exact(form):
     """T19: a cell of one expected sample holds two at times."""
     _, counters, wanted = block("point", c_e=1, **form)
@@ -302,7 +299,7 @@ def test_empty_tiles_and_blocks_are_answered(form):
 
 def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
     """Auto: shared lights only, and only where clusters are larger than a pixel."""
-    p = _core.aqvc.AqvcParameters(c_e=16, c_e_group=[0, 0, 0, 0, 9, 0, 0, 0])
+    p = _core.aqvc.AqvcParameters(c_e=16, c_e_groups={"vpl": 9})
     assert [len(p.level_list(g)) for g in range(8)] == [2, 2, 1, 1, 2, 1, 1, 1]
     assert p.level_list(0) == [16, 4] and p.level_list(4) == [9, 4]
     assert len(p.level_list(0, spp=256)) == 1 and len(p.level_list(0, spp=255)) == 2
@@ -310,40 +307,16 @@ def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
 
 def test_refinement_can_be_set_for_single_light_groups():
     """A group's own setting wins, and "auto" gives it back to the rule."""
-    own = ["off", None, "on", None, "auto", None, None, None]
-    p = _core.aqvc.AqvcParameters(c_e=16, refinement_group=own)
+    own = {"point": "off", "area": "on", "vpl": "auto"}
+    p = _core.aqvc.AqvcParameters(c_e=16, refinement_groups=own)
     assert [len(p.level_list(g)) for g in range(8)] == [1, 2, 2, 1, 2, 1, 1, 1]
-    assert p.refinement_group == own
-    q = _core.aqvc.AqvcParameters(c_e=16, refinement="on", refinement_group=own)
+    assert p.refinement_groups == own
+    q = _core.aqvc.AqvcParameters(c_e=16, refinement="on", refinement_groups=own)
     assert [len(q.level_list(g)) for g in range(8)] == [1, 2, 2, 2, 2, 2, 2, 2]
-    with pytest.raises(ValueError, match="refinement_group must be one of auto, on, off, got yes"):
-        p.refinement_group = ["yes"] + [None] * 7
-
-
-@pytest.mark.parametrize("form", ["waves", "rows", "pairs"])
-def test_jitter_moves_points_between_cells_but_makes_none(form):
-    """Points go to cells of the tile alone: without refinement hardly more rays, another image."""
-    eyes = tiles.eye_points(64, 64)
-    plain, c, _ = block("point", eyes=eyes, c_e=8, refinement="off", form=form)
-    moved, c2, _ = block("point", eyes=eyes, c_e=8, refinement="off", form=form, jitter=True)
-    again = block("point", eyes=eyes, c_e=8, refinement="off", form=form, jitter=True, grid_seed=0)
-    assert c2["cells"] <= c["cells"] and c2["rays"] < 1.05 * c["rays"]
-    assert (plain != moved).mean() > 0.002
-    np.testing.assert_array_equal(moved, again[0])
-
-
-def test_cells_that_doubt_refine_where_neighbours_are_unknown():
-    """nil_refine: more rays the more cells doubt, in every form; without neighbours none agrees."""
-    for form in FORMS[:5]:
-        rays = [block("point", c_e=16, nil_refine=p, **form)[1]["rays"] for p in (0, 0.5, 1)]
-        assert rays[0] < rays[1] < rays[2]
-    eyes = tiles.eye_points()
-    names = ("position", "normal", "density")
-    two = {name: np.repeat(eyes[name][:1], 2, 0) for name in names}
-    far = tiles.lights("directional", 3)
-    for p, lookups in ((0.0, 6), (1.0, 12)):
-        c = tiles.tile_run(two, c_e=16, nil_refine=p).block(far, np.ones((2, 3), bool))[1]
-        assert c["rays"] == 3 and c["lookups"] == lookups
+    with pytest.raises(ValueError, match="refinement_groups must be one of auto, on, off, got yes"):
+        p.refinement_groups = {"point": "yes"}
+    with pytest.raises(ValueError, match="c_e_groups must be of light groups, got lamp"):
+        p.c_e_groups = {"lamp": 3}
 
 
 @pytest.mark.parametrize(

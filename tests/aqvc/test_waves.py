@@ -11,16 +11,14 @@ OPTIONS = [
     {"c_e": 8},
     {"c_e": 16},
     {"c_e": 16, "level_step": 2, "c_finest": 1},
-    {"c_e": 40, "max_levels": 2, "c_z": 8, "c_r": 1.5},
+    {"c_e": 40, "c_z": 8, "c_r": 1.5},
     {"c_e": 12, "tangent_neighbours": False, "normal_mode": "floor", "grid_offset": False},
     {"c_e": 6, "refinement": "off"},
     {"c_e": 2000},
     {"c_e": 12, "normal_mode": "octahedral"},
     {"c_e": 12, "normal_mode": "single"},
-    {"c_e": 16, "jitter": True},
-    {"c_e": 16, "jitter": True, "grid_seed": 3, "nil_refine": 0.3, "level_step": 2},
-    {"c_e": 12, "nil_refine": 1.0},
-    {"c_e": 12, "scale_free": True, "jitter": True, "nil_refine": 0.2},
+    {"c_e": 16, "grid_seed": 3, "level_step": 2},
+    {"c_e": 12, "scale_free": True},
 ]
 
 
@@ -34,9 +32,6 @@ def grid_of(options):
         mode=options.get("normal_mode", "round"),
         offset=reference.offset(options.get("grid_seed", 0), options.get("grid_offset", True)),
         tangent=options.get("tangent_neighbours", True),
-        jitter=options.get("jitter", False),
-        nil_refine=options.get("nil_refine", 0.0),
-        seed=options.get("grid_seed", 0),
         scale_free=options.get("scale_free", False),
     )
 

@@ -20,6 +20,7 @@ SMALL = (
     "aqvc-frame",
     "aqvc-apartment",
     "aqvc-lookup",
+    "oracle",
     "memory",
     "correlation",
     "vlf-build",
@@ -28,7 +29,6 @@ SMALL = (
     "sweep",
     "notebook-slider",
 )
-LATER = ("peers",)
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")
 
@@ -139,17 +139,8 @@ def test_cosine_directions_have_the_cosines_mean():
     assert abs(cosines.mean() - 2 / 3) < 4 * np.sqrt(1 / 18 / len(points)) + 2e-3
 
 
-def test_the_list_names_what_is_there_and_what_is_not():
-    assert tuple(n for n, b in bench.BENCHES.items() if b.is_there) == SMALL
-    assert tuple(n for n, b in bench.BENCHES.items() if not b.is_there) == LATER
-
-
-@pytest.mark.parametrize("name", LATER)
-def test_a_bench_that_is_not_there_says_so(name, capsys):
-    with pytest.raises(ValueError, match=f"bench {name} is not there yet"):
-        bench.run(name)
-    assert main([name]) == 2
-    assert "not there yet" in capsys.readouterr().err
+def test_the_list_names_all_benches():
+    assert tuple(bench.BENCHES) == SMALL
 
 
 def test_an_unknown_bench_is_refused_with_the_nearest_name(capsys):

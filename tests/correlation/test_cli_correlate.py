@@ -14,7 +14,7 @@ import pytest
 
 from codebase.repository import ROOT
 from viscache import cli
-from viscache.correlation import measure, open_dataset
+from viscache.correlation import load_dataset, measure
 
 SCENE = "bumpy_spheres?triangles=3000"
 SMALL = ["--points", "200", "--map-size", "16", "--d-bins", "8", "--theta-bins", "9"]
@@ -28,7 +28,7 @@ def test_the_file_holds_what_measure_returns(
     more = ["--plot", str(tmp_path / "p"), "--format", "pdf", "--format", "png"]
     assert cli.main([*words, *more, "--store", str(tmp_path / "s")]) == 0
     got = json.loads(capsys.readouterr().out)
-    ds = open_dataset(out)
+    ds = load_dataset(out)
     expected = measure(SCENE, n_points=200, map_size=16, d_edges=8, theta_edges_deg=9, seed=3,
                        d_max=2.5)  # fmt: skip
     assert np.array_equal(ds["mean"], expected["mean"], equal_nan=True)
@@ -58,7 +58,7 @@ def test_local_visibility_and_processes_are_options(
     assert cli.main([*words, str(tmp_path / "a.nc")]) == 0
     assert cli.main([*words, str(tmp_path / "b.nc"), "--workers", "2"]) == 0
     capsys.readouterr()
-    a, b = (open_dataset(tmp_path / f"{name}.nc") for name in "ab")
+    a, b = (load_dataset(tmp_path / f"{name}.nc") for name in "ab")
     assert a.attrs["t_max"] == 0.1
     assert a["mean"].values.tobytes() == b["mean"].values.tobytes()
 

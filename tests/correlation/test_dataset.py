@@ -14,8 +14,8 @@ from viscache.correlation import (
     correlate,
     correlation_lengths,
     high_correlation_box,
+    load_dataset,
     measure,
-    open_dataset,
     predicted_variance_ratio,
     save_dataset,
 )
@@ -85,18 +85,18 @@ def test_the_jackknife_s_error_is_larger_than_the_naive_one() -> None:
 def test_a_file_gives_back_the_dataset(measured: xarray.Dataset, tmp_path: Path) -> None:
     save_dataset(measured, tmp_path / "a.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["a.nc"]
-    xarray.testing.assert_identical(open_dataset(tmp_path / "a.nc"), measured)
+    xarray.testing.assert_identical(load_dataset(tmp_path / "a.nc"), measured)
 
 
 def test_files_that_are_none_of_ours_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no such file"):
-        open_dataset(tmp_path / "none.nc")
+        load_dataset(tmp_path / "none.nc")
     (tmp_path / "text.nc").write_text("not a file of numbers")
     with pytest.raises(ValueError, match="must be a NetCDF file"):
-        open_dataset(tmp_path / "text.nc")
+        load_dataset(tmp_path / "text.nc")
     xarray.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(ValueError, match="must hold correlation statistics"):
-        open_dataset(tmp_path / "other.nc")
+        load_dataset(tmp_path / "other.nc")
 
 
 def test_correlation_lengths_lie_where_the_mean_crosses_the_level() -> None:

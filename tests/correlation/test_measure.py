@@ -162,8 +162,8 @@ def test_a_pool_of_processes_gives_the_same_bytes(
     with ProcessPoolExecutor(2, mp_context=context) as pool:
         found = measure(SCENE, **SMALL | {"threads": 1}, executor=pool)
         assert_same(measured, found)
-        with pytest.raises(ValueError, match="scene must be a file or a built-in name"):
-            measure(convex_sphere(), **SMALL, executor=pool)
+        travelled = measure(convex_sphere(), **SMALL | {"threads": 1}, executor=pool)
+    assert_same(measure(convex_sphere(), **SMALL), travelled)
     with ThreadPoolExecutor(2) as pool:
         assert_same(measured, measure(SCENE, **SMALL | {"threads": 1}, executor=pool))
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "check.h"
-#include "viscache/aqvc/quantized_cache.h"
+#include "viscache/aqvc/aqvc_source.h"
 #include "viscache/render/bdpt.h"
 #include "viscache/render/path_weight.h"
 #include "viscache/visibility/bsp_caster.h"
@@ -41,20 +41,11 @@ struct Setup {
     BspCaster caster{world, {}, 1, control};
     Camera camera = look_at({0, 1, 4}, {0, 0.7f, 0}, {0, 1, 0}, 0.9f);
 
-    FrameResult render(int threads, const AqvcParameters& p, FrameTable& table) {
-        const RoundOracles oracles{
-            .make =
-                [&] {
-                    return std::make_unique<QuantizedCache>(caster, p, world->center(), world->radius(),
-                                                            world->offset_extent(), 1, &table);
-                },
-            .begin_round = [&](size_t items) { table.begin_round(items); },
-            .end_item = [&](VisibilityOracle& o,
-                            size_t item) { table.keep(item, static_cast<QuantizedCache&>(o).writes()); },
-            .end_round = [&](Counters& counters) { table.end_round(counters); }};
+    FrameResult render(int threads, const AqvcParameters& p) {
+        FrameTableSource source(*world, caster, p, 1);
         const FrameSettings frame{.width = 40, .height = 30, .spp = 2, .threads = threads};
         const BdptSettings settings{.max_depth = 4, .camera_connections = CameraConnections::kKeyed};
-        return render_bdpt(*world, caster, camera, settings, frame, oracles, control);
+        return render_bdpt(*world, caster, camera, settings, frame, source, control);
     }
 };
 
@@ -69,8 +60,7 @@ void threads_do_not_matter() {
     Setup setup;
     for (const Storage storage : {Storage::kTable, Storage::kExact}) {
         const AqvcParameters p = parameters(storage);
-        FrameTable one(p), four(p);
-        const FrameResult a = setup.render(1, p, one), b = setup.render(4, p, four);
+        const FrameResult a = setup.render(1, p), b = setup.render(4, p);
         check(std::memcmp(a.color.data(), b.color.data(), a.color.size() * sizeof(Rgb)) == 0, "same pixels");
         check_equal(a.counters.rays(), b.counters.rays(), "rays");
         check_equal(a.counters.duplicates, b.counters.duplicates, "rays traced twice");
@@ -81,8 +71,7 @@ void threads_do_not_matter() {
 void races_are_counted() {
     Setup setup;
     const AqvcParameters p = parameters(Storage::kShared);
-    FrameTable table(p);
-    const Counters c = setup.render(4, p, table).counters;
+    const Counters c = setup.render(4, p).counters;
     check(c.rays() < c.queries(), "the cache answers");
     check_equal(c.table_writes + c.bypassed, c.rays(), "every ray is written or passed by");
     check_equal(c.table_slots, largest_prime(p.table_bytes / 4), "slots");

@@ -94,7 +94,7 @@ def test_false_colours_are_equal_where_keys_are() -> None:
 
 def test_bins_of_normals_are_as_wide_as_their_rule_says() -> None:
     rounded = aqvc_clusters.greatest_angle_deg(vc.Aqvc())
-    floored = aqvc_clusters.greatest_angle_deg(vc.Aqvc(normal_mode="floor"))
+    floored = aqvc_clusters.greatest_angle_deg(vc.Aqvc(paper=vc.PaperForm(normal_mode="floor")))
     assert rounded == pytest.approx(11.3, abs=0.1) and floored == pytest.approx(25.2, abs=0.3)
 
 

@@ -16,17 +16,6 @@ def frame_of(*values: float) -> Frame:
     return Frame(layers={"color": image, "emitted": np.zeros_like(image)})
 
 
-def test_autocorrelation_is_one_for_a_constant_none_for_noise_and_minus_one_for_stripes() -> None:
-    noise = np.random.default_rng(1).normal(size=(300, 300))
-    assert aqvc_errors.autocorrelation(np.full((20, 20), -0.3), 4) == pytest.approx(1)
-    assert abs(aqvc_errors.autocorrelation(noise, 4)) < 0.01
-    smooth = sum(np.roll(noise, (i, j), (0, 1)) for i in range(4) for j in range(4))
-    assert aqvc_errors.autocorrelation(smooth, 1) == pytest.approx(0.75, abs=0.02)
-    board = np.indices((20, 20)).sum(0) % 2 * 2.0 - 1
-    assert aqvc_errors.autocorrelation(board, 1) == pytest.approx(-1)
-    assert np.isnan(aqvc_errors.autocorrelation(np.zeros((20, 20)), 1))
-
-
 def test_the_interval_of_a_mean_holds_it_95_times_in_100() -> None:
     rng = np.random.default_rng(2)
     held = 0
@@ -43,7 +32,6 @@ def test_bias_is_the_energys_and_stray_light_that_of_black_pixels() -> None:
     assert aqvc_errors.stray_light(cached, exact) == pytest.approx(0.125)
     shining = Frame(layers={**cached.layers, "emitted": cached.layers["color"]})
     assert aqvc_errors.bias(shining, exact) == -1
-    np.testing.assert_allclose(aqvc_errors.error_plane(cached, exact), [[0.5, 0, -1.5]], atol=1e-6)
 
 
 def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall() -> None:
@@ -55,13 +43,11 @@ def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall() -> None:
 @pytest.mark.stat
 @pytest.mark.slow
 def test_refinement_loses_thin_shadows_and_thin_light() -> None:
-    """T7: majority filtering brightens below slats and darkens below slits; doubt helps."""
+    """T7: majority filtering brightens below slats and darkens below slits."""
     for name, sign in (("slats", 1), ("slits", -1)):
         scene = getattr(vc.scenes, name)()
         found = aqvc_bias.biases(Shot(scene=scene, integrator=vc.Direct(), size=(160, 100)),
                                  "waves", 16)  # fmt: skip
-        plain, refined = (found[v][0] for v in aqvc_bias.FEW)
+        plain, refined = (found[v][0] for v in aqvc_bias.VARIANTS)
         assert abs(plain.mean) < 3 * plain.half
         assert sign * refined.mean > 1.5 * refined.half
-        doubting = found["refinement, all doubt"][0]
-        assert abs(doubting.mean) < abs(refined.mean)

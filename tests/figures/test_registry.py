@@ -38,7 +38,7 @@ def test_every_figure_is_listed_in_the_order_of_the_papers(
 ) -> None:
     assert cli.main(["reproduce", "list", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)["figures"]
-    assert listed == [{"figure": name, "available": True} for name in figures.FIGURES]
+    assert listed == [{"figure": name} for name in figures.FIGURES]
     names = list(figures.FIGURES)
     assert names[:7] == [f"aqvc-fig{n}" for n in range(2, 9)]
     assert names[11:20] == [*(f"vlf-fig{n}" for n in range(1, 9)), "vlf-tab1"]

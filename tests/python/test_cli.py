@@ -63,7 +63,8 @@ def test_diff_against_black_prints_null(
         (["rendr"], "did you mean 'render'"),
         (["diff", "no.exr", "no.exr"], "no such file: no.exr"),
         (["diff", "a.exr"], "required: REF.exr"),
-        (["render", "room", "-o", "x.png"], "output must be an .exr file"),
+        (["render", "room", "-o", "x.gif"], "path must end in .exr, .png, .jpg, .jpeg, got"),
+        (["render", "a.obj", "-o", "x.exr", "--exposure", "2"], "exposure must be left out for"),
         (["render", "room", "-o", "x.exr", "--size", "0x4"], "size must be WxH, both >= 1"),
         (["render", "room", "-o", "x.exr", "--spp", "0"], "whole number >= 1, got '0'"),
         (["render", "room", "-o", "x.exr", "--set", "c_e"], "--set must be name=value"),
@@ -172,7 +173,7 @@ def test_lists_name_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert status == 0 and "aqvc-fig3 (shadow edges" in out
     status, out, _ = run(capsys, "bench", "list", "--json")
     names = [b["bench"] for b in json.loads(out)["benches"]]
-    assert status == 0 and {"rays", "aqvc-frame", "peers"} <= set(names)
+    assert status == 0 and {"rays", "aqvc-frame", "memory"} <= set(names)
 
 
 def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
@@ -238,6 +239,18 @@ def test_render_writes_the_picture_its_json_describes(
     assert got["parameters"]["visibility"]["c_e"] == 4
     frame = Frame.load(out)
     assert frame.sha256 == got["sha256"] and frame.size == (24, 16)
+
+
+def test_render_writes_pictures_to_look_at(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "o.png"
+    words = ["render", "slits", "-o", str(out), "--integrator", "direct", "--size", "24x16"]
+    assert run(capsys, *words)[0] == 0
+    plain = out.read_bytes()
+    assert plain.startswith(b"\x89PNG")
+    assert run(capsys, *words, "--exposure", "0.01")[0] == 0
+    assert out.read_bytes() != plain
 
 
 def test_bidirectional_path_tracing_is_an_integrator(

@@ -120,9 +120,67 @@ def test_bad_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         make().save(tmp_path / "no" / "such" / "folder.exr")
 
 
+@pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".jpg", b"\xff\xd8\xff"),
+                                               (".JPEG", b"\xff\xd8\xff")])  # fmt: skip
+def test_a_suffix_names_the_kind_of_file(tmp_path: Path, suffix: str, magic: bytes) -> None:
+    from PIL import Image
+
+    ramp = np.linspace(0, 1, 32)[None, :, None] * np.ones((20, 1, 3))
+    frame = Frame(layers={"color": ramp})
+    path = tmp_path / f"a{suffix}"
+    for exposure in (None, 0.5):
+        frame.save(path, exposure=exposure)
+        assert path.read_bytes().startswith(magic)
+        seen = np.asarray(Image.open(path)).astype(int)
+        off = np.abs(seen - to_srgb8(frame.image, exposure).astype(int)).max()
+        assert seen.shape == (20, 32, 3) and off <= (0 if suffix == ".png" else 6)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_other_suffixes_are_refused_with_the_known_ones(tmp_path: Path) -> None:
+    for name in ("a.tiff", "a", "a.exr.gz"):
+        with pytest.raises(ValueError, match=r"path must end in \.exr, \.png, \.jpg, \.jpeg, got"):
+            make().save(tmp_path / name)
+    with pytest.raises(ValueError, match=r"exposure must be left out for \.exr, got 2"):
+        make().save(tmp_path / "a.exr", exposure=2)
+    with pytest.raises(OSError, match="cannot write"):
+        make().save(tmp_path / "no" / "folder.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_frame_is_its_image_to_other_libraries() -> None:
+    frame = make()
+    shared = np.asarray(frame)
+    assert shared is frame.image and np.shares_memory(np.from_dlpack(frame), frame.image)
+    assert frame.__dlpack_device__() == frame.image.__dlpack_device__()
+    copy = np.array(frame)
+    assert not np.shares_memory(copy, frame.image)
+    np.testing.assert_array_equal(copy, frame.image)
+    assert np.asarray(frame, dtype=np.float64).dtype == np.float64
+    with pytest.raises(ValueError, match="copy must not be False for dtype float64"):
+        frame.__array__(np.float64, copy=False)
+    small = Frame(layers={"color": np.ones((2, 3, 3))})
+    assert np.mean(small) == 1 and (np.asarray(small) * 2).shape == (2, 3, 3)
+
+
 def test_a_frame_shows_itself_in_a_notebook() -> None:
     text = make()._repr_html_()
     assert "data:image/png;base64," in text and "total_s" in text and "queries" in text
+
+
+def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
+    frame = make()
+    frame.timings |= {"cpu_s": 0.4, "visibility_s": 0.05, "visibility_cpu_s": 0.2}
+    frame.counters |= {"rays": 4, "ray_reduction": 2.5, "clamped": 0, "suppressed": 0}
+    shown, folded = frame._repr_html_().split("<details>")
+    assert shown.count("<tr>") == 6 and folded.count("<tr>") == 3
+    assert "3 more</summary>" in folded and "clamped" in folded
+    for name in ("total_s (wall)", "cpu_s (CPU)", "visibility_s (wall)", "queries", "rays<",
+                 "ray_reduction"):  # fmt: skip
+        assert name in shown, name
+    assert "visibility_cpu_s (CPU)" in folded
+    few = Frame(layers={"color": np.zeros((2, 2, 3))}, counters={"records": 3})
+    assert "<details>" not in few._repr_html_() and "records" in few._repr_html_()
 
 
 def test_the_srgb_curve_has_its_published_values() -> None:

@@ -328,14 +328,3 @@ def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_pat
     assert rays[0] > rays[1] > rays[2] > 0
     assert (ds.queries == ds.queries[0]).all()
     assert (ds.total_s > 0).all() and (ds.speedup > 0).all()
-
-
-def test_a_scene_that_cannot_travel_to_workers_is_refused_with_a_reason() -> None:
-    from concurrent.futures import ProcessPoolExecutor
-
-    import viscache as vc
-    from viscache.commands.doctor import _scene
-
-    with ProcessPoolExecutor(1) as pool, pytest.raises(ValueError, match="built-in name when an"):
-        sweep(_scene(), vc.Direct(), over={"c_e": [4]}, size=(8, 8), executor=pool,
-              metrics=["rmse"])  # fmt: skip

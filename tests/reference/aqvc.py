@@ -87,20 +87,6 @@ def fold(v: int) -> int:
     return h - 2**32 if h >= 2**31 else h
 
 
-def drawn(values: Sequence[int], seed: int) -> int:
-    """64 random bits of a tuple of 32-bit integers."""
-    h = seed
-    for v in values:
-        h = mixed(h + (v & 0xFFFFFFFF) + 0x9E3779B97F4A7C15)
-    return h
-
-
-def jitter(p: Array, seed: int) -> tuple[float, float]:
-    """Two numbers in [-1/2, 1/2) of a point's float bits."""
-    h = drawn((np.asarray(p, np.float32) + np.float32(0)).view(np.uint32).tolist(), seed)
-    return (h >> 32) / 2**32 - 0.5, (h & 0xFFFFFFFF) / 2**32 - 0.5
-
-
 def offset(seed: int, shifted: bool = True) -> tuple[float, ...]:
     """Shift of the grids in cells."""
     if not shifted:
@@ -156,9 +142,6 @@ class Grid:
     mode: str = "round"
     offset: tuple[float, float, float] = (0.7549, 0.5698, 0.4263)
     tangent: bool = True
-    jitter: bool = False
-    nil_refine: float = 0.0
-    seed: int = 0
     scale_free: bool = False
 
     @property
@@ -231,10 +214,6 @@ class Grid:
         v = tuple(int(np.floor(c)) for c in f)
         return Placed(bins, slot, v, f, slope)
 
-    def doubts(self, cell: Key) -> bool:
-        """Whether the cell refines where two of four neighbours are unknown."""
-        return (drawn(cell, self.seed) >> 11) / 2**53 < self.nil_refine
-
 
 @dataclass(frozen=True)
 class Placed:
@@ -282,31 +261,13 @@ class Result:
 def place_all(grid: Grid, eyes: dict, levels: Sequence[float]) -> list[list[Placed]]:
     """Cells of every eye point at every level."""
     d = np.asarray(eyes["density"], np.float64)
-    placed = [
+    return [
         [
             grid.place(eyes["position"][i], eyes["normal"][i], resolution_eye(d[i], c, grid.half))
             for c in levels
         ]
         for i in range(len(d))
     ]
-    if not grid.jitter:
-        return placed
-    occupied = [{steps[level].key for steps in placed} for level in range(len(levels))]
-    return [
-        [
-            moved(step, jitter(eyes["position"][i], grid.seed), occupied[level])
-            for level, step in enumerate(steps)
-        ]
-        for i, steps in enumerate(placed)
-    ]
-
-
-def moved(p: Placed, by: tuple[float, float], occupied: set[Key]) -> Placed:
-    """A point moved along its tangent plane, unless no point lies where it comes to."""
-    z = p.f[2] - (by[0] * p.slope[0] + by[1] * p.slope[1])
-    v = tuple(int(np.floor(c)) for c in (p.f[0] + by[0], p.f[1] + by[1], z))
-    found = Placed(p.bins, p.resolution, v, (p.f[0], p.f[1], z), p.slope)
-    return found if found.key in occupied else p
 
 
 def alg2(
@@ -332,8 +293,7 @@ def alg2(
                     out.rays_per_level[d] += 1
                     break
                 near = [table.get((cell.neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS]
-                doubt = near.count(None) >= 2 and grid.doubts(cell.key)
-                if not doubt and all(n is None or n == value for n in near):
+                if all(n is None or n == value for n in near):
                     break
             out.visible[i, k] = value
     return out
@@ -417,7 +377,6 @@ def waves(
                 for k in traced[cell]:
                     value.setdefault((finer, k), value[cell, k])
         near = {}
-        unsure = {cell: grid.doubts(cell[1]) for cell in cells}
         for cell in cells:
             p = placed[rep[cell]][d]
             near[cell] = []
@@ -433,8 +392,6 @@ def waves(
                         continue
                     final = worth is not None and worth.settled(rep[cell], k, levels[d])
                     if not final and any(value.get((c, k), v) != v for c in near[cell]):
-                        continue
-                    if not final and unsure[cell] and sum((c, k) in value for c in near[cell]) <= 2:
                         continue
                     out.visible[i, k] = v
                     asking[i].discard(k)

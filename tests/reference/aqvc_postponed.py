@@ -44,8 +44,7 @@ def postponed(
                 return Postponed((cell.key, k), d, [(i, k)])
             value = table[cell.key, k]
             near = [table.get((cell.neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS]
-            doubt = near.count(None) >= 2 and grid.doubts(cell.key)
-            if not doubt and all(n is None or n == value for n in near):
+            if all(n is None or n == value for n in near):
                 break
         return value
 

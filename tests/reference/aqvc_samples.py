@@ -108,8 +108,7 @@ def own_samples(
                     near = [
                         table.get((steps[d].neighbour(*o, grid.tangent), k)) for o in NEIGHBOURS
                     ]
-                    doubt = near.count(None) >= 2 and grid.doubts(steps[d].key)
-                    agree = not doubt and all(n is None or n == value for n in near)
+                    agree = all(n is None or n == value for n in near)
                     if d == levels[-1] or agree:
                         visible[samples] = value
                         break

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 import viscache as vc
 from viscache import _core
+from viscache.settings.by_name import replaced
 
 Image = npt.NDArray[np.float32]
 
@@ -17,7 +18,6 @@ SIZE = (80, 50)
 #: Every way of answering the groups of shared lights.
 FORMS: dict[str, dict[str, Any]] = {
     "waves": {"form": "waves"},
-    "rows": {"form": "rows"},
     "pairs-table": {"form": "pairs", "storage": "table", "table_bytes": 64 << 20},
     "pairs-exact": {"form": "pairs", "storage": "exact"},
 }
@@ -41,9 +41,12 @@ def energy(image: Image, reference: Image) -> float:
 def render(
     scene: vc.Scene, integrator: Any = None, *, size: tuple[int, int] = SIZE, **aqvc: Any
 ) -> vc.Frame:
-    """A frame with `Aqvc(**aqvc)`; `spp`, `seed`, `threads`, `camera` go to `vc.render`."""
+    """A frame with these parameters of `Aqvc` and of its `paper`.
+
+    `spp`, `seed`, `threads`, `camera` go to `vc.render`.
+    """
     passed = {n: aqvc.pop(n) for n in ("spp", "seed", "threads", "camera") if n in aqvc}
-    visibility = vc.Aqvc(**aqvc)
+    visibility = replaced(vc.Aqvc(), aqvc, "visibility")
     return vc.render(scene, integrator or SHARED, visibility=visibility, size=size, **passed)
 
 

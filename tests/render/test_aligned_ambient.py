@@ -15,11 +15,11 @@ from viscache import _core
 from vlf.aligned_scenes import surface, unpacked
 
 Array = npt.NDArray[Any]
-SHARED = vc.AmbientOcclusion(n_samples=129, directions="shared")
+SHARED = vc.AmbientOcclusion(n_samples=129, max_distance=None, directions="shared")
 
 
 def shared(n: int = 129, **more: Any) -> vc.AmbientOcclusion:
-    return vc.AmbientOcclusion(n_samples=n, directions="shared", **more)
+    return vc.AmbientOcclusion(n_samples=n, directions="shared", **{"max_distance": None, **more})
 
 
 @pytest.mark.parametrize("n", [1, 9, 129, 513])
@@ -43,14 +43,16 @@ def test_it_agrees_with_directions_of_each_points_own() -> None:
     """513 shared directions have no noise; the mean is within what their number leaves."""
     scene = vc.scenes.bumpy_spheres(triangles=3000)
     one = vc.render(scene, shared(513), size=(64, 64), spp=4)
-    other = vc.render(scene, vc.AmbientOcclusion(n_samples=1024), size=(64, 64), spp=4)
+    other = vc.render(
+        scene, vc.AmbientOcclusion(n_samples=1024, max_distance=None), size=(64, 64), spp=4
+    )
     assert abs(one.image.mean() / other.image.mean() - 1) < 5e-3
     assert np.sqrt(np.mean((one.image - other.image) ** 2)) < 0.02
     np.testing.assert_array_equal(one.layers["depth"], other.layers["depth"])
 
 
-@pytest.mark.parametrize("max_distance", [0.0, 0.2])
-def test_engines_agree_and_threads_change_no_byte(max_distance: float) -> None:
+@pytest.mark.parametrize("max_distance", [None, 0.2])
+def test_engines_agree_and_threads_change_no_byte(max_distance: float | None) -> None:
     scene = vc.scenes.bumpy_spheres(triangles=5000)
     settings: dict[str, Any] = {"max_distance": max_distance}
     batch = vc.render(scene, shared(engine="batch", **settings), size=(80, 60), spp=2, threads=1)

@@ -24,7 +24,13 @@ def ambient(
 ) -> Any:
     scene = model.to_viscache()
     shots = [
-        vc.render(scene, vc.AmbientOcclusion(**kwargs), size=size, seed=s, spp=spp)
+        vc.render(
+            scene,
+            vc.AmbientOcclusion(**{"max_distance": None, **kwargs}),
+            size=size,
+            seed=s,
+            spp=spp,
+        )
         for s in range(seeds)
     ]
     return np.stack([s.image for s in shots]).astype(np.float64) if seeds > 1 else shots[0]
@@ -60,7 +66,11 @@ def test_beside_an_endless_wall_half_of_the_sky_is_left_and_a_little_away_the_re
     for x in (0.1, 0.5, 1.0, 3.0):
         view = vc.look_at((x, 0.02, 0), (x, 0, 0), (0, 0, 1), 0.5)
         frame = vc.render(
-            scene, vc.AmbientOcclusion(n_samples=256), size=(1, 1), spp=64, camera=view
+            scene,
+            vc.AmbientOcclusion(n_samples=256, max_distance=None),
+            size=(1, 1),
+            spp=64,
+            camera=view,
         )
         np.testing.assert_allclose(frame.image, (1 + x / np.hypot(x, 1)) / 2, rtol=0.01)
 
@@ -70,11 +80,11 @@ def test_blockers_beyond_the_maximum_distance_do_not_count(distribution: str) ->
     ceiling = quad((-50, 1, -50), (100, 0, 0), (0, 0, 100))
     model = Model((PLANE, ceiling), origin=(0, 0.9, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=10)
 
-    def share(distance: float) -> float:
+    def share(distance: float | None) -> float:
         frame = ambient(model, n_samples=256, distribution=distribution, max_distance=distance)
         return float(frame.image.mean())
 
-    assert share(0.0) < 1e-3, "0 is no limit"
+    assert share(None) == share(float("inf")) < 1e-3, "None and inf are no limit"
     assert share(0.99) == pytest.approx(1, abs=0.02)
     assert share(1.01) < 1
     # A ray at angle t meets the ceiling after 1/cos t: cos t < 1/2 escapes, a share of 1/2²
@@ -110,7 +120,8 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
         {"distribution": "sine"},
         {"max_distance": -1.0},
         {"max_distance": float("nan")},
-        {"max_distance": float("inf")},
+        {"max_distance": 0.0},
+        {"max_distance": "near"},
         {"cosmin": 0.0},
         {"p_mode": "none"},
     ],
@@ -119,3 +130,32 @@ def test_each_sample_is_one_query_of_the_ambient_group() -> None:
 def test_parameters_out_of_range_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be"):
         vc.AmbientOcclusion(**wrong)
+
+
+def test_by_default_a_tenth_of_the_scenes_diagonal_is_looked_at() -> None:
+    scene = vc.scenes.room(triangles=5000)
+    diagonal = float(np.linalg.norm(scene.bounds[1].astype(float) - scene.bounds[0]))
+    usual = vc.render(scene, vc.AmbientOcclusion(), size=(24, 16))
+    distance = usual.parameters["integrator"]["max_distance"]
+    assert distance == pytest.approx(0.1 * diagonal)
+    given = vc.render(scene, vc.AmbientOcclusion(max_distance=distance), size=(24, 16))
+    assert usual.sha256 == given.sha256
+    unlimited = vc.render(scene, vc.AmbientOcclusion(max_distance=None), size=(24, 16))
+    assert unlimited.parameters["integrator"]["max_distance"] is None
+    assert usual.image.mean() > 0.5 > 0.1 > unlimited.image.mean(), "closed rooms are not black"
+
+
+def test_no_limit_is_none_or_inf() -> None:
+    assert vc.AmbientOcclusion(max_distance=float("inf")) == vc.AmbientOcclusion(max_distance=None)
+    empty = vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int))
+    frame = vc.render(empty, vc.AmbientOcclusion(), size=(4, 4))
+    assert frame.parameters["integrator"]["max_distance"] is None
+
+
+def test_shared_directions_look_as_far() -> None:
+    scene = vc.scenes.room(triangles=5000)
+    shared = vc.AmbientOcclusion(n_samples=129, directions="shared")
+    frame = vc.render(scene, shared, size=(24, 16))
+    distance = frame.parameters["integrator"]["max_distance"]
+    same = vc.render(scene, replace(shared, max_distance=distance), size=(24, 16))
+    assert frame.sha256 == same.sha256 and frame.image.mean() > 0.5

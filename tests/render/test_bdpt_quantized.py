@@ -12,6 +12,7 @@ import pytest
 import viscache as vc
 from render import bdpt_scenes as scenes
 from render.quantized import energy, rel_l1
+from viscache.settings.by_name import replaced
 
 SIZE = (64, 48)
 MIB = 1 << 20
@@ -28,7 +29,7 @@ def cached(
     integrator: Any = PLAIN, scene: vc.Scene | None = None, spp: int = 4, seed: int = 0,
     threads: int | None = None, **aqvc: Any,
 ) -> vc.Frame:  # fmt: skip
-    visibility = vc.Aqvc(**({"table_bytes": 16 * MIB} | aqvc))
+    visibility = replaced(vc.Aqvc(table_bytes=16 * MIB), aqvc, "visibility")
     return vc.render(
         scene or room(), integrator, size=SIZE, spp=spp, seed=seed, threads=threads,
         visibility=visibility,
@@ -172,10 +173,10 @@ def test_mirrors_and_glass_lie_between_clusters() -> None:
 
 
 def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:
-    used = cached(table_bytes=None).parameters["visibility"]
+    used = vc.render(room(), PLAIN, visibility=vc.Aqvc(), size=SIZE).parameters["visibility"]
     assert (used["res_rule"], used["refinement"], used["c_r"]) == ("eq6", "off", 2)
     assert used["table_bytes"] == 256 * MIB
-    paper = vc.Aqvc(preset="paper", res_rule="eq7").for_frame_table().resolved()
+    paper = vc.Aqvc(preset="paper", paper=vc.PaperForm(res_rule="eq7")).for_frame_table().resolved()
     assert (paper["res_rule"], paper["refinement"]) == ("eq7", "off")
     assert (paper["c_z"], paper["c_r"]) == (8, pytest.approx(1.2))
     assert vc.Aqvc(c_r=1.5).for_frame_table().c_r == 1.5
@@ -196,7 +197,12 @@ def test_clusters_of_12_trace_a_sixth_of_the_rays(name: str) -> None:
 
 def test_tiles_of_other_integrators_do_not_race() -> None:
     with pytest.raises(ValueError, match='storage must be "table", "exact" or "paper'):
-        vc.render(room(), vc.Direct(), visibility=vc.Aqvc(storage="shared"), size=(4, 4))
+        vc.render(
+            room(),
+            vc.Direct(),
+            visibility=vc.Aqvc(paper=vc.PaperForm(storage="shared")),
+            size=(4, 4),
+        )
 
 
 @pytest.mark.parametrize("depth", [1, 2, 5])

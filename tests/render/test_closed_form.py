@@ -141,7 +141,11 @@ def test_a_ball_over_a_plane_under_a_constant_sky_casts_its_form_factor() -> Non
         # Stratified in 256 × 64 samples: far below the binomial error of 0.4 %
         np.testing.assert_allclose(got, 1 - blocked, rtol=0.01)
         ambient = vc.render(
-            scene, vc.AmbientOcclusion(n_samples=64), size=(1, 1), spp=256, camera=view
+            scene,
+            vc.AmbientOcclusion(n_samples=64, max_distance=None),
+            size=(1, 1),
+            spp=256,
+            camera=view,
         )
         np.testing.assert_allclose(ambient.image[0, 0], 1 - blocked, rtol=0.01)
 
@@ -331,7 +335,11 @@ def test_surfaces_do_not_shadow_themselves_and_closed_rooms_do_not_leak(
             30.0 if expected else 100.0,
         )
         frame = vc.render(
-            scene, vc.AmbientOcclusion(n_samples=32), size=(24, 24), spp=4, camera=view
+            scene,
+            vc.AmbientOcclusion(n_samples=32, max_distance=None),
+            size=(24, 24),
+            spp=4,
+            camera=view,
         )
         coverage = frame.layers["coverage"][..., 0]
         assert (coverage > 0).mean() > 0.2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import replace
 from typing import Any
 
@@ -152,9 +153,30 @@ def test_other_lights_are_traced_as_ever(scene: vc.Scene) -> None:
         assert frame.counters["groups"]["point"] == plain.counters["groups"]["point"]
 
 
+def test_a_frame_leaves_a_cache_as_it_is_unless_it_is_asked_to_change_it(scene: vc.Scene) -> None:
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(n_startup=60))
+    cache.update(size=(16, 12))
+
+    def state() -> list[bytes]:
+        return [np.asarray(v).tobytes() for v in dataclasses.asdict(cache.records()).values()]
+
+    before, rays, records = state(), cache.rays, len(cache)
+    kept = vc.render(scene, direct(), visibility=vc.VisMaps(cache=cache), size=SIZE)
+    assert state() == before and cache.rays == rays and kept.counters["records_inserted"] == 0
+    assert kept.parameters["visibility"]["update"] is False
+    asked = vc.VisMaps(cache=cache, update=True)
+    grown = vc.render(scene, direct(), visibility=asked, size=SIZE)
+    assert len(cache) == records + grown.counters["records_inserted"] > records
+    counted = vc.VisMaps(cache=cache, count_misses=True)
+    vc.render(scene, direct(), visibility=counted, size=SIZE)
+    assert cache.records().rays.any()
+    fresh = vc.render(scene, direct(), visibility=vc.VisMaps(n_startup=60), size=SIZE)
+    assert fresh.counters["records_inserted"] > 0 and fresh.parameters["visibility"]["update"]
+
+
 def test_replacing_traces_no_ray_and_comes_near(scene: vc.Scene) -> None:
     cache = vc.VisibilityMapCache(scene, vc.MapSettings(preset="high", m=6))
-    maps = vc.VisMaps(cache=cache)
+    maps = vc.VisMaps(cache=cache, update=True)
     shown = vc.render(scene, direct(), visibility=maps, use="replace", size=(48, 32))
     assert shown.counters["groups"]["environment"]["rays"] == 0
     assert shown.counters["records"] == len(cache) > 100

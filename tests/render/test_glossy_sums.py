@@ -5,7 +5,8 @@ import pytest
 
 from scene.test_bsdf import glossy
 from viscache import _core
-from viscache._core.sampling import eval_bsdf, glossy_sum
+from viscache._core._testing import glossy_sum
+from viscache._core.sampling import eval_bsdf
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]

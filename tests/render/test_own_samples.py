@@ -6,7 +6,7 @@ import pytest
 import viscache as vc
 from render import quantized as q
 
-AMBIENT = vc.AmbientOcclusion(n_samples=16)
+AMBIENT = vc.AmbientOcclusion(n_samples=16, max_distance=None)
 
 
 def made(group):

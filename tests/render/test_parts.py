@@ -34,7 +34,7 @@ def assert_same(a: vc.Frame, b: vc.Frame) -> None:
     [
         *((vc.Exact(), parts) for parts in (1, 2, 5, 9)),
         *((vc.Aqvc(c_e=8), parts) for parts in (2, 5, 9)),
-        (vc.Aqvc(form="pairs"), 4),
+        (vc.Aqvc(paper=vc.PaperForm(form="pairs")), 4),
     ],
 )
 def test_any_number_of_parts_gives_the_same_bytes(
@@ -50,7 +50,7 @@ def test_any_number_of_parts_gives_the_same_bytes(
 def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
     import multiprocessing
 
-    ao = vc.AmbientOcclusion(n_samples=8)
+    ao = vc.AmbientOcclusion(n_samples=8, max_distance=None)
     whole = vc.render(vc.scenes.build(SCENE), ao, **SIZE)
     with ThreadPoolExecutor(3) as pool:
         assert_same(whole, tiles.render(SCENE, ao, executor=pool, parts=7, **SIZE))

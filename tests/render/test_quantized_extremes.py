@@ -135,7 +135,7 @@ def test_extreme_c_e_of_local_samples_is_finite():
         assert 0.5 * small["queries"] < small["rays"] < small["queries"]
         assert large["rays"] < 0.05 * large["queries"]
     for c_e in (1e-9, 1e9):
-        check(scene, vc.AmbientOcclusion(n_samples=8), c_e=c_e)
+        check(scene, vc.AmbientOcclusion(n_samples=8, max_distance=None), c_e=c_e)
 
 
 @pytest.mark.parametrize("mode", ["round", "floor"])

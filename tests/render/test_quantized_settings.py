@@ -13,8 +13,6 @@ from viscache import _core
 LARGE = (160, 100)
 
 
-# Section 14 of the specification
-
 PAPER = {
     "c_n": 8,
     "c_z": 8.0,
@@ -29,7 +27,6 @@ PAPER = {
     "refinement": "on",
     "level_rule": "log2",
     "level_step": 2.0,
-    "max_levels": 0,
     "hash": "scheme2",
     "digest_bits": 31,
     "table_bytes": 4 << 20,
@@ -52,7 +49,7 @@ PRESETS = {
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_presets_resolve_to_their_lists_and_run(preset):
-    """Section 14 of the specification: names, values, and a frame of all light groups."""
+    """Names, values, and a frame of all light groups."""
     settings = vc.Aqvc(preset=preset, c_e=8)
     assert settings.resolved() | PRESETS[preset] == settings.resolved()
     scene = q.lit_box().with_environment(0.5)
@@ -67,8 +64,8 @@ def test_presets_resolve_to_their_lists_and_run(preset):
 
 
 def test_a_parameter_given_explicitly_wins_over_the_preset():
-    """Section 14."""
-    settings = vc.Aqvc(preset="as_printed", c_z=3, grid_offset=True, batch=0)
+    given = vc.PaperForm(grid_offset=True, batch=0)
+    settings = vc.Aqvc(preset="as_printed", c_z=3, paper=given)
     assert settings.resolved()["c_z"] == 3 and settings.resolved()["grid_offset"] is True
     assert settings.resolved()["batch"] == 0 and settings.resolved()["normal_mode"] == "floor"
     same = {"form": "pairs", "batch": 1, "refinement": "on", "level_rule": "log2", "level_step": 2}
@@ -215,7 +212,7 @@ def test_light_cells_leave_an_error_that_falls_with_the_samples():
 
 def test_ambient_occlusion_shares_rays():
     """The ambient group: fewer rays than queries, values in [0, 1], error falls with C_E."""
-    ambient = vc.AmbientOcclusion(n_samples=32)
+    ambient = vc.AmbientOcclusion(n_samples=32, max_distance=None)
     exact = q.exact(q.scene("cube_on_plane"), ambient)
     error = []
     for c_e in (16, 4, 1):

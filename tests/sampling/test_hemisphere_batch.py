@@ -5,7 +5,7 @@ import pytest
 
 from viscache import _core
 
-sampling = _core.sampling
+sampling = _core._testing
 WARPS = {
     True: sampling.square_to_cosine_hemisphere,
     False: sampling.square_to_uniform_hemisphere,

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from viscache import _core
-from viscache._core.sampling import sphere_batch
+from viscache._core._testing import sphere_batch
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]

@@ -7,7 +7,7 @@ import pytest
 from sampling.chi_square import p_value, sphere_mass, sphere_p_value, uniforms
 from viscache import _core
 
-warp = _core.sampling
+warp = _core._testing
 N = 200_000
 Rows = npt.NDArray[np.float32]
 

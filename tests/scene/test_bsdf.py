@@ -7,13 +7,8 @@ import pytest
 from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
 from viscache import _core
 from viscache._core import MaterialKind
-from viscache._core.sampling import (
-    ShadingPoint,
-    diffuse_albedo,
-    eval_bsdf,
-    pdf_bsdf,
-    sample_bsdf,
-)
+from viscache._core._testing import diffuse_albedo, pdf_bsdf, sample_bsdf
+from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 N = 200_000
 Vector = tuple[float, float, float]
@@ -137,7 +132,7 @@ def albedo(sp: ShadingPoint, n: int = 1 << 14) -> npt.NDArray[np.float64]:
     index = np.arange(n, dtype=np.uint32)
     u = np.concatenate(
         [
-            _core.sampling.sobol02(index, 1, 2),
+            _core._testing.sobol02(index, 1, 2),
             ((np.arange(n) + 0.5) / n).astype(np.float32)[:, None],
         ],
         1,
@@ -193,7 +188,7 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> N
 
 
 def test_nothing_is_reflected_below_either_normal() -> None:
-    w = _core.sampling.square_to_uniform_sphere(uniforms(4000, 2))
+    w = _core._testing.square_to_uniform_sphere(uniforms(4000, 2))
     above = (w @ np.array(TILTED["ns"]) > 0) & (w @ np.array(TILTED["ng"]) > 0)
     for name in ("diffuse, tilted normals", "plastic, tilted normals"):
         assert np.array_equal(eval_bsdf(POINTS[name], w).max(1) > 0, above)
@@ -228,7 +223,7 @@ def test_weights_stay_finite_and_below_one_for_a_metal(roughness: float, cos_o: 
     # F = 1: what is left is the shadowing of wi
     some = pdf > 0
     assert weight[some, 0] == pytest.approx(
-        _core.sampling.smith_g1(wi[some, 2], roughness), rel=1e-3
+        _core._testing.smith_g1(wi[some, 2], roughness), rel=1e-3
     )
 
 

@@ -72,7 +72,7 @@ def test_rotation_takes_the_map_into_the_world() -> None:
     image, to_world = sky(), rotation()
     still = EnvironmentMap.from_latlong(image, resolution=256)
     turned = EnvironmentMap.from_latlong(image, to_world=to_world, resolution=256)
-    w = _core.sampling.square_to_uniform_sphere(uniforms(2000, 2))
+    w = _core._testing.square_to_uniform_sphere(uniforms(2000, 2))
     difference = np.abs(turned.eval(w @ to_world.T) - still.eval(w))
     assert difference.mean() < 0.01 * image.mean()
     assert np.abs(turned.eval(w) - still.eval(w)).mean() > 0.2 * image.mean()
@@ -90,7 +90,7 @@ def test_directions_are_those_of_mitsuba() -> None:
         {"type": "envmap", "bitmap": mi.Bitmap(image), "to_world": mi.ScalarTransform4f(to_world)}
     )
     map_ = EnvironmentMap.from_latlong(image, to_world=to_world[:3, :3])
-    w = _core.sampling.square_to_uniform_sphere(uniforms(300, 2))
+    w = _core._testing.square_to_uniform_sphere(uniforms(300, 2))
     theirs = []
     for d in w:
         si = mi.SurfaceInteraction3f()
@@ -185,7 +185,7 @@ def test_a_sample_agrees_with_evaluation_in_its_direction(resolution: int) -> No
 
 def test_the_density_is_the_share_of_luminance() -> None:
     map_ = EnvironmentMap.from_latlong(sky())
-    w = _core.sampling.square_to_uniform_sphere(uniforms(5000, 2))
+    w = _core._testing.square_to_uniform_sphere(uniforms(5000, 2))
     assert map_.pdf(w) == pytest.approx(map_.eval(w) @ LUMINANCE / map_.total_power, rel=1e-4)
     n = map_.resolution
     centers = (np.stack(np.meshgrid(*2 * [np.arange(n)]), -1).reshape(-1, 2) + 0.5) / n
@@ -202,7 +202,7 @@ def test_irradiance_by_samples_is_that_of_the_image() -> None:
     normal = np.array([0.6, 0.8, 0.0])
     exact = (image * (np.maximum(0, d @ normal) * solid)[..., None]).sum((0, 1))
     index = np.arange(1 << 16, dtype=np.uint32)
-    wi, radiance, pdf = map_.sample(_core.sampling.sobol02(index, 5, 6))
+    wi, radiance, pdf = map_.sample(_core._testing.sobol02(index, 5, 6))
     estimate = (radiance * (np.maximum(0, wi @ normal) / pdf)[:, None]).mean(0)
     assert estimate == pytest.approx(exact, rel=5e-3)
 
@@ -231,7 +231,7 @@ def test_a_color_without_green_keeps_its_chance() -> None:
     image = np.zeros((8, 16, 3), dtype=np.float32)
     image[:, :8, 2], image[:, 8:, 1] = 1, 1
     map_ = EnvironmentMap.from_latlong(image)
-    w = _core.sampling.square_to_uniform_sphere(uniforms(1000, 2))
+    w = _core._testing.square_to_uniform_sphere(uniforms(1000, 2))
     assert (map_.pdf(w) > 0).all()
 
 

@@ -6,7 +6,8 @@ import pytest
 from scene.test_bsdf import direction, glossy
 from viscache import _core
 from viscache._core import MaterialKind
-from viscache._core.sampling import ShadingPoint, eval_bsdf, pdf_bsdf, reflect_directions
+from viscache._core._testing import pdf_bsdf, reflect_directions
+from viscache._core.sampling import ShadingPoint, eval_bsdf
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]

@@ -249,12 +249,12 @@ def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis
 
 
 @pytest.mark.parametrize(
-    "wrong", [[], [0.0, 0.0, 0.0], [[0.0, 0.0]], np.zeros((2, 3, 1)), np.zeros((1, 4)), 1.0]
+    "wrong", [[], [0.0, 0.0], [[0.0, 0.0]], np.zeros((2, 3, 1)), np.zeros((1, 4)), 1.0]
 )
 def test_wrong_shapes_are_refused_with_the_shape_given(wrong: Any) -> None:
     for call in (lambda: SCENE.visible(wrong, ONE), lambda: SCENE.occluded(ONE, wrong),
                  lambda: SCENE.intersect(wrong, ONE)):  # fmt: skip
-        with pytest.raises(ValueError, match=r"must have shape \(N, 3\), got \("):
+        with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 3\), got \("):
             call()
 
 
@@ -267,11 +267,11 @@ def test_what_is_not_a_number_is_refused(wrong: Any) -> None:
 
 
 def test_different_numbers_of_rows_are_refused() -> None:
-    two = ONE * 2
-    with pytest.raises(ValueError, match=r"equal numbers of rows, got \(1, 3\) and \(2, 3\)"):
-        SCENE.visible(ONE, two)
-    with pytest.raises(ValueError, match="equal numbers of rows"):
-        SCENE.intersect(two, DOWN)
+    two, three = ONE * 2, DOWN * 3
+    with pytest.raises(ValueError, match=r"shapes that broadcast, got \(2, 3\) and \(3, 3\)"):
+        SCENE.visible(two, three)
+    with pytest.raises(ValueError, match="origins and directions must have shapes that broadcast"):
+        SCENE.intersect(two, three)
 
 
 @pytest.mark.parametrize("t_max", [np.nan, -1.0, -np.inf, [np.nan], [-1e-30]])
@@ -280,10 +280,10 @@ def test_a_t_max_below_zero_or_nan_is_refused(t_max: Any) -> None:
         SCENE.occluded(ONE, DOWN, t_max)
 
 
-@pytest.mark.parametrize("t_max", [[1.0, 2.0], [[1.0]], "far", None])
+@pytest.mark.parametrize("t_max", [[1.0, 2.0], [[1.0] * 4], "far", None])
 def test_a_t_max_of_another_shape_is_refused(t_max: Any) -> None:
-    with pytest.raises(ValueError, match="t_max must be"):
-        SCENE.occluded(ONE, DOWN, t_max)
+    with pytest.raises(ValueError, match="t_max must"):
+        SCENE.occluded(ONE * 3, DOWN * 3, t_max)
 
 
 def test_no_rays_are_no_answers() -> None:

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 from viscache._core import AlphaMode, PointSet
-from viscache._core import vismap as core
+from viscache._core import _testing as core
 from viscache._core.vismap import EnvironmentPyramid, PointEstimate, points
 from vismap.analytic import EDGE, Pixel, World, exact, world
 from vismap.worlds import blended, coarser, dilations, directions, luminance, shares

@@ -212,7 +212,7 @@ def test_records_of_a_plane_see_half_and_in_a_closed_room_nothing() -> None:
     r = cache.records()
     np.testing.assert_array_equal(unpacked(r.bits, 1024), above(r.normals, cache.directions))
     # All there is to see, and yet the root is "in part": the lower half counts as blocked
-    assert _core.vismap.node_codes(r.bits[0], 5, 0).tolist() == [1]
+    assert _core._testing.node_codes(r.bits[0], 5, 0).tolist() == [1]
     room = vc.scenes.room(triangles=2000)
     inside, report = made(room, camera=room.cameras[0], n_startup=50)
     assert report.bad_normals == 0

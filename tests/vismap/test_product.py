@@ -10,14 +10,9 @@ import pytest
 from sampling.chi_square import p_value
 from viscache import _core
 from viscache._core import PointSet
+from viscache._core._testing import ProductTree, reflection_at_nodes
 from viscache._core.sampling import eval_bsdf
-from viscache._core.vismap import (
-    EnvironmentPyramid,
-    ProductTree,
-    morton2,
-    points,
-    reflection_at_nodes,
-)
+from viscache._core.vismap import EnvironmentPyramid, morton2, points
 from vismap.worlds import coarser, cosine_lobe, directions, luminance, morton, sky, surface
 
 SURFACES = {
@@ -178,7 +173,8 @@ TREES = """
 import hashlib, sys
 sys.path[:0] = {path}
 from viscache._core import PointSet
-from viscache._core.vismap import EnvironmentPyramid, ProductTree, points
+from viscache._core._testing import ProductTree
+from viscache._core.vismap import EnvironmentPyramid, points
 from vismap.worlds import sky, surface
 made = hashlib.sha256()
 for m in (4, 5, 6):

@@ -55,12 +55,12 @@ def unexcused(scene: vc.Scene, points: Array, normals: Array, frames: Array, a: 
     differing = np.argwhere(a != b)
     if not len(differing):
         return 0, 0
-    flat = _core.visibility.flat_triangles(scene._core)
+    flat = _core._testing.flat_triangles(scene._core)
     triangles, o = flat["corners"], origins(scene, points, normals)
     size = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0))) / 2
 
     def masks(numbers: Array, uv: Array) -> Array:
-        return _core.visibility.solid_at(
+        return _core._testing.solid_at(
             scene._core, flat["mesh"][numbers], flat["triangle"][numbers], uv.astype(np.float32)
         )
 

@@ -62,7 +62,7 @@ def test_rows_of_a_field_given_or_built() -> None:
     for wrong in (
         vc.VisibilityField(scene, n_directions=9, n_tiles=4),
         vc.VisibilityField(vc.scenes.cube_on_plane(), n_directions=33, n_tiles=4),
-        vc.VisibilityField(scene, 33, 4, settings=vc.Vlf(snap=True)),
+        vc.VisibilityField(scene, settings=vc.Vlf(n_directions=33, n_tiles=4, snap=True)),
     ):
         with pytest.raises(ValueError, match="field must be of the scene, of 33 directions"):
             vc.vlf.trace_aligned(scene, points, normals, 33, engine="field", field=wrong)
@@ -117,7 +117,9 @@ def test_frames_of_ambient_occlusion_by_a_field() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=2000)
 
     def frame_by(engine: Any) -> vc.Frame:
-        shared = vc.AmbientOcclusion(n_samples=33, directions="shared", engine=engine)
+        shared = vc.AmbientOcclusion(
+            n_samples=33, max_distance=None, directions="shared", engine=engine
+        )
         return vc.render(scene, shared, size=(48, 36))
 
     frames = {engine: frame_by(engine) for engine in ("embree", "field")}

@@ -25,7 +25,8 @@ PARAMETERS = [
 
 def built(scene: vc.Scene, n: int = 24, **settings: Any) -> vc.VisibilityField:
     depth = settings.pop("bsp_depth", "auto")
-    return vc.VisibilityField(scene, 33, n, depth, settings=vc.Vlf(**settings))
+    chosen = vc.Vlf(n_directions=33, n_tiles=n, bsp_depth=depth, **settings)
+    return vc.VisibilityField(scene, settings=chosen)
 
 
 def tile_lists(lists: dict[str, Array]) -> list[set[int]]:

@@ -15,7 +15,8 @@ CHORDS = rays_of_every_kind(flat(SCENE), 6000, 129)["chords"]
 
 
 def lazy(max_bytes: int = 1 << 30) -> vc.VisibilityField:
-    return vc.VisibilityField(SCENE, 129, 32, 3, max_bytes=max_bytes, settings=vc.Vlf(lazy=True))
+    settings = vc.Vlf(n_directions=129, n_tiles=32, bsp_depth=3, max_bytes=max_bytes, lazy=True)
+    return vc.VisibilityField(SCENE, settings=settings)
 
 
 def test_nothing_is_built_before_a_ray_comes() -> None:

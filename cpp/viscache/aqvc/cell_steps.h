@@ -47,7 +47,6 @@ public:
                 }
     }
     size_t size() const { return numbers_.size(); }
-    const Cell& cell(uint32_t number) const { return numbers_[number]; }
     /// Of an eye point; empty where it bypasses the cache.
     std::span<const Step> of(size_t eye) const {
         return {steps_.data() + begin_[eye], steps_.data() + begin_[eye + 1]};

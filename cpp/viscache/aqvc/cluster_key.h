@@ -131,9 +131,6 @@ public:
     FullKey full_key(const Cell& eye, const FarKey& far) const {
         return full_key(head_slots(far.semantic, eye), far);
     }
-    /// True if the cell is one of those that refine where two or more of four neighbours are unknown: a share
-    /// `nil_refine` of all, by their keys.
-    bool doubts(const Cell& cell) const;
 
 private:
     static double along(const std::array<double, 3>& e, double x, double y, double z) {
@@ -181,15 +178,6 @@ inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
     slots[0] = i, slots[1] = j, slots[2] = k;
     slots[3] = fold_coordinate(c.x, folded), slots[4] = fold_coordinate(c.y, folded);
     slots[5] = fold_coordinate(c.z, folded), slots[6] = c.slot;
-}
-
-inline bool CellGrid::doubts(const Cell& cell) const {
-    if (parameters_.nil_refine <= 0) return false;
-    int32_t slots[7];
-    write_cell(cell, slots);
-    uint64_t h = parameters_.grid_seed;
-    for (int32_t slot : slots) h = murmur64(h + uint32_t(slot) + 0x9e3779b97f4a7c15ull);
-    return double(h >> 11) * 0x1p-53 < parameters_.nil_refine;
 }
 
 inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,

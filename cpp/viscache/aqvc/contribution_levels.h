@@ -4,7 +4,7 @@
 // Beyond the paper, which sets C_E by group of lights. Let f be what a connection would carry to an eye point
 // if nothing stood between, in means over the eye point's connections. It gets C_E·f^(−1/p): at a level of
 // C_E = C_d all connections with f <= (C_E / C_d)^p are due, brighter ones wait for a finer level, and none
-// is refined more than `slack` levels past the first at which it was due. The coarsest level is lift·C_E.
+// is refined more than one level past the first at which it was due. The coarsest level is kLift·C_E.
 #include <cmath>
 #include <vector>
 
@@ -14,16 +14,19 @@ namespace viscache {
 
 class ContributionLevels {
 public:
+    static constexpr double kPower =
+        2.5;                            ///< p: brighter connections get cells as much finer as errors count
+    static constexpr double kLift = 2;  ///< C_E of the coarsest level over that of the group
+
     /// Without a source every column is due at every level and refined to the finest.
     void begin(const Contributions* source, const Columns& columns, const std::vector<double>& levels,
-               double c_e, const AqvcParameters& p) {
+               double c_e, double level_step) {
         source_ = source, columns_ = &columns;
         if (!source) return;
         due_.clear(), settled_.clear();
-        const double past = std::pow(p.level_step, p.contribution_slack);
         for (const double c : levels) {
-            due_.push_back(float(std::pow(c_e / c, p.contribution_power)));
-            settled_.push_back(float(std::pow(c_e / (c * past), p.contribution_power)));
+            due_.push_back(float(std::pow(c_e / c, kPower)));
+            settled_.push_back(float(std::pow(c_e / (c * level_step), kPower)));
         }
         due_.back() = kInfinity;
         by_light_.reset(2, columns.lights().count);

@@ -79,10 +79,6 @@ void CellPlacer::place(double c_e, PlacedLevel& out, ClampCounts& clamps, Isa is
     out.resize(x_.size());
     for (size_t i = 0; i < x_.size(); i += kGroup) {
         const size_t end = std::min(i + kGroup, tile_->size());
-        if (tile_->jitters(c_e)) {
-            place_singly(c_e, i, end, out, clamps);
-            continue;
-        }
         find_rungs(c_e, i, end, out.slot.data(), clamps);
         const Group g{&x_[i], &y_[i],     &z_[i],    scale_,    o[0],      o[1],
                       o[2],   grid.c_z(), &out.x[i], &out.y[i], &out.z[i], &out.distance2[i]};

@@ -57,8 +57,6 @@ void QuantizedCache::watch(const Control& control) {
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     tile_.make(eyes, grid_);
-    if (parameters_.jitter)
-        for (const auto& levels : levels_) tile_.allow_jitter(levels, parameters_.grid_seed);
     pairs_.begin_tile();
     has_order_ = false;
     sample_group_ = -1;
@@ -73,7 +71,6 @@ const TileCells& QuantizedCache::cells_of(const std::vector<double>& levels) {
     if (cells_in_use_ == cells_.size()) cells_.emplace_back();
     LevelCells& fresh = cells_[cells_in_use_++];
     fresh.levels = levels;
-    if (parameters_.jitter) tile_.allow_jitter(levels, parameters_.grid_seed);
     fresh.cells.make(tile_, placer_, levels);
     return fresh.cells;
 }
@@ -82,7 +79,7 @@ void QuantizedCache::make_order(const EyeBlock& eyes) {
     if (has_order_) return;
     has_order_ = true;
     order_maker_.make(eyes, parameters_, order_);
-    run_end_ = run_ends(order_, batch(1024));
+    run_end_ = run_ends(order_, batch());
     run_of_eye_.clear();
     if (parameters_.batch == 1) return;
     run_of_eye_.resize(eyes.size());
@@ -110,7 +107,7 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     if (parameters_.form == Form::kPairs || coupled)
         block_by_pairs(eyes, lights, wanted, visible, counters);
     else
-        block_by_rows(eyes, lights, wanted, visible, counters);
+        block_by_waves(eyes, lights, wanted, visible, counters);
     GroupCounters& group = counters.groups[size_t(lights.group)];
     const RowKernels& kernels = row_kernels(active_isa());
     for (size_t i = 0; i < wanted.rows(); ++i) {
@@ -120,29 +117,23 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     }
 }
 
-void QuantizedCache::block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                                   BitMatrix& visible, Counters& counters) {
+void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                                    BitMatrix& visible, Counters& counters) {
     ClampCounts clamps;
     columns_.prepare(lights, wanted, grid_, parameters_, tile_.usable, clamps);
     BitMatrix* answer = &visible;
     if (columns_.merged()) by_column_.reset(eyes.size(), columns_.count()), answer = &by_column_;
     uint64_t& rays = counters.groups[size_t(lights.group)].rays;
     if (columns_.count() > 0) {
-        if (parameters_.form == Form::kRows) {
-            make_order(eyes);
-            rays += rows_.run(tile_, order_, batch(256), columns_, levels(lights.group), tracer_, *answer,
-                              counters, clamps);
-        } else {
-            const bool weighs =
-                contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
-            const std::vector<double> levels =
-                level_list(parameters_, lights.group, spp_, weighs ? parameters_.contribution_lift : 1);
-            worth_.begin(weighs ? contributions_ : nullptr, columns_, levels,
-                         parameters_.group_c_e(lights.group), parameters_);
-            const TileCells& cells = cells_of(levels);
-            clamps = cells.clamps;
-            rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters, log_);
-        }
+        const bool weighs =
+            contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
+        const std::vector<double> levels =
+            level_list(parameters_, lights.group, spp_, weighs ? ContributionLevels::kLift : 1);
+        worth_.begin(weighs ? contributions_ : nullptr, columns_, levels, parameters_.group_c_e(lights.group),
+                     parameters_.level_step);
+        const TileCells& cells = cells_of(levels);
+        clamps = cells.clamps;
+        rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters, log_);
         if (columns_.merged()) columns_.spread(by_column_, visible);
     }
     rays += trace_bypassing(eyes, lights, wanted, visible, counters);
@@ -229,7 +220,7 @@ void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
     if (sample_group_ == group) return;
     ClampCounts clamps;
     // Rows are emptier than a table: most cells meet few of the columns
-    sample_rows_.begin(tile_, levels_[size_t(group)], batch(1024), 16 * parameters_.table_bytes, counters,
+    sample_rows_.begin(tile_, levels_[size_t(group)], batch(), 16 * parameters_.table_bytes, counters,
                        clamps);
     add_clamps(clamps, counters);
     sample_group_ = group;

@@ -1,13 +1,12 @@
 #pragma once
 // The quantized visibility cache as an oracle (AQVC Sec. 3–4).
 //
-// Groups of shared lights go through level waves (or rows in pixel order, or the hash table, by parameter);
+// Groups of shared lights go through level waves (or the hash table, by parameter);
 // samples that belong to one eye point each go through rows of their light cells' bits (or the table);
 // other connections of single eye points through the tile's table. Nothing outlives the tile.
 //
 // How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell
-// in waves, and not counted in rows. A boundary query found its neighbours disagreeing right above the finest
-// level.
+// in waves. A boundary query found its neighbours disagreeing right above the finest level.
 #include <array>
 #include <deque>
 #include <vector>
@@ -17,7 +16,6 @@
 #include "viscache/aqvc/pairs.h"
 #include "viscache/aqvc/parameters.h"
 #include "viscache/aqvc/pixel_order.h"
-#include "viscache/aqvc/rows.h"
 #include "viscache/aqvc/sample_rows.h"
 #include "viscache/aqvc/tile_anchors.h"
 #include "viscache/aqvc/waves.h"
@@ -66,14 +64,14 @@ private:
                           std::span<Word> visible, Counters& counters);
     void block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters);
-    void block_by_rows(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                       BitMatrix& visible, Counters& counters);
+    void block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Counters& counters);
     uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                              BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
-    uint32_t batch(uint32_t automatic) const {
+    uint32_t batch() const {
         // With a queue a batch is but a call
-        return parameters_.batch && !parameters_.queue ? uint32_t(parameters_.batch) : automatic;
+        return parameters_.batch && !parameters_.queue ? uint32_t(parameters_.batch) : 1024;
     }
 
     const RayCaster& caster_;
@@ -102,7 +100,6 @@ private:
     std::deque<LevelCells> cells_;  ///< of the tile; those beyond cells_in_use_ are room for later
     size_t cells_in_use_ = 0;
     Waves waves_;
-    Rows rows_;
     Pairs pairs_;
     BitMatrix by_column_;
     SampleRows sample_rows_;

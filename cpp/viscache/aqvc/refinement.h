@@ -52,8 +52,8 @@ struct Walk {
 };
 
 /// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is
-/// the query's own segment. A value on which the four neighbour clusters agree (nil agrees, unless two are
-/// nil and the cell doubts that) ends it too; the finest is taken as it is.
+/// the query's own segment. A value on which the four neighbour clusters agree (nil agrees) ends it too; the
+/// finest is taken as it is.
 // Differs: nothing is probed at the finest level, where the paper's loop ends whatever the neighbours say.
 // `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
 template <class Table>
@@ -80,14 +80,13 @@ Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std:
         if (d + 1 == eye.levels.size()) return walk;
         if (!at.probed) eye.make_neighbours(table, grid, at);
         bool agree = true;
-        int unknown = 0;
         for (const KeyHead& neighbour : at.neighbours) {
             const auto other = table.get(neighbour, far);
             ++counters.neighbour_probes;
-            counters.nil_neighbours += !other, unknown += !other;
+            counters.nil_neighbours += !other;
             if (other && *other != walk.visible) agree = false;
         }
-        if (agree && !(unknown >= 2 && grid.doubts(at.placed.cell))) return walk;
+        if (agree) return walk;
         counters.boundary_queries += d + 2 == eye.levels.size();
     }
     return walk;

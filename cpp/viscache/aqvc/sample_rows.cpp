@@ -132,8 +132,6 @@ bool SampleRows::miss_at(const CellSteps::Step& step, bool last, size_t slab, si
         for (size_t q = 0; q < 4; ++q)
             neighbours[q] = {table.known.row(step.neighbours[q]), table.value.row(step.neighbours[q])};
     const RowPair own{table.known.row(step.cell), table.value.row(step.cell)};
-    if (!last && tile_->grid->doubts(cells_.cell(step.cell)))
-        doubt_unknown(own, neighbours, kSlabWords, doubt_);
     alignas(64) Word miss[kSlabWords];
     const size_t at = slab * kSlabWords;
     const int left = kernels_.step(asked_.row(asker) + at, own, neighbours, last, miss, seen_.row(asker) + at,

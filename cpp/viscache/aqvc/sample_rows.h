@@ -1,8 +1,8 @@
 #pragma once
 // Samples that every eye point has for itself, through bit rows: a row per eye cell, a column per light cell.
 //
-// This is Alg. 2 against an exact, tile-cleared table laid out as rows, as in `Rows`, but that the columns
-// are the light cells the samples fall into. Samples of one eye point in one cell share a bit; of those the
+// This is Alg. 2 against an exact, tile-cleared table laid out as rows. The columns are the light
+// cells the samples fall into. Samples of one eye point in one cell share a bit; of those the
 // first is traced. Every eye point asks other columns, so a cell has no single representative: eye points go
 // in an order that lets those near the centres of their cells ask first. Without refinement, what is traced
 // does not depend on how the samples are cut into calls.
@@ -11,7 +11,6 @@
 
 #include "viscache/aqvc/cell_steps.h"
 #include "viscache/aqvc/light_cells.h"
-#include "viscache/aqvc/nil_rule.h"
 #include "viscache/aqvc/row_kernels.h"
 #include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/ray_caster.h"
@@ -82,7 +81,6 @@ private:
     // Of a run
     std::vector<uint32_t> column_;  ///< of every sample
     BitMatrix asked_, seen_, fresh_;
-    BitMatrix doubt_;  ///< room for a neighbour that disagrees
     bool going_ = false;
     std::vector<Waiting> waiting_;
     std::vector<PendingRay> rays_;

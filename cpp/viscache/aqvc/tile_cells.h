@@ -21,7 +21,6 @@ public:
     /// Number of an eye point's cell; kNoCell where it bypasses the cache. One of a coarser level where the
     /// eye point's resolution did not change.
     uint32_t of(size_t level, size_t eye) const { return cell_[level * eyes_ + eye]; }
-    const Cell& operator[](uint32_t cell) const { return numbers_[cell]; }
     /// The eye point that is asked for the cell.
     uint32_t representative(uint32_t cell) const { return representative_[cell].eye; }
     /// Of all cells but the finest; size() where no eye point made the neighbour.

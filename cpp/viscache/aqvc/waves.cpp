@@ -2,8 +2,6 @@
 
 #include <cstring>
 
-#include "viscache/aqvc/nil_rule.h"
-
 namespace viscache {
 
 template <class Answer>
@@ -48,7 +46,7 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
         counters.rays_per_level[d] += traced, rays += traced;
         if (d + 1 == levels_) break;
         write_down(d);
-        settle_level(d, *tile.grid, visible, counters);
+        settle_level(d, visible, counters);
     }
     return rays + finish(*tile.eyes, columns, tracer, visible, counters);
 }
@@ -89,11 +87,10 @@ void Waves::write_down(size_t level) {
         }
 }
 
-void Waves::settle_level(size_t level, const CellGrid& grid, BitMatrix& visible, Counters& counters) {
+void Waves::settle_level(size_t level, BitMatrix& visible, Counters& counters) {
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c) {
         RowPair neighbours[4];
         for (size_t q = 0; q < 4; ++q) neighbours[q] = row(cells_->neighbours(c)[q]);
-        if (grid.doubts((*cells_)[c])) doubt_unknown(row(c), neighbours, words_, doubt_);
         kernels_.disagreement(row(c), neighbours, disagree_.row(c), words_);
         if (worth_->active()) kernels_.drop(disagree_.row(c), known_.row(c), settled_.row(c), words_);
     }

@@ -33,7 +33,7 @@ public:
 private:
     uint64_t trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer);
     void write_down(size_t level);
-    void settle_level(size_t level, const CellGrid& grid, BitMatrix& visible, Counters& counters);
+    void settle_level(size_t level, BitMatrix& visible, Counters& counters);
     uint64_t finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
 
@@ -53,7 +53,6 @@ private:
     std::vector<Word> before_;     ///< with a log: an eye point's bits before they are resolved
     /// Rows of bits: per cell (one row of zeros at the end), per cell that can be refined, per eye point.
     BitMatrix known_, value_, need_, miss_, disagree_, active_;
-    BitMatrix doubt_;          ///< room for a neighbour that disagrees
     BitMatrix settled_, due_;  ///< by contribution: per cell, and of the cell at hand
 };
 

@@ -50,14 +50,16 @@ private:
 /// Keeps a tile's log until its clusters have numbers.
 class TileLog final : public QueryLog {
 public:
-    explicit TileLog(std::span<const uint32_t> row) : row_(row) {}
+    TileLog(std::span<const uint32_t> row, const BlockQuestion& question) : row_(row), question_(question) {}
     void answered(uint32_t eye, uint32_t column, const QueryRecord& r) override {
+        if (column < question_.log_begin || column >= question_.log_end) return;
         kept.push_back({row_[eye], column, r.cluster, row_[r.representative], r.level, r.traced});
     }
     std::vector<AskedQuery> kept;
 
 private:
     std::span<const uint32_t> row_;
+    const BlockQuestion& question_;
 };
 
 /// One thread's oracle and buffers.
@@ -197,7 +199,8 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
     out.bits.assign(tiles.size * out.words, 0);
     ArraysStart start(tiles, &question, nullptr, threads, out.counters);
     source.prepare(start, control);
-    std::vector<std::vector<AskedQuery>> logs(question.log ? tiles.eyes.size() : 0);
+    const bool logs_some = question.log_end > question.log_begin;
+    std::vector<std::vector<AskedQuery>> logs(logs_some ? tiles.eyes.size() : 0);
     std::mutex weights_mutex;
     over_tiles(
         source, tiles, threads, control, out.counters, [&](size_t t, Asker& asker, Counters& counters) {
@@ -207,8 +210,8 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
             asker.visible.reset(row.size(), lights.count);
             std::optional<GivenContributions> given;
             if (question.contributions) given.emplace(question.contributions, lights.count, row);
-            TileLog log(row);
-            asker.oracle->log(question.log ? &log : nullptr);
+            TileLog log(row, question);
+            asker.oracle->log(logs_some ? &log : nullptr);
             asker.oracle->weigh(given ? &*given : nullptr);
             asker.oracle->block(eyes, lights, asker.wanted, asker.visible, counters);
             asker.oracle->weigh(nullptr);
@@ -223,7 +226,7 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
                 }
                 std::copy_n(weights.data(), lights.count, out.weights.data() + size_t(row[i]) * lights.count);
             }
-            if (question.log) logs[t] = std::move(log.kept);
+            if (logs_some) logs[t] = std::move(log.kept);
         });
     uint64_t clusters = 0;
     for (auto& log : logs) {

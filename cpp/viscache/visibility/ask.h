@@ -36,7 +36,8 @@ struct BlockQuestion {
     const Word* wanted = nullptr;
     /// Unoccluded contributions (rows × columns); nullptr: none. A cache may spend rays by them.
     const float* contributions = nullptr;
-    bool log = false;  ///< tell who answered each query
+    /// Tell who answered each query of the columns [log_begin, log_end).
+    size_t log_begin = 0, log_end = 0;
 };
 
 struct BlockAnswer {

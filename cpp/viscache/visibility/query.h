@@ -40,6 +40,12 @@ inline float segment_epsilon(Vec3 x, Vec3 y) {
     return distance > 0 ? kSegmentUlps * kUlp * std::max(max_abs(x), max_abs(y)) / distance : kInfinity;
 }
 
+/// The segment x→y between two points without normals.
+inline Ray segment_between(Vec3 x, Vec3 y) {
+    const float e = std::min(segment_epsilon(x, y), 1.f);
+    return {x, e, y - x, 1 - e};
+}
+
 /// Segment from a spawned origin to a point y in free space (a point light); ends just before y.
 inline Ray segment_to_point(Vec3 origin, Vec3 y, float extent) {
     Ray r{origin, 0, y - origin, 1};

@@ -8,6 +8,7 @@ import enum
 import numpy
 import numpy.typing
 import typing
+from . import _testing
 from . import aqvc
 from . import correlation
 from . import sampling
@@ -34,7 +35,11 @@ class SceneDescription:
     
     Vectors are three numbers, lengths are in scene units, light is in linear RGB.
     """
+    def __getstate__(self) -> bytes:
+        ...
     def __init__(self) -> None:
+        ...
+    def __setstate__(self, arg0: bytes) -> None:
         ...
     def add_camera(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 1.0, 0.0], fov_deg: typing.SupportsFloat | typing.SupportsIndex = 45.0, width: typing.SupportsInt | typing.SupportsIndex = 640, height: typing.SupportsInt | typing.SupportsIndex = 400, horizontal: bool = False, name: str = 'camera') -> None:
         """
@@ -216,6 +221,8 @@ class EmbreeCaster(RayCaster):
     def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
     def visible(self: RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+    def visible_matrix(self: RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
         ...
     @property
     def native16(self) -> bool:

@@ -7,7 +7,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'parameter_rows', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
 class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
@@ -18,7 +18,6 @@ class AqvcParameters:
     form: str
     grid_offset: bool
     hash: str
-    jitter: bool
     level_rule: str
     normal_mode: str
     order: str
@@ -49,10 +48,10 @@ class AqvcParameters:
     def c_e(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def c_e_group(self) -> typing.Annotated[list[float], "FixedSize(8)"]:
+    def c_e_groups(self) -> dict[str, float]:
         ...
-    @c_e_group.setter
-    def c_e_group(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(8)"]) -> None:
+    @c_e_groups.setter
+    def c_e_groups(self, arg1: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex]) -> None:
         ...
     @property
     def c_finest(self) -> float:
@@ -97,24 +96,6 @@ class AqvcParameters:
     def c_z(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def contribution_lift(self) -> float:
-        ...
-    @contribution_lift.setter
-    def contribution_lift(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def contribution_power(self) -> float:
-        ...
-    @contribution_power.setter
-    def contribution_power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def contribution_slack(self) -> int:
-        ...
-    @contribution_slack.setter
-    def contribution_slack(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
     def digest_bits(self) -> int:
         ...
     @digest_bits.setter
@@ -133,28 +114,16 @@ class AqvcParameters:
     def level_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def max_levels(self) -> int:
-        ...
-    @max_levels.setter
-    def max_levels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def nil_refine(self) -> float:
-        ...
-    @nil_refine.setter
-    def nil_refine(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
     def queue(self) -> int:
         ...
     @queue.setter
     def queue(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
-    def refinement_group(self) -> typing.Annotated[list[str | None], "FixedSize(8)"]:
+    def refinement_groups(self) -> dict[str, str]:
         ...
-    @refinement_group.setter
-    def refinement_group(self, arg1: typing.Annotated[collections.abc.Sequence[str | None], "FixedSize(8)"]) -> None:
+    @refinement_groups.setter
+    def refinement_groups(self, arg1: collections.abc.Mapping[str, str]) -> None:
         ...
     @property
     def table_bytes(self) -> int:
@@ -241,6 +210,10 @@ def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float
 def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], y: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, parameters: AqvcParameters) -> dict:
     """
     Processing order of a tile's eye points (AQVC Sec. 4.3).
+    """
+def parameter_rows() -> list:
+    """
+    Name, kind, keyed, paper and doc of every parameter, as the C++ table has them.
     """
 def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

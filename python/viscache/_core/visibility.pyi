@@ -8,7 +8,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['BspCaster', 'BspSettings', 'TriangleKernel', 'flat_triangles', 'solid_at', 'triangle_hits']
+__all__: list[str] = ['BspCaster', 'BspSettings', 'TriangleKernel']
 class TriangleKernel(enum.Enum):
     """
     Ray against triangle.
@@ -56,18 +56,8 @@ class BspCaster(viscache._core.RayCaster):
         ...
     def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
+    def visible_matrix(self: viscache._core.RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
+        ...
     @property
     def stats(self) -> dict:
         ...
-def flat_triangles(scene: viscache._core.Scene) -> dict:
-    """
-    Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of degenerate ones, left out.
-    """
-def solid_at(scene: viscache._core.Scene, meshes: typing.Annotated[numpy.typing.ArrayLike, numpy.int64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int64], uv: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.bool]:
-    """
-    (N,) bool: do alpha masks leave points of triangles solid, at barycentrics (u, v) of their second and third corners?
-    """
-def triangle_hits(kernel: TriangleKernel, a: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], c: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.
-    """

@@ -10,7 +10,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FIELD_RAY_NS', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_build_s', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'shared_axes', 'tile_depth', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FIELD_RAY_NS', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
 class DepthSplit(enum.Enum):
     """
     Where a tile is cut along its depth.
@@ -112,6 +112,8 @@ class VisibilityField(viscache._core.RayCaster):
         """
     def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
+    def visible_matrix(self: viscache._core.RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
+        ...
     @property
     def settings(self) -> FieldSettings:
         ...
@@ -199,10 +201,6 @@ def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[nu
     """
     The same bits by Embree.
     """
-def expected_build_s(scene: viscache._core.Scene, settings: FieldSettings) -> float:
-    """
-    CPU seconds to build, by rule of thumb.
-    """
 def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt | typing.SupportsIndex) -> float:
     """
     Entries of one direction's lists by formula, without depth.
@@ -229,12 +227,6 @@ def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, thread
     """
     Bytes of a field before it is built.
     """
-def shared_axes(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.int64]:
-    """
-    Which of unit directions go along and against one axis, (A, 2); -1 against: none.
-    """
-def tile_depth(count: typing.SupportsInt | typing.SupportsIndex, depth: typing.SupportsInt | typing.SupportsIndex, leaf_target: typing.SupportsInt | typing.SupportsIndex) -> int:
-    ...
 def walk_leaves(z0: typing.SupportsFloat | typing.SupportsIndex, z1: typing.SupportsFloat | typing.SupportsIndex, leaves: typing.SupportsInt | typing.SupportsIndex, borders: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, upwards: bool, how: LeafWalk) -> list[int]:
     ...
 def walk_tiles(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], n_tiles: typing.SupportsInt | typing.SupportsIndex, t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:

@@ -11,7 +11,7 @@ from viscache.metrics import compare
 from viscache.render import render
 from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
 
 __all__ = ["aqvc_apartment"]
 
@@ -28,7 +28,7 @@ def settings(c_e: float) -> dict[str, Visibility]:
     groups = {"point": 4.0}
     return {
         "rows": Aqvc(c_e=c_e, c_e_groups=groups),
-        "light's cells": Aqvc(c_e=c_e, c_e_groups=groups, cell_density="light"),
+        "light's cells": Aqvc(c_e=c_e, c_e_groups=groups, paper=PaperForm(cell_density="light")),
         "exact": Exact(),
     }
 
@@ -108,7 +108,8 @@ def measure_table(outcome: Outcome, scene: Scene) -> None:
     frames: dict[str, Frame] = {}
     light = integrator("mis", False, n_vpls=0)
     ways: dict[str, Visibility] = {
-        "rows": Aqvc(c_e=10), "table": Aqvc(c_e=10, form="pairs"), "exact": Exact(),
+        "rows": Aqvc(c_e=10), "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
+        "exact": Exact(),
     }  # fmt: skip
     for key, by in ways.items():
         frame_of(frames, key, scene, light, by, False)()

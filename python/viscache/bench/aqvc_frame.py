@@ -12,7 +12,7 @@ from viscache.metrics import compare
 from viscache.render import render
 from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
 from viscache.sources import scene_file
 
 __all__ = ["aqvc_frame"]
@@ -117,7 +117,7 @@ def measure(
     once: dict[str, Visibility] = {}
     if case.with_slow:
         once["exact-by-pixel"] = Exact(order="by_pixel")
-        once["hash"] = Aqvc(c_e=case.c_e, refinement="on", form="pairs")
+        once["hash"] = Aqvc(c_e=case.c_e, refinement="on", paper=PaperForm(form="pairs"))
     frames: dict[str, Frame] = {}
 
     def runner(key: str) -> Callable[[], Sample]:

@@ -15,7 +15,7 @@ from viscache.frame import Frame
 from viscache.metrics import compare
 from viscache.render import render
 from viscache.settings.integrators import Whitted
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, Visibility
 
 __all__ = ["aqvc_lookup"]
 
@@ -27,10 +27,11 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
     size = (96, 96) if quick else (512, 512)
     integrator = Whitted(n_vpls=64 if quick else 256)
     settings: dict[str, Visibility] = {"ray": Exact()}
-    for form in ("waves", "rows", "pairs"):
-        settings[form] = Aqvc(c_e=10, refinement="on", form=form)
+    forms = {"waves": PaperForm(), "pairs": PaperForm(form="pairs")}
+    for name, form in forms.items():
+        settings[name] = Aqvc(c_e=10, refinement="on", paper=form)
         # Cells so large that nearly every query is answered by a look-up
-        settings[f"{form}, look-ups alone"] = Aqvc(c_e=200, refinement="off", form=form)
+        settings[f"{name}, look-ups alone"] = Aqvc(c_e=200, refinement="off", paper=form)
     settings |= storages()
     frames: dict[str, Frame] = {}
 
@@ -76,13 +77,14 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
 
 def storages() -> dict[str, Visibility]:
     """Ways of the paper beside batches: one query at a time, its queue, its tiles, and both."""
-    tiles = Aqvc(c_e=10, refinement="on", form="pairs", storage="paper_tiles")
-    return {
+    tiles = PaperForm(form="pairs", storage="paper_tiles")
+    ways = {
         "pairs, one at a time": replace(tiles, storage="table", batch=1),
         "pairs, queue of 64": replace(tiles, storage="table", queue=64),
         "pairs, tiles of 32² and 4 MiB a thread": replace(tiles, batch=1),
         "pairs, both": replace(tiles, queue=64),
     }
+    return {name: Aqvc(c_e=10, refinement="on", paper=way) for name, way in ways.items()}
 
 
 def keys(points: int, outcome: Outcome) -> dict[str, Any]:

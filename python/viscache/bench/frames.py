@@ -35,7 +35,11 @@ def frames(quick: bool = False) -> Outcome:
         positions = np.array([light["position"] for light in scene.lights], np.float32)
         peer.give(points=points, normals=normals, lights=positions)
         for name, integrator, job in (
-            ("AO", AmbientOcclusion(n_samples=samples), {"job": "ambient", "samples": samples}),
+            (
+                "AO",
+                AmbientOcclusion(n_samples=samples, max_distance=None),
+                {"job": "ambient", "samples": samples},
+            ),
             (f"{lights} point lights", Direct(), {"job": "lights"}),
         ):
             _compare(outcome, scene, f"room {side}x{side} {name}", integrator, peer, job, quick)

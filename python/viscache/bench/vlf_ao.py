@@ -175,7 +175,9 @@ def living_room(outcome: Outcome, side: int = 1024, repeats: int = 3) -> None:
     scene, frames = load_scene(path), {}
 
     def run(engine: Literal["auto", "embree"]) -> Sample:
-        settings = AmbientOcclusion(n_samples=513, directions="shared", engine=engine)
+        settings = AmbientOcclusion(
+            n_samples=513, max_distance=None, directions="shared", engine=engine
+        )
         frames[engine] = render(scene, settings, size=(side, side), threads=THREADS)
         times = frames[engine].timings
         return Sample(wall_s=times["total_s"], cpu_s=times["cpu_s"])

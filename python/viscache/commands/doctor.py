@@ -14,13 +14,10 @@ from viscache.commands.shared import print_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--extremes", action="store_true", help="the numerical-extremes suite")
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if arguments.extremes:
-        raise ValueError("doctor --extremes is not there yet in this version of viscache")
     active, best = provenance.isa()
     made = provenance.provenance()
     report: dict[str, Any] = {

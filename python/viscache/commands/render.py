@@ -1,4 +1,4 @@
-"""`viscache render SCENE -o out.exr`."""
+"""`viscache render SCENE -o out.exr`, or .png, .jpg."""
 
 from __future__ import annotations
 
@@ -10,12 +10,17 @@ from pathlib import Path
 import viscache as vc
 from viscache import sources
 from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
+from viscache.frame import checked_suffix
 from viscache.settings import by_name
+from viscache.settings.checks import require
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
-    parser.add_argument("-o", "--output", metavar="OUT.exr", required=True)
+    parser.add_argument("-o", "--output", metavar="OUT.exr", required=True,
+                        help="all layers as .exr, or a picture to look at: .png, .jpg")  # fmt: skip
+    parser.add_argument("--exposure", type=float, metavar="FACTOR",
+                        help="of a .png or .jpg; by the picture by default")  # fmt: skip
     parser.add_argument(
         "--integrator", default="whitted", choices=list(by_name.NAMES["integrator"])
     )
@@ -46,8 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     target = Path(arguments.output)
-    if target.suffix.lower() != ".exr":
-        raise ValueError(f"output must be an .exr file, got {arguments.output}")
+    is_exr = checked_suffix(target) == "exr"
+    require(not is_exr or arguments.exposure is None, "--exposure must be left out for .exr",
+            arguments.exposure)  # fmt: skip
     folder = target.resolve().parent
     if not folder.is_dir():
         raise ValueError(f"output must lie in an existing folder, got {arguments.output}")
@@ -65,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
         use=arguments.use, spp=arguments.spp, seed=arguments.seed, threads=arguments.threads,
         progress=sys.stderr.isatty(), **options,
     )  # fmt: skip
-    frame.save(target)
+    frame.save(target, exposure=arguments.exposure)
     if arguments.json:
         print_json(frame.summary())
         return 0

@@ -95,8 +95,7 @@ def _list(as_json: bool) -> int:
     from viscache.figures import FIGURES
 
     if as_json:
-        rows = [{"figure": name, "available": True} for name in FIGURES]
-        print_json({"figures": rows})
+        print_json({"figures": [{"figure": name} for name in FIGURES]})
         return 0
     for name, info in FIGURES.items():
         print(f"{name} ({info.description})")

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="a parameter by its symbol: c_n=8, integrator.n_vpls=256",
     )
-    parser.add_argument("--size", type=size, metavar="WxH", default=(640, 400))
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)

@@ -5,7 +5,7 @@ angle.
 """
 
 from viscache.correlation import plots
-from viscache.correlation.dataset import open_dataset, save_dataset
+from viscache.correlation.dataset import load_dataset, save_dataset
 from viscache.correlation.derived import (
     Box,
     correlation_lengths,
@@ -21,8 +21,8 @@ __all__ = [
     "correlate",
     "correlation_lengths",
     "high_correlation_box",
+    "load_dataset",
     "measure",
-    "open_dataset",
     "phi",
     "plots",
     "predicted_variance_ratio",

@@ -24,7 +24,7 @@ from viscache.provenance import provenance
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["open_dataset", "save_dataset", "to_dataset"]
+__all__ = ["load_dataset", "save_dataset", "to_dataset"]
 
 MEANINGS = {
     "mean": "mean correlation of visibility",
@@ -180,7 +180,7 @@ def save_dataset(dataset: xarray.Dataset, path: str | os.PathLike[str]) -> None:
         dataset.to_netcdf(partial, engine="h5netcdf")
 
 
-def open_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
+def load_dataset(path: str | os.PathLike[str]) -> xarray.Dataset:
     """Read a NetCDF file into memory.
 
     Raises

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import spelled
 
 __all__ = ["DirectionSet", "patch_order"]
 
@@ -21,6 +22,7 @@ PACKET_BITS = 512
 PATCHES = (PACKET_BITS, 64, 16, 4, 1)
 
 
+@spelled
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DirectionSet:
     """Directions over the whole sphere in world space, the same for every point.

@@ -43,9 +43,9 @@ from viscache.correlation.work import BATCH_ROWS_PER_BLOCK
 from viscache.correlation.work_store import Arrays
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import VERSION
-from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 __all__ = ["correlate", "measure", "phi"]
 
 
+@spelled
 def measure(
     scene: Any,
     *,
@@ -85,7 +86,7 @@ def measure(
 
     Parameters
     ----------
-    scene : Scene or str
+    scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=200000`).
     n_points : int >= 16
         Number of points on surfaces. 195,000 points with all pairs give the 1.9·10¹⁰ estimates of
@@ -164,19 +165,13 @@ def measure(
     >>> dict(ds["mean"].sizes)
     {'d': 128, 'theta': 180}
     """
-    opened = sources.open_scene(scene) if isinstance(scene, str) else scene
-    require(isinstance(opened, Scene), "scene must be a Scene, a file or a built-in name", scene)
+    opened = sources.opened(scene)
     check_seed(seed)
     where = points or ("camera" if opened.cameras or camera is not None else "area")
     require(t_max > 0, "t_max must be > 0", t_max)
     fits = domain == "sphere" or normals == "geometric"
     require(fits, 'domain must be "sphere" with shading normals', domain)
     spec = scene if isinstance(scene, str) else opened.spec
-    require(
-        executor is None or isinstance(spec, str),
-        "scene must be a file or a built-in name when an executor's workers trace it",
-        scene,
-    )
     chosen = _rows.DirectionSet(map_size=map_size, kind=directions, seed=seed)
     found = _rows.surface_points(
         opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
@@ -201,7 +196,7 @@ def measure(
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
-            first=first, last=last, folder=run.folder, scene=spec, threads=threads, t_max=t_max,
+            first=first, last=last, folder=run.folder, scene=scene, threads=threads, t_max=t_max,
             scene_hash=opened.content_hash, directions=chosen, engine=engine,
         )  # fmt: skip
 
@@ -233,6 +228,7 @@ def _rows_per_block(engine: RowEngine) -> int | None:
     return BATCH_ROWS_PER_BLOCK if engine in ("auto", "batch") else None
 
 
+@spelled
 def correlate(
     bits: npt.ArrayLike,
     positions: npt.ArrayLike,

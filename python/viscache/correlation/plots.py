@@ -67,10 +67,10 @@ def slices(dataset: xarray.Dataset) -> Figure:
         )
         axes.plot(x, mean, color=COLORS[0], label=r"$\bar\rho$")
         for sign in (-1, 1):
-            axes.plot(x, mean + sign * sigma, "--", color=COLORS[1], lw=1,
-                      label=r"$\pm\sigma$ of the pairs" if sign > 0 else None)  # fmt: skip
-        axes.fill_between(x, mean - 2 * se, mean + 2 * se, color=COLORS[0], alpha=0.25, lw=0,
-                          label=r"$\pm 2$ SE of the mean")  # fmt: skip
+            named = r"$\pm\sigma$ of the pairs" if sign > 0 else None
+            axes.plot(x, mean + sign * sigma, "--", color=COLORS[1], lw=1, label=named)
+        band: dict[str, Any] = {"color": COLORS[0], "alpha": 0.25, "lw": 0}
+        axes.fill_between(x, mean - 2 * se, mean + 2 * se, label=r"$\pm 2$ SE of the mean", **band)
         if prefix == "near":
             axes.plot(
                 [0, 180], [1, -1], ":", color="0.5", lw=1, label=r"no occluders: $1-2\theta/\pi$"

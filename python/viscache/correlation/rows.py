@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 import typing
 from collections.abc import Callable
@@ -11,13 +12,15 @@ from typing import Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
+from viscache.array_output import ArrayOutput
 from viscache.correlation.directions import DirectionSet
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
 from viscache.settings.rays import Embree, Vlf
+from viscache.settings.spelling import spelled
 
 __all__ = [
     "DirectionSet",
@@ -61,8 +64,8 @@ class SurfacePoints:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class VisibilityRows:
-    """What N points see of a set of T directions."""
+class VisibilityRows(ArrayOutput):
+    """What N points see of a set of T directions; as an array, the bits."""
 
     bits: npt.NDArray[np.uint64]
     """(N, W), W a multiple of 8: bit k % 64 of word k // 64 is 1 if direction k is free; the
@@ -82,9 +85,13 @@ class VisibilityRows:
         """Rays per second of all threads together."""
         return self.n_rays / self.seconds
 
+    def _array(self) -> npt.NDArray[np.uint64]:
+        return self.bits
 
+
+@spelled
 def surface_points(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     n_points: int,
     *,
     points: Literal["camera", "area"] = "camera",
@@ -100,7 +107,7 @@ def surface_points(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     n_points : int in [16, 2^26]
     points : {"camera", "area"}
         Primary hits of a camera, one at a random position in each pixel of an image that is just
@@ -131,7 +138,7 @@ def surface_points(
     >>> found.positions.shape, int(found.group.max())
     ((100, 3), 15)
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     fits = is_whole(n_points) and N_GROUPS <= n_points <= 1 << 26
     require(fits, f"n_points must be a whole number in [{N_GROUPS}, 2^26]", n_points)
     require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
@@ -164,8 +171,9 @@ def spatial_groups(positions: npt.ArrayLike) -> npt.NDArray[np.int32]:
     return _core.correlation.spatial_groups(checked_points(positions, "positions"))
 
 
+@spelled
 def visibility_rows(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: SurfacePoints,
     directions: DirectionSet,
     *,
@@ -178,7 +186,7 @@ def visibility_rows(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     points : SurfacePoints
     directions : DirectionSet
     t_max : float > 0
@@ -220,7 +228,7 @@ def visibility_rows(
 
 
 def trace_rows(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     positions: npt.ArrayLike,
     normals: npt.ArrayLike,
     directions: DirectionSet,
@@ -231,7 +239,7 @@ def trace_rows(
     progress: Progress = False,
 ) -> VisibilityRows:
     """`visibility_rows` for any points (N, 3) on surfaces with unit normals (N, 3)."""
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     require(isinstance(directions, DirectionSet), "directions must be a DirectionSet", directions)
     known = engine in typing.get_args(RowEngine)
     require(known, 'engine must be "embree", "batch", "field" or "auto"', engine)

@@ -64,7 +64,7 @@ class RowsTask:
     first: int
     last: int
     folder: Path | None
-    scene: str | None
+    scene: Any
     scene_hash: str
     directions: _rows.DirectionSet
     t_max: float
@@ -93,9 +93,10 @@ def trace(
 ) -> Arrays:
     """Trace the rows of a block in this process; positions and normals are those of all points."""
     block = slice(task.first, task.last)
-    rows = _rows.trace_rows(scene, positions[block], normals[block], task.directions,
-                            t_max=task.t_max, engine=task.engine,
-                            threads=task.threads)  # fmt: skip
+    points = positions[block], normals[block]
+    rows = _rows.trace_rows(
+        scene, *points, task.directions, t_max=task.t_max, engine=task.engine, threads=task.threads
+    )
     return {
         "bits": rows.bits,
         "n_rays": np.array(rows.n_rays),
@@ -130,19 +131,18 @@ def count(task: PairTask, bits: npt.NDArray[np.uint64], points: Points) -> Array
     if options.domain != "sphere" and options.directions is not None:
         settings["directions"] = options.directions.directions
     geometry = (points.positions[chosen], points.normals[chosen], label)
+    given = (rows, options.n_directions, *geometry)
     if task.d_near is not None:
         kept = options.d_cells <= task.d_near
         table = _pairs.near_pairs(
-            rows, options.n_directions, *geometry, options.d_cells[kept], options.theta_cells,
-            d_near=task.d_near, **settings,
-        )  # fmt: skip
+            *given, options.d_cells[kept], options.theta_cells, d_near=task.d_near, **settings
+        )
         evaluated = 0
     else:
         tiles, evaluated = _tiles(task.block, label, groups, options.tile)
         table = _pairs.pair_statistics(
-            rows, options.n_directions, *geometry, options.d_cells, options.theta_cells,
-            tiles=tiles, tile=options.tile, **settings,
-        )  # fmt: skip
+            *given, options.d_cells, options.theta_cells, tiles=tiles, tile=options.tile, **settings
+        )
     sums = {name: getattr(table, name) for name in SUMS}
     if len(task.block.pairs) < len(table.n):
         wanted = [
@@ -201,7 +201,7 @@ def count_in_worker(task: PairTask) -> Arrays:
 def trace_in_worker(task: RowsTask) -> Arrays:
     """Run `trace` in a worker: opens the scene itself and keeps the newest one."""
     folder = _shared_folder(task.folder)
-    scene = _SCENE.get(task.scene, lambda: sources.open_scene(str(task.scene)))
+    scene = _SCENE.get(task.scene, lambda: sources.opened(task.scene))
     if scene.content_hash != task.scene_hash:
         raise ValueError(f"scene {task.scene} is not the one the measurement began with")
     with np.load(folder / "points.npz") as file:

@@ -195,7 +195,7 @@ H6_ERROR = Band(1.0, 2.0, "expected: error nearly flat, so that no value is best
 #: H8: temporal variance of the error with refinement over that without, C_E 16.
 H8_FLICKER = Band(0.0, 0.9, "Sec. 5.3: adaptive refinement almost entirely eliminates flickering")
 
-# Quality choices: normals, grids, jitter, refinement
+# Quality choices: normals, grids, refinement
 
 #: Share of the cells on the front of a wall a thousandth of a cell thick that hold its back, too.
 LEAKING_CELLS = {
@@ -223,12 +223,6 @@ TANGENT_RAYS = Band(0.95, 1.6, "expected: a prototype measured +35 % in a rotate
 
 #: Largest rel_l1 over the smallest, cos θ at least 0.01, 0.05 and 0.2.
 COSMIN_ERROR = Band(1.0, 1.1, "expected: no measurable effect in a prototype")
-
-#: RR with jitter over that without, refinement off.
-JITTER_REDUCTION = Band(0.95, math.inf, "expected: jitter costs less than 5 % of the reduction")
-
-#: Autocorrelation of the error a quarter of a cell apart, with jitter over without.
-JITTER_CORRELATION = Band(-1.0, 0.9, "expected: stairs become noise")
 
 #: Group errors with refinement over without, where the default refines.
 REFINED_ERROR = Band(0.0, 1.0, "Sec. 3.6: refinement lowers the error of shadow edges")

@@ -27,12 +27,7 @@ FORMS: dict[str, dict[str, Any]] = {
 VARIANTS: dict[str, dict[str, Any]] = {
     "no refinement": {"refinement": "off"},
     "refinement": {"refinement": "on"},
-    "refinement, a tenth doubts": {"refinement": "on", "nil_refine": 0.1},
-    "refinement, all doubt": {"refinement": "on", "nil_refine": 1.0},
-    "refinement, jitter": {"refinement": "on", "jitter": True},
 }
-#: What is measured of forms that only check others.
-FEW = ("no refinement", "refinement")
 
 
 def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
@@ -57,7 +52,7 @@ def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float
     exact = shot.frame()
     total = float(exact.image.sum(dtype="f8"))
     found = {}
-    for variant in VARIANTS if "random" not in form else FEW:
+    for variant in VARIANTS:
         values, errors, reductions = [], [], []
         for grid in range(1, grids + 1):
             given = {"c_e": C_E, "grid_seed": grid, **FORMS[form], **VARIANTS[variant]}
@@ -89,8 +84,4 @@ def _rows(
             rows.append(Row(what=f"{what} over half of its interval",
                             measured=interval.mean / interval.half,
                             band=None if quick else bands.PLAIN_BIAS))  # fmt: skip
-    doubt = "refinement, all doubt"
-    if doubt in found:
-        rows.append(Row(what=f"{name}, {form}: bias where all cells doubt, over where none does",
-                        measured=found[doubt][0].mean / found["refinement"][0].mean))  # fmt: skip
     return rows

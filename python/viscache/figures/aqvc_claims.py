@@ -18,7 +18,7 @@ from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc
+from viscache.settings.visibility import Aqvc, PaperForm
 
 Size = tuple[int, int] | None
 
@@ -106,7 +106,7 @@ def shading_share(quick: bool, size: Size) -> list[Row]:
 def table_size(quick: bool, size: Size) -> list[Row]:
     """H3: a larger table gains little once it holds all keys."""
     shot = replace(SETUPS["delta"].shot(quick, size), size=QUICK_TILE if quick else TILE)
-    lossless = shot.frame(Aqvc(preset="paper", c_e=8, storage="exact"))
+    lossless = shot.frame(Aqvc(preset="paper", c_e=8, paper=PaperForm(storage="exact")))
     keys = lossless.counters["rays"]
     frames = {
         load: shot.frame(Aqvc(preset="paper", c_e=8, table_bytes=max(64, int(4 * load * keys))))
@@ -130,7 +130,9 @@ def table_size(quick: bool, size: Size) -> list[Row]:
 def kept_tables(shot: Shot) -> list[Row]:
     """H3 on the CPU: tiles of 32², a table per thread, the paper's 4 MB and others."""
     frames = {
-        size: shot.frame(Aqvc(preset="paper", c_e=8, storage="paper_tiles", table_bytes=size))
+        size: shot.frame(
+            Aqvc(preset="paper", c_e=8, table_bytes=size, paper=PaperForm(storage="paper_tiles"))
+        )
         for size in KEPT_TABLES
     }
     largest = frames[KEPT_TABLES[-1]]
@@ -152,7 +154,7 @@ def collisions(quick: bool, size: Size) -> list[Row]:
         shot = setup.shot(quick, size)
         if name == "apartment" and not quick:
             shot = replace(shot, integrator=Whitted(n_vpls=256, n_environment=32, n_brdf=32))
-        lossless = shot.frame(setup.cache("paper", C_E, storage="exact"))
+        lossless = shot.frame(setup.cache("paper", C_E, paper=PaperForm(storage="exact")))
         edge = lossless.parameters["tile_edge_px"]
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))

@@ -89,8 +89,8 @@ def figure4(
     for order in ORDERS:
         for grid in range(QUICK_GRIDS if quick else GRIDS):
             for refinement in ("off", "on"):
-                base = Aqvc(preset="paper", c_e=C_E, storage="exact", grid_seed=grid)
-                chosen = {"order": order, "refinement": refinement}
+                base = Aqvc(preset="paper", c_e=C_E, grid_seed=grid)
+                chosen = {"order": order, "refinement": refinement, "storage": "exact"}
                 settings = replaced(base, chosen, "visibility")
                 trade = Trade(frame=shot.frame(settings), exact=exact)
                 x, y = shift(shadow(trade.frame), shadow(exact))

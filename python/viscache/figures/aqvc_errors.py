@@ -6,14 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from viscache import tonemap
 from viscache.frame import Frame
 
-__all__ = ["Interval", "autocorrelation", "bias", "error_plane", "mean_interval", "stray_light"]
-
-Plane = npt.NDArray[np.float64]
+__all__ = ["Interval", "bias", "mean_interval", "stray_light"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +32,6 @@ def mean_interval(values: Sequence[float]) -> Interval:
     return Interval(float(np.mean(values)), float(t.ppf(0.975, n - 1)) * spread)
 
 
-def error_plane(frame: Frame, exact: Frame) -> Plane:
-    """Error of the luminance: (H, W)."""
-    cached, truth = (np.asarray(tonemap.luminance(f.image), np.float64) for f in (frame, exact))
-    return cached - truth
-
-
 def bias(frame: Frame, exact: Frame) -> float:
     """Relative error of the picture's energy without what shines itself."""
     cached, truth = (
@@ -49,19 +39,6 @@ def bias(frame: Frame, exact: Frame) -> float:
         for f in (frame, exact)
     )
     return float((cached - truth).sum() / truth.sum())
-
-
-def autocorrelation(error: Plane, lag: int) -> float:
-    """Mean product of errors `lag` pixels apart, along rows and columns, over the mean square.
-
-    1 where the error is constant, 0 for white noise; NaN where there is no error.
-    """
-    square = float((error**2).mean())
-    if square == 0:
-        return float("nan")
-    right = (error[:, lag:] * error[:, :-lag]).mean()
-    down = (error[lag:] * error[:-lag]).mean()
-    return float((right + down) / (2 * square))
 
 
 def stray_light(frame: Frame, exact: Frame) -> float:

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from viscache import _core, scenes, tonemap
+from viscache import _core, scenes
 from viscache.figures import aqvc_bands as bands
 from viscache.figures.aqvc_bias import bias_rows
-from viscache.figures.aqvc_errors import autocorrelation, bias, error_plane, stray_light
+from viscache.figures.aqvc_errors import bias, stray_light
 from viscache.figures.aqvc_runs import Shot, Trade
 from viscache.figures.aqvc_setups import SETUPS
-from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
@@ -24,8 +23,7 @@ from viscache.settings.visibility import Aqvc
 
 Size = tuple[int, int] | None
 
-#: An ordinary C_E, and one whose stairs can be seen.
-C_E, JITTER_C_E = 12.0, 16.0
+C_E = 12.0
 SIZE, QUICK_SIZE = (640, 400), (120, 75)
 GRIDS, QUICK_GRIDS = 4, 1
 MODES = ("round", "floor", "octahedral", "single")
@@ -35,23 +33,18 @@ KINDS = {"delta": ("point", "directional"), "conference": ("area",),
          "apartment": ("vpl", "environment")}  # fmt: skip
 
 
-@figure(
-    "aqvc-quality", "quality choices of the quantized cache: normals, grids, jitter, refinement"
-)
+@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement")
 def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
-    """All choices, a picture of stairs with and without jitter, and a table."""
+    """All choices, and a table."""
     outcome = Outcome(rows=leaking_cells())
     rows, table = normals(quick, size)
     outcome.rows += rows
     for part in (grids_and_neighbours, cosines):
         outcome.rows += part(quick, size)
     outcome.rows += light_kinds(quick, size)
-    rows, picture = jitter(quick, size, folder / "aqvc-quality.png")
-    outcome.rows += rows
     rows, biases = bias_rows(quick, size)
     outcome.rows += rows
     outcome.files += [
-        picture,
         write_csv(folder / "aqvc-quality.csv", table),
         write_csv(folder / "aqvc-quality-bias.csv", biases),
     ]
@@ -191,46 +184,3 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
                             note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to "
                                  f"{reductions[1]:.1f}"))  # fmt: skip
     return rows
-
-
-def jitter(quick: bool, size: Size, path: Path) -> tuple[list[Row], Path]:
-    """Stairs in the sun, points jittered or not."""
-    shot = Shot(scene=scenes.stairs(), integrator=Direct(), size=size or
-                (QUICK_SIZE if quick else SIZE))  # fmt: skip
-    exact = shot.frame()
-    rows, pictures = [], {"exact": exact.image}
-    for refinement in ("off", "on"):
-        trades = {
-            jittered: Trade(frame=shot.frame(Aqvc(c_e=JITTER_C_E, refinement=refinement,
-                                                  jitter=jittered)), exact=exact)
-            for jittered in (False, True)
-        }  # fmt: skip
-        plain, moved = (trades[j] for j in (False, True))
-        lag = int(JITTER_C_E) // 4
-        shape = [autocorrelation(error_plane(t.frame, exact), lag) for t in (plain, moved)]
-        banded = refinement == "off" and not quick
-        what = f"stairs, refinement {refinement}: "
-        rows += [
-            Row(what=what + "RR with jitter over without",
-                measured=moved.ray_reduction / plain.ray_reduction,
-                band=bands.JITTER_REDUCTION if banded else None,
-                note=f"{plain.ray_reduction:.1f} to {moved.ray_reduction:.1f}"),
-            Row(what=what + f"autocorrelation of the error {lag} px apart, over without jitter",
-                measured=shape[1] / shape[0],
-                band=bands.JITTER_CORRELATION if banded else None,
-                note=f"{shape[0]:.3f} to {shape[1]:.3f}"),
-            Row(what=what + "SSIM with jitter", measured=moved.ssim,
-                note=f"without {plain.ssim:.4f}; rel_l1 {plain.rel_l1:.4f} to {moved.rel_l1:.4f}"),
-            Row(what=what + "bias with jitter", measured=bias(moved.frame, exact),
-                note=f"without {bias(plain.frame, exact):+.5f}"),
-        ]  # fmt: skip
-        pictures[f"refinement {refinement}"] = plain.frame.image
-        pictures[f"refinement {refinement}, jitter"] = moved.frame.image
-    figure = new_figure(12.0, 3.0)
-    exposure = tonemap.auto_exposure(exact.image, 95.0)
-    height, width = exact.image.shape[:2]
-    window = np.s_[height // 2 : 3 * height // 4, width // 3 : 7 * width // 12]
-    for k, (title, image) in enumerate(pictures.items()):
-        axes = figure.add_subplot(1, len(pictures), k + 1)
-        draw_image(axes, image[window], title, exposure=exposure)
-    return rows, save_figure(figure, path)

@@ -24,7 +24,7 @@ from viscache.render import render
 from viscache.scene import Scene
 from viscache.scenes.shapes import bumpy_sphere
 from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc, Exact
+from viscache.settings.visibility import Aqvc, Exact, PaperForm
 from viscache.temporal import flicker
 
 C_E = 12.0
@@ -92,7 +92,7 @@ def run(
     shots: list[tuple[Scene, _core.Camera]], way: str, refinement: str, size: tuple[int, int]
 ) -> Sequence:
     """All frames of a path in one way."""
-    settings = Aqvc(c_e=C_E, form="pairs", scale_free=True,
+    settings = Aqvc(c_e=C_E, paper=PaperForm(form="pairs"), scale_free=True,
                     refinement="on" if refinement == "on" else "off")  # fmt: skip
     table = None
     if way != "dropped":

@@ -31,8 +31,8 @@ def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
     scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
     n_rays = QUICK_RAYS if quick else printed.AO_RAYS
     cached = cached_ambient_occlusion(scene, size=size, spp=printed.AO_SAMPLES)
-    exact = render(scene, AmbientOcclusion(n_samples=n_rays), size=size, spp=printed.AO_SAMPLES,
-                   progress=progress)  # fmt: skip
+    unlimited = AmbientOcclusion(n_samples=n_rays, max_distance=None)
+    exact = render(scene, unlimited, size=size, spp=printed.AO_SAMPLES, progress=progress)
     outcome.rows += _rows(exact, cached, n_rays, quick)
     path = folder / "vismap-fig10.png"
     save_figure(_picture(exact, cached), path, dpi=150)

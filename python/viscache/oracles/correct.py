@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import setting
 
 __all__ = ["Correct"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Correct:
     """How `use="correct"` draws: Ṽ + (V - Ṽ)/q for a random share q of the queries.

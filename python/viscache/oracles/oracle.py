@@ -14,6 +14,7 @@ from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
 from viscache.oracles.sources import oracle_source, parameters_of
 from viscache.oracles.written import is_written
+from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, VisMaps
@@ -121,6 +122,7 @@ class Oracle:
         spp: int = 1,
         threads: int | None = None,
     ) -> None:
+        visibility = by_name.setting("visibility", visibility)
         own = is_written(visibility)
         known = own or (hasattr(visibility, "source") and not isinstance(visibility, VisMaps))
         require(known, "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
@@ -134,9 +136,9 @@ class Oracle:
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):
-            require(visibility.storage not in ("shared", "paper_tiles"),
+            require(visibility.paper.storage not in ("shared", "paper_tiles"),
                     'storage must be "table" or "exact" for arrays of points',
-                    visibility.storage)  # fmt: skip
+                    visibility.paper.storage)  # fmt: skip
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
@@ -152,7 +154,7 @@ class Oracle:
         wanted: Any = None,
         contributions: Any = None,
         *,
-        clusters: bool = False,
+        clusters: bool | slice = False,
     ) -> BlockAnswer:
         """Every eye point × every far end.
 
@@ -165,9 +167,9 @@ class Oracle:
         contributions : (N, M) float, optional
             What each connection would carry unoccluded. `Aqvc(by_contribution=True)` spends rays
             by it.
-        clusters : bool
-            Keep who answered each query (`BlockAnswer.clusters`): 32 bytes per query. For Exact
-            and for Aqvc in its default form.
+        clusters : bool or slice
+            Keep who answered each query (`BlockAnswer.clusters`), of all far ends or of a slice of
+            them: 32 bytes per query. For Exact and for Aqvc in its default form.
 
         Returns
         -------
@@ -194,9 +196,12 @@ class Oracle:
             contributions = np.ascontiguousarray(contributions, dtype=np.float32)
             good = bool(np.isfinite(contributions).all() and (contributions >= 0).all())
             require(good, "contributions must be finite and >= 0", "values that are not")
+        kept = clusters if isinstance(clusters, slice) else slice(None if clusters else 0)
+        begin, end, step = kept.indices(len(lamps))
+        require(step == 1, "clusters must be a slice without a step", clusters)
         result = _core.ask_block(
             self._source(), tiles_of(eyes), lamps._arrays(), wanted=_wanted_bits(wanted, shape),
-            contributions=contributions, log=clusters, extent=self._extent,
+            contributions=contributions, log=(begin, max(begin, end)), extent=self._extent,
             most=self._most(lamps), threads=self._threads,
         )  # fmt: skip
         return BlockAnswer(

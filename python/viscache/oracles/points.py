@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 
 __all__ = ["EyePoints", "FarEnds"]
 
@@ -86,6 +87,7 @@ def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.floa
     return np.minimum(density, most).astype(np.float32)
 
 
+@spelled
 @dataclass(frozen=True, eq=False)
 class EyePoints:
     """Points on surfaces that ask what they see, from any source.
@@ -176,6 +178,7 @@ class EyePoints:
                 "origins": self._origins}  # fmt: skip
 
 
+@spelled
 @dataclass(frozen=True, eq=False)
 class FarEnds:
     """What eye points look at: M points, directions, surface points or directions of a sky.

@@ -54,7 +54,7 @@ def write_difference(
     Raises
     ------
     ValueError
-        The sizes differ, `width` is below 1, or pixels are NaN.
+        The sizes differ, `width` is below 1, or pixels are not numbers.
 
     Examples
     --------

@@ -117,8 +117,8 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
         found = {c: by_column[c].get(setting["index"]) for c in columns}
         cells = {c: None if v is None else list(v) for c, v in found.items()}
         text = ", ".join(f"{plain(k, unit=False)} = {labels.level(v)}" for k, v in values.items())
-        rows.append({"id": f"s{i}", "index": list(setting["index"]), "values": values,
-                     "cells": cells, "text": text})  # fmt: skip
+        row: dict[str, Any] = {"id": f"s{i}", "index": list(setting["index"])}
+        rows.append(row | {"values": values, "cells": cells, "text": text})
     width, height = json.loads(ds.attrs["size"])
     return {
         "names": names, "metrics": metrics, "columns": columns, "settings": rows, "pictures": {},

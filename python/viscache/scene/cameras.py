@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from viscache import _core
 from viscache.scene.scene import Scene
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 
 __all__ = ["look_at"]
 
 
+@spelled
 def look_at(
     origin: Sequence[float],
     target: Sequence[float],
@@ -55,3 +57,8 @@ def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Ca
     names = [c.name for c in cameras]
     require(wish in names, f"camera must be one of {names}", wish)
     return cameras[names.index(wish)]
+
+
+def frame_size(size: tuple[int, int] | None, camera: _core.Camera) -> tuple[int, int]:
+    """(width, height) as a call takes it: the camera's own where it is None."""
+    return (camera.width, camera.height) if size is None else size

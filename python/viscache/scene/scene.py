@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias, overload
+from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,51 +15,29 @@ from viscache._core import SceneDescription, SceneError
 from viscache.oracles.correct import Correct
 from viscache.oracles.oracle import Oracle
 from viscache.oracles.written import Written
-from viscache.scene.coplanar import coplanar_share
-from viscache.scene.environments import apply_environment, decode_images
-from viscache.settings.checks import checked_points, checked_threads
+from viscache.scene import queries
+from viscache.scene.about import far_away, info, placed_coplanar_share
+from viscache.scene.environments import apply_environment
+from viscache.scene.html import scene_html
+from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
+from viscache.scene.queries import Intersection
+from viscache.settings.checks import checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
 
-__all__ = ["Intersection", "Scene", "SceneError", "load_scene"]
+__all__ = ["Intersection", "Scene", "SceneError"]
 
 Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
 
 
-MOST_COUNTED_TRIANGLES = 5_000_000
-
-
-class Intersection(NamedTuple):
-    """Nearest hits of N rays.
-
-    Attributes
-    ----------
-    t : (N,) float32
-        Distance in units of the direction's length; inf where nothing is hit. A surface through the
-        origin itself is hit at 0 by Embree's robust rays, not by others: start off it.
-    triangle : (N,) int64
-        Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
-    barycentrics : (N, 2) float32
-        Weights of the triangle's vertices 1 and 2; NaN for a miss.
-    instance : (N,) int64
-        Index of the instance; -1 for a miss or a mesh that is not instanced.
-    """
-
-    t: npt.NDArray[np.float32]
-    triangle: npt.NDArray[np.int64]
-    barycentrics: npt.NDArray[np.float32]
-    instance: npt.NDArray[np.int64]
-
-
-#: Sizes from the origin from which on a scene is warned of.
-FAR_AWAY = 1e4
-
-
+@spelled
 class Scene:
     """An immutable scene.
 
-    Made by `load_scene`, `Scene.from_arrays`, a function of `viscache.scenes`, or
-    `Scene.from_description`.
+    Made by `load_scene`, `Scene.from_arrays`, `Scene.from_trimesh`, a function of
+    `viscache.scenes`, or `Scene.from_description`. It pickles: by its spec where that gives a scene
+    of the same `content_hash`, else with its arrays, so that pools of processes can take it.
     """
 
     def __init__(self, core: _core.Scene, spec: str | None = None) -> None:
@@ -70,6 +47,9 @@ class Scene:
         self._embree: dict[Embree, _core.EmbreeCaster] = {}
         self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
+
+    #: Makes the thumbnail; set by the package, which can render.
+    _picture: ClassVar[Callable[[Any], str] | None] = None
 
     @classmethod
     def from_description(
@@ -87,25 +67,27 @@ class Scene:
     @classmethod
     def from_arrays(
         cls,
-        vertices: npt.ArrayLike,
-        triangles: npt.ArrayLike,
+        vertices: npt.ArrayLike | Sequence[Mesh],
+        triangles: npt.ArrayLike | None = None,
         *,
         normals: npt.ArrayLike | None = None,
         base_color: Sequence[float] = (0.5, 0.5, 0.5),
         env: Env | None = None,
     ) -> Scene:
-        """One diffuse, two-sided mesh.
+        """One diffuse, two-sided mesh, or a list of meshes with materials.
 
         Parameters
         ----------
-        vertices : (V, 3) float
-            Positions; finite, at most 1e16 in size.
+        vertices : (V, 3) float, or list of (vertices, triangles) or (vertices, triangles, material)
+            Positions; finite, at most 1e16 in size. A material is an albedo (3,) or a mapping of
+            what `SceneDescription.add_material` takes, whose kind may be a string:
+            `{"kind": "glossy", "roughness": 0.3}`.
         triangles : (T, 3) int
-            Vertex indices in [0, V).
+            Vertex indices in [0, V); left out with a list.
         normals : (V, 3) float, optional
-            Shading normals.
+            Shading normals of the one mesh.
         base_color : (3,) float in [0, 1]
-            Albedo.
+            Albedo of meshes without a material.
         env : path, float, (3,) or (H, W, 3), optional
             Environment light: a lat-long image or constant radiance.
 
@@ -113,25 +95,58 @@ class Scene:
         ------
         SceneError
             An index out of range or a vertex that is not finite.
+        ValueError
+            No list of meshes where triangles are left out.
 
         Examples
         --------
         >>> import viscache as vc
-        >>> scene = vc.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-        >>> scene.visible([[0.2, 0.2, 1.0]], [[0.2, 0.2, -1.0]])
-        array([False])
+        >>> corners, one = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
+        >>> scene = vc.Scene.from_arrays(corners, one)
+        >>> scene.visible([0.2, 0.2, 1.0], [[0.2, 0.2, -1.0], [0.9, 0.9, -1.0]])
+        array([False,  True])
+        >>> vc.Scene.from_arrays([(corners, one), (corners, one, (1.0, 0.0, 0.0))]).triangles
+        2
         """
-        indices = np.asarray(triangles)
-        if indices.size and indices.dtype.kind not in "iu":
-            raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
-        if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
-            low, high = indices.min(), indices.max()
-            raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
         description = SceneDescription()
-        material = description.add_material(base_color=_rgb(base_color, "base_color"))
-        description.add_mesh(
-            vertices, indices.astype(np.uint32), material=material, normals=normals
-        )
+        if triangles is None:
+            require(normals is None, "normals must be left out with a list of meshes", normals)
+            for mesh in checked_meshes(vertices):
+                material = mesh[2] if len(mesh) > 2 else base_color
+                add_mesh(description, mesh[0], mesh[1], material)
+        else:
+            one = cast("npt.ArrayLike", vertices)
+            add_mesh(description, one, triangles, base_color, normals)
+        if env is not None:
+            apply_environment(description, env)
+        return cls.from_description(description)
+
+    @classmethod
+    def from_trimesh(cls, meshes: Any, *, env: Env | None = None) -> Scene:
+        """A scene of trimesh's objects.
+
+        Parameters
+        ----------
+        meshes : trimesh.Trimesh, trimesh.Scene or a list of them
+            What a trimesh scene places is placed. A mesh keeps its main colour as albedo, its
+            texture and shading do not come along.
+        env : path, float, (3,) or (H, W, 3), optional
+            Environment light: trimesh's lights do not come along.
+
+        Raises
+        ------
+        SceneError
+            Something that has no triangles, or triangles that cannot be used.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> import viscache as vc
+        >>> vc.Scene.from_trimesh(trimesh.creation.box(), env=1.0).triangles
+        12
+        """
+        description = SceneDescription()
+        add_trimesh(description, meshes)
         if env is not None:
             apply_environment(description, env)
         return cls.from_description(description)
@@ -167,30 +182,18 @@ class Scene:
     def warnings(self) -> list[str]:
         """What the file asked for that is not modelled, with its place; what to know of a scene.
 
-        That it has no light, or lies so far from the origin that single precision has lost much of
-        its shape.
+        That it has no triangles, no light, or lies so far from the origin that single precision has
+        lost much of its shape.
         """
         texts = [
             f"{where}: {text}" if where else text
             for where, text in _core.scene_warnings(self._core)
         ]
+        if self.triangles == 0:
+            texts.append("the scene has no triangles; rays hit nothing")
         if not self.lights:
             texts.append("the scene has no light; give it one with env=")
-        return texts + self._far_away()
-
-    def _far_away(self) -> list[str]:
-        low, high = self.bounds.astype(float)
-        size = float(np.max(high - low))
-        if not (np.isfinite(size) and size > 0):
-            return []
-        away = float(np.max(np.abs(low + high))) / 2 / size
-        if away <= FAR_AWAY:
-            return []
-        steps = size / np.spacing(np.float32(away * size))
-        return [
-            f"the scene lies {away:.3g} times its size from the origin, where single precision "
-            f"leaves it {steps:.3g} steps across"
-        ]
+        return texts + far_away(self.bounds)
 
     @cached_property
     def content_hash(self) -> str:
@@ -213,43 +216,11 @@ class Scene:
         Many of them are flat faces cut up: they raise the count without adding shape. None above 5
         million unique triangles, where counting would take long.
         """
-        if self._core.unique_triangles > MOST_COUNTED_TRIANGLES:
-            return None
-        meshes = self.meshes()
-        placed = np.array([int(m["in_world"]) for m in meshes], dtype=float)
-        for members, _ in _core.scene_instances(self._core):
-            placed[list(members)] += 1
-        counts = placed * [len(m["triangles"]) for m in meshes]
-        shares = [
-            coplanar_share(m["vertices"], m["triangles"]) if count else 0.0
-            for m, count in zip(meshes, counts, strict=True)
-        ]
-        return float(counts @ shares / counts.sum()) if counts.sum() > 0 else 0.0
+        return placed_coplanar_share(self._core, self.meshes)
 
     def info(self) -> dict[str, Any]:
         """What `viscache info --json` prints."""
-        bounds = [[float(str(v)) for v in corner] for corner in self.bounds]
-        return {
-            "name": self.name,
-            "triangles": self.triangles,
-            "unique_triangles": self._core.unique_triangles,
-            "instances": self._core.instances,
-            "bounds": bounds,
-            "lights": self.lights,
-            "cameras": [
-                {
-                    "name": c.name,
-                    "origin": list(c.origin),
-                    "forward": list(c.forward),
-                    "size": [c.width, c.height],
-                }
-                for c in self.cameras
-            ],
-            "memory_bytes": self._core.memory_bytes,
-            "coplanar_share": self.coplanar_share,
-            "content_hash": self.content_hash,
-            "warnings": self.warnings,
-        }
+        return info(self)
 
     def with_environment(self, env: Env, *, threads: int | None = None) -> Scene:
         """The same scene under another environment light."""
@@ -276,8 +247,8 @@ class Scene:
     @overload
     def caster(self, rays: Vlf, *, threads: int | None = None) -> _core.vlf.VisibilityField: ...
     @overload
-    def caster(self, rays: Rays | None, *, threads: int | None = None) -> Caster: ...
-    def caster(self, rays: Rays | None = None, *, threads: int | None = None) -> Caster:
+    def caster(self, rays: Rays | str | None, *, threads: int | None = None) -> Caster: ...
+    def caster(self, rays: Rays | str | None = None, *, threads: int | None = None) -> Caster:
         """A ray caster over the scene, built on first use.
 
         Embree's stay with the scene; of the others, the one asked for last.
@@ -285,7 +256,7 @@ class Scene:
         Parameters
         ----------
         rays : Embree, Bsp or Vlf, optional
-            Embree, robust, by default.
+            Or "embree", "bsp", "vlf"; Embree, robust, by default.
         threads : int, optional
             To build with; all cores by default. The caster is the same on any number.
 
@@ -294,7 +265,7 @@ class Scene:
         MemoryError
             The structure would need more than the settings allow.
         """
-        rays = Embree() if rays is None else check_rays(rays)
+        rays = check_rays(rays)
         if isinstance(rays, Embree):
             if rays not in self._embree:
                 self._embree[rays] = rays.build(self._core)
@@ -315,16 +286,17 @@ class Scene:
         x: npt.ArrayLike,
         y: npt.ArrayLike,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does x see y?
 
         Parameters
         ----------
-        x, y : (N, 3) float
-            End points, in scene units. The segment is shortened at both ends by 32 units in the
-            last place of the larger coordinate, so that surfaces at the ends do not block it.
+        x, y : (..., 3) float
+            End points, in scene units; they broadcast as NumPy's arrays do. The segment is
+            shortened at both ends by 32 units in the last place of the larger coordinate, so that
+            surfaces at the ends do not block it.
         rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
         threads : int, optional
@@ -332,15 +304,75 @@ class Scene:
 
         Returns
         -------
-        (N,) bool
+        (...) bool
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
+
+        Examples
+        --------
+        Four points against two, as a matrix:
+
+        >>> import numpy as np
+        >>> import viscache as vc
+        >>> x, y = np.eye(4, 3) + 1, np.eye(2, 3) + 3
+        >>> vc.scenes.cube_on_plane().visible(x[:, None], y[None]).shape
+        (4, 2)
+        """
+        return queries.visible(self.caster(rays, threads=threads), x, y, threads)
+
+    def visible_matrix(
+        self,
+        points: npt.ArrayLike,
+        targets: npt.ArrayLike,
+        *,
+        rays: Rays | str | None = None,
+        threads: int | None = None,
+        progress: bool | Callable[[int, int], None] = False,
+    ) -> npt.NDArray[np.uint64]:
+        """Does each of N points see each of M targets? One bit for every pair.
+
+        The same answers as `visible(points[:, None], targets[None])`, in a 512th of its memory:
+        rays are made tile by tile.
+
+        Parameters
+        ----------
+        points : (N, 3) float
+        targets : (M, 3) float
+            In scene units. Segments are shortened as by `visible`.
+        rays : Embree, Bsp or Vlf, optional
+            Who traces; Embree by default. With `Embree(robust=False)`, rays through an edge may be
+            answered otherwise than by `visible`.
+        threads : int, optional
+            All cores by default; the bits do not depend on it.
+        progress : bool or callable
+            True shows a bar; a callable gets (done, total).
+
+        Returns
+        -------
+        (N, ⌈M/64⌉) uint64
+            Bit k % 64 of word k // 64 of row i is 1 if point i sees target k; unused bits are 0.
 
         Raises
         ------
         ValueError
             Wrong shapes, or coordinates that are not finite or above 1e16.
+        KeyboardInterrupt
+            Within half a second of Ctrl-C.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import viscache as vc
+        >>> scene = vc.scenes.cube_on_plane()
+        >>> bits = scene.visible_matrix(np.eye(4, 3) + 1, np.eye(2, 3) + 3)
+        >>> np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=2).shape
+        (4, 2)
         """
-        ends = checked_points(x, "x"), checked_points(y, "y")
-        return self.caster(rays, threads=threads).visible(*ends, checked_threads(threads))
+        caster = self.caster(rays, threads=threads)
+        return queries.visible_matrix(caster, points, targets, threads, progress)
 
     def occluded(
         self,
@@ -348,7 +380,7 @@ class Scene:
         directions: npt.ArrayLike,
         t_max: float | npt.ArrayLike = np.inf,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything up to t_max?
@@ -358,9 +390,10 @@ class Scene:
 
         Parameters
         ----------
-        origins, directions : (N, 3) float
-            Directions of any length; a zero direction hits nothing.
-        t_max : float or (N,) float, >= 0
+        origins, directions : (..., 3) float
+            Directions of any length; a zero direction hits nothing. With `t_max` they broadcast as
+            NumPy's arrays do.
+        t_max : float or (...) float, >= 0
             In units of the direction's length.
         rays : Embree, Bsp or Vlf, optional
             Who traces; Embree by default.
@@ -369,30 +402,35 @@ class Scene:
 
         Returns
         -------
-        (N,) bool
+        (...) bool
+
+        Raises
+        ------
+        ValueError
+            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
         """
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        cores = checked_threads(threads)
-        return self.caster(rays, threads=threads).occluded(o, d, t_max, cores)
+        caster = self.caster(rays, threads=threads)
+        return queries.occluded(caster, origins, directions, t_max, threads)
 
     def intersect(
         self,
         origins: npt.ArrayLike,
         directions: npt.ArrayLike,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         threads: int | None = None,
     ) -> Intersection:
-        """Nearest hits of (N, 3) rays; see `Intersection`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        caster = self.caster(rays, threads=threads)
-        return Intersection(*caster.intersect(o, d, checked_threads(threads)))
+        """Nearest hits of (..., 3) rays, which broadcast; see `Intersection`."""
+        return queries.intersect(self.caster(rays, threads=threads), origins, directions, threads)
+
+    def _repr_html_(self) -> str:
+        return scene_html(self, Scene._picture)
 
     def oracle(
         self,
-        visibility: Visibility | Written,
+        visibility: Visibility | Written | str,
         *,
-        rays: Rays | None = None,
+        rays: Rays | str | None = None,
         use: Literal["replace", "correct"] | Correct | None = None,
         seed: int = 0,
         spp: int = 1,
@@ -403,6 +441,7 @@ class Scene:
         Parameters
         ----------
         visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, or an oracle of your own
+            Or its name with default settings, as in `viscache.render`.
         rays : Embree, Bsp or Vlf, optional
             Who traces.
         use : {"replace", "correct"} or Correct, optional
@@ -428,45 +467,3 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<viscache.Scene {self.name or 'unnamed'}: {self.triangles:,} triangles>"
-
-
-def load_scene(
-    path: str | os.PathLike[str],
-    *,
-    strict: bool = False,
-    env: Env | None = None,
-    threads: int | None = None,
-) -> Scene:
-    """Load a scene file.
-
-    Parameters
-    ----------
-    path : path
-        `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
-    strict : bool
-        Make what viscache does not model an error; by default it is skipped and named in
-        `Scene.warnings`.
-    env : path, float, (3,) or (H, W, 3), optional
-        Environment light that replaces the file's.
-    threads : int, optional
-        All cores by default.
-
-    Raises
-    ------
-    SceneError
-        A missing, malformed or inconsistent file; names file and place.
-    """
-    if str(path) and Path(path).is_dir():
-        raise SceneError(f"{path}: is a directory, not a scene file")
-    description = _core.load_scene_file(os.fspath(path), strict=strict)
-    decode_images(description, strict=strict)
-    if env is not None:
-        apply_environment(description, env)
-    return Scene.from_description(description, spec=str(Path(path)), threads=threads)
-
-
-def _rgb(value: Sequence[float], name: str) -> tuple[float, float, float]:
-    rgb = tuple(float(v) for v in value)
-    if len(rgb) != 3:
-        raise ValueError(f"{name} must have 3 values, got {len(rgb)}")
-    return rgb

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
 
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
+from viscache.settings.not_given import NotGiven
 from viscache.settings.rays import Bsp, Embree, Vlf
 from viscache.settings.spelling import nearest
 from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
@@ -65,26 +66,58 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
     return replaced(cls(), table, role)
 
 
+def setting(role: Role, value: Any, default: str | None = None) -> Any:
+    """Settings as a call takes them: a name or a table becomes an object, None the default's."""
+    value = default if value is None else value
+    return make(role, value) if isinstance(value, (str, Mapping)) else value
+
+
 def parameters(settings: Any) -> dict[str, Any]:
-    """Field names and values of a settings object."""
-    return {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+    """Names and values of a settings object, those of settings within it under their own names."""
+    found: dict[str, Any] = {}
+    for f in dataclasses.fields(settings):
+        value = getattr(settings, f.name)
+        found |= parameters(value) if dataclasses.is_dataclass(value) else {f.name: value}
+    return found
+
+
+def nested(settings: Any) -> dict[str, Any]:
+    """The settings within a settings object by their field's name: `paper` of `Aqvc`."""
+    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+    return {name: value for name, value in values.items() if dataclasses.is_dataclass(value)}
 
 
 def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
-    """The settings with some values replaced; unknown names are refused with the nearest one."""
-    known = parameters(settings)
-    for name in values:
-        if name not in known:
-            raise ValueError(
-                f"{what} {type(settings).__name__} has no parameter {name!r}{nearest(name, known)}"
-            )
-    kept = {n: tuple(v) if isinstance(v, list) else v for n, v in values.items()}
+    """The settings with some values replaced; unknown names are refused with the nearest one.
+
+    What settings within these have goes by its bare name, or `paper.hash`, or a table of its own,
+    `paper={"hash": "scheme1"}`.
+    """
+    within, own = nested(settings), {f.name for f in dataclasses.fields(settings)}
+    kept: dict[str, Any] = {}
+    inner: dict[str, dict[str, Any]] = {name: {} for name in within}
+    for name, value in values.items():
+        part, dot, rest = name.partition(".")
+        if part in within and (dot or isinstance(value, Mapping)):
+            inner[part] |= {rest: value} if dot else value
+        elif name in own:
+            kept[name] = tuple(value) if isinstance(value, list) else value
+        else:
+            check_parameter(settings, name, what)
+            inner[next(n for n in within if name in parameters(within[n]))][name] = value
+    for name, given in inner.items():
+        if given:
+            kept[name] = replaced(kept.get(name, within[name]), given, what)
     return dataclasses.replace(settings, **kept) if kept else settings
 
 
 def described(role: Role, settings: Any) -> dict[str, Any]:
-    """`{"name": ..., parameter: value, ...}`, JSON-able: the inverse of `make`."""
-    return {"name": name_of(role, settings), **plain(parameters(settings))}
+    """`{"name": ..., parameter: value, ...}`, JSON-able: the inverse of `make`.
+
+    What a preset decides is left out.
+    """
+    given = {n: v for n, v in parameters(settings).items() if not isinstance(v, NotGiven)}
+    return {"name": name_of(role, settings), **plain(given)}
 
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -127,11 +160,12 @@ def owner(
 ) -> tuple[Role, str]:
     """Whose parameter a bare or dotted name is: (role, parameter)."""
     prefix, dot, parameter = name.partition(".")
+    if dot and prefix in ROLES:
+        return prefix, _bare(settings[prefix], parameter, prefix)
     if dot:
-        for role in ROLES:
-            if prefix == role:
-                check_parameter(settings[role], parameter, role)
-                return role, parameter
+        for role in bare:
+            if prefix in nested(settings[role]):
+                return role, _bare(settings[role], name, role)
         raise ValueError(f"{name!r} must start with one of {', '.join(ROLES)}")
     owners = [role for role in bare if name in parameters(settings[role])]
     if len(owners) == 1:
@@ -143,6 +177,15 @@ def owner(
     known = [parameter for role in bare for parameter in parameters(settings[role])]
     whose = " or ".join(f"{role} {type(settings[role]).__name__}" for role in bare)
     raise ValueError(f"unknown parameter {name!r} of {whose}{nearest(name, known)}")
+
+
+def _bare(settings: Any, name: str, role: str) -> str:
+    """`paper.hash` → `hash`, where `settings` has that."""
+    part, dot, rest = name.partition(".")
+    within = nested(settings)
+    inside = bool(dot) and part in within
+    check_parameter(within[part] if inside else settings, rest if inside else name, role)
+    return rest if inside else name
 
 
 def check_parameter(settings: Any, parameter: str, role: str) -> None:

@@ -12,6 +12,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from viscache.settings.not_given import NotGiven
+
 
 def require(holds: bool, what: str, given: Any) -> None:
     """Raise ValueError("<what>, got <given>") unless the condition holds.
@@ -26,7 +28,7 @@ def check_types(settings: Any) -> None:
     """Hold every field of a frozen dataclass to its annotation; numbers become plain Python ones.
 
     Known are int, float (finite), bool, Literal, unions of these with None, and of a number with a
-    Literal; a field of another type is left to its class.
+    Literal; a field of another type is left to its class. Values that nobody gave stay as they are.
 
     Raises
     ------
@@ -36,6 +38,8 @@ def check_types(settings: Any) -> None:
     hints = _hints(type(settings))
     for field in fields(settings):
         value = getattr(settings, field.name)
+        if isinstance(value, NotGiven):
+            continue
         kinds = typing.get_args(hints[field.name]) or (hints[field.name],)
         optional = NoneType in kinds
         if typing.get_origin(hints[field.name]) is Literal:
@@ -97,4 +101,4 @@ def checked_points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
     with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
-        return np.ascontiguousarray(array, dtype=np.float32)
+        return np.asarray(array, dtype=np.float32, order="C")

@@ -5,18 +5,27 @@ The fields are the C++ struct `IntegratorSettings`; a test pins names and defaul
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass, fields, replace
 from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import setting
 from viscache.settings.vpls import Vpls
 
 __all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 
+#: Share of the scene's diagonal that ambient occlusion looks by default.
+AUTO_SHARE = 0.1
+
 PMode: TypeAlias = Literal["last_vertex", "footprint"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Direct:
     """Direct light: point, directional, area lights and environment.
@@ -68,6 +77,7 @@ class Direct:
         require(1 <= self.passes <= 1 << 16, "passes must be in [1, 65536]", self.passes)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Whitted:
     """Eye paths through mirrors and glass, direct light, and virtual point lights for the rest.
@@ -139,6 +149,7 @@ class Whitted:
         require(own, "vpls must be vc.Vpls(...)", self.vpls)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AmbientOcclusion:
     """The visible share of the hemisphere, in [0, 1].
@@ -149,8 +160,10 @@ class AmbientOcclusion:
         Directions per eye point.
     distribution : {"cosine", "uniform"}
         How directions are drawn; both give the cosine-weighted share.
-    max_distance : float >= 0
-        Blockers farther away do not count, in scene units; 0 = unlimited.
+    max_distance : float > 0, "auto" or None
+        Blockers farther away do not count, in scene units. "auto": a tenth of the diagonal of the
+        scene's bounding box, so that closed rooms are not black; `frame.parameters["integrator"]`
+        has the number. None or inf: no limit.
     directions : {"own", "shared"}
         "own": each eye point draws its directions. "shared": all look along the directions of
         `vlf.directions` on their side (VLF Sec. 7), weighted by solid angle and cosine, which
@@ -166,16 +179,20 @@ class AmbientOcclusion:
 
     n_samples: int = 64
     distribution: Literal["cosine", "uniform"] = "cosine"
-    max_distance: float = 0.0
+    max_distance: float | Literal["auto"] | None = "auto"
     directions: Literal["own", "shared"] = "own"
     engine: Literal["auto", "batch", "embree", "field"] = "auto"
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
     def __post_init__(self) -> None:
+        if isinstance(self.max_distance, float) and self.max_distance == math.inf:
+            object.__setattr__(self, "max_distance", None)
         check_types(self)
         require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
-        require(self.max_distance >= 0, "max_distance must be >= 0", self.max_distance)
+        near = self.max_distance
+        require(near is None or near == "auto" or near > 0,
+                'max_distance must be > 0, "auto", or None for no limit', near)  # fmt: skip
         require(
             self.directions == "own" or _core.vlf.is_direction_count(self.n_samples),
             "n_samples must be 1 or 2·4^k + 1 up to 8193, e.g. 513, with shared directions",
@@ -183,7 +200,16 @@ class AmbientOcclusion:
         )
         _check_density(self)
 
+    def within(self, bounds: npt.NDArray[np.float32]) -> AmbientOcclusion:
+        """With the number that "auto" stands for in a box (2, 3); no limit where it is empty."""
+        if self.max_distance != "auto":
+            return self
+        diagonal = float(np.linalg.norm(bounds[1].astype(float) - bounds[0]))
+        limited = math.isfinite(diagonal) and diagonal > 0
+        return replace(self, max_distance=AUTO_SHARE * diagonal if limited else None)
 
+
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Bdpt:
     """Bidirectional path tracing (Veach 1997): all light paths of up to `max_depth` edges.
@@ -250,7 +276,9 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
         core.direct, core.ambient, core.max_depth = False, True, 0
         core.n_ambient = integrator.n_samples
         core.ambient_cosine = integrator.distribution == "cosine"
-        core.ambient_max_distance = integrator.max_distance
+        if isinstance(integrator.max_distance, str):
+            raise ValueError('max_distance must be a number or None here, got "auto"')
+        core.ambient_max_distance = integrator.max_distance or 0.0
         core.ambient_aligned = integrator.directions == "shared"
         core.ambient_engine = _core.AmbientEngine[integrator.engine.upper()]
         return core

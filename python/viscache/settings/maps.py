@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import setting
 
 __all__ = ["PRESETS", "MapSettings", "automatic_thresholds", "expected_records"]
 
@@ -25,6 +26,7 @@ PRESETS: dict[str, dict[str, float]] = {
 }
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MapSettings:
     """How records are created, found, inserted and removed (VisMap Sec. 5, Table 1).
@@ -164,6 +166,15 @@ class MapSettings:
     def parameters(self) -> dict[str, Any]:
         """Names and values for JSON."""
         return asdict(self)
+
+
+def map_settings(given: MapSettings | str | None) -> MapSettings:
+    """The settings that an argument means: themselves, the name of a preset, None the defaults."""
+    if isinstance(given, str):
+        return MapSettings(preset=given)  # type: ignore[arg-type]  # checked there
+    known = given is None or isinstance(given, MapSettings)
+    require(known, "settings must be a MapSettings", given)
+    return given or MapSettings()
 
 
 #: Maximum of `expected_records` with "auto". Images of 1600×1200 get up to three times as many

@@ -8,10 +8,12 @@ from typing import Any
 from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
 
 __all__ = ["NeePlusPlus"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NeePlusPlus:
     """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): shadow rays left out at random.

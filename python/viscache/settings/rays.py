@@ -8,10 +8,12 @@ from typing import Literal, TypeAlias
 
 from viscache import _core
 from viscache.settings.checks import check_types, require
+from viscache.settings.spelling import setting
 
 __all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays"]
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Embree:
     """Rays by Embree.
@@ -32,6 +34,7 @@ class Embree:
         return _core.EmbreeCaster(scene, robust=self.robust)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Bsp:
     """Single rays through a BSP: the tracer the visibility field is compared with.
@@ -83,6 +86,7 @@ class Bsp:
         return _core.visibility.BspCaster(scene, self.core(), threads=threads)
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Vlf:
     """Rays by look-up in a visibility field (Mortensen, Khanna, Yu, Slater 2007).
@@ -193,9 +197,21 @@ Rays: TypeAlias = Embree | Bsp | Vlf
 Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster | _core.vlf.VisibilityField"
 
 
-def check_rays(rays: Rays) -> Rays:
-    """The settings; ValueError where they are none."""
+def vlf_settings(given: Vlf | str | None) -> Vlf:
+    """The settings of a field that an argument means; ValueError where they are of other rays."""
+    from viscache.settings import by_name  # which knows the classes of this file
+
+    chosen: Vlf = by_name.setting("rays", given, "vlf")
+    require(isinstance(chosen, Vlf), "settings must be vc.Vlf(...)", chosen)
+    return chosen
+
+
+def check_rays(rays: Rays | str | None) -> Rays:
+    """The settings that `rays=` means, Embree by default; ValueError where they are none."""
+    from viscache.settings import by_name
+
     known = typing.get_args(Rays)
     classes = " or ".join(f"vc.{cls.__name__}(...)" for cls in known)
-    require(isinstance(rays, known), f"rays must be {classes}", rays)
-    return rays
+    chosen: Rays = by_name.setting("rays", rays, "embree")
+    require(isinstance(chosen, known), f"rays must be {classes}", chosen)
+    return chosen

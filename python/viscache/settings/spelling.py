@@ -1,11 +1,18 @@
-"""Names that nobody knows are refused with the nearest known one."""
+"""Keywords that nobody knows are refused with the nearest known one; settings show what differs."""
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
-from collections.abc import Iterable
+import functools
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
-__all__ = ["nearest"]
+__all__ = ["nearest", "setting", "spelled"]
+
+Called = TypeVar("Called", bound=Callable[..., Any])
+Class = TypeVar("Class", bound=type[Any])
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
@@ -15,3 +22,51 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if close:
         return f"; did you mean {close[0]!r}?"
     return f"; known: {', '.join(names)}" if names else "; there are none"
+
+
+def spelled(called: Called) -> Called:
+    """Decorate a class or function: an unknown keyword raises TypeError with the nearest known one.
+
+    Signatures, `help`, pickling and `dataclasses.replace` stay as they are.
+    """
+    function = called.__init__ if isinstance(called, type) else called  # type: ignore[misc]
+    known = [
+        name for name, parameter in inspect.signature(function).parameters.items()
+        if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
+        and name != "self"
+    ]  # fmt: skip
+    accepted = frozenset(known)
+    public = [name for name in known if not name.startswith("_")]
+    whose = called.__name__
+
+    @functools.wraps(function)
+    def checked(*args: Any, **kwargs: Any) -> Any:
+        if not accepted.issuperset(kwargs):
+            name = next(name for name in kwargs if name not in accepted)
+            raise TypeError(f"{whose} has no parameter {name!r}{nearest(name, public)}")
+        return function(*args, **kwargs)
+
+    if not isinstance(called, type):
+        return checked  # type: ignore[return-value]
+    called.__init__ = checked  # type: ignore[misc]
+    return called
+
+
+def setting(cls: Class) -> Class:
+    """Decorate a dataclass of settings: `spelled`, and `repr` shows what differs from the preset.
+
+    Without a preset: from the defaults.
+    """
+    type.__setattr__(cls, "__repr__", _what_differs)
+    return spelled(cls)
+
+
+def _what_differs(self: Any) -> str:
+    given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.repr}
+    preset = {"preset": given["preset"]} if "preset" in given else {}
+    usual, base = type(self)(), type(self)(**preset)
+    shown = ", ".join(
+        f"{name}={value!r}" for name, value in given.items()
+        if value != getattr(usual if name in preset else base, name)
+    )  # fmt: skip
+    return f"{type(self).__qualname__}({shown})"

@@ -11,6 +11,7 @@ from viscache import _core
 from viscache.settings.checks import require
 from viscache.settings.maps import MapSettings
 from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
 
 __all__ = ["VisMaps"]
 
@@ -27,6 +28,7 @@ class RecordCache(Protocol):
         """How its records are made."""
 
 
+@setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class VisMaps(MapSettings):
     """Visibility maps for the environment's light (Clarberg, Akenine-Möller 2008).
@@ -41,8 +43,10 @@ class VisMaps(MapSettings):
     cache : VisibilityMapCache, optional
         A cache of the scene. Its own settings then apply instead of those given here under the same
         names. None: a new cache for every frame.
-    update : bool
-        Insert records where the pixels of this image need them, before it is rendered.
+    update : bool, optional
+        Insert records where the pixels of this image need them, before it is rendered. By default a
+        new cache gets them, and a given cache stays as it is: rendering changes it only if
+        `update=True` or `count_misses=True` asks for that.
     count_misses : bool
         Count in the cache how often its records disagreed with the rays of the frame.
         `VisibilityMapCache.end_frame` removes records by these counts. Rays sampled with guided
@@ -66,7 +70,7 @@ class VisMaps(MapSettings):
     """
 
     cache: RecordCache | None = None
-    update: bool = True
+    update: bool | None = None
     count_misses: bool = False
     alpha: Alpha = "previous_pass"
     first_alpha: Literal["pilot", "one"] = "pilot"
@@ -93,6 +97,11 @@ class VisMaps(MapSettings):
         require(first, 'first_alpha must be "pilot" or "one"', self.first_alpha)
         require(0 < self.eta <= 1, "eta must be in (0, 1]", self.eta)
         require(self.criterion == "visibility", 'criterion must be "visibility"', self.criterion)
+
+    @property
+    def updates(self) -> bool:
+        """Whether a frame adds records to its cache."""
+        return self.cache is None if self.update is None else self.update
 
     def source(self, context: SourceContext) -> _core.OracleSource:
         """The source of one frame's oracles: rays are exact beside the maps."""
@@ -134,7 +143,7 @@ class VisMaps(MapSettings):
         made = self.cache.settings if self.cache else self.map_settings()
         return made.parameters() | {
             "cache": self.cache is not None,
-            "update": self.update,
+            "update": self.updates,
             "count_misses": self.count_misses,
             "alpha": self.alpha,
             "first_alpha": self.first_alpha,

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from viscache.settings.checks import require
+from viscache.settings.spelling import spelled
 
 __all__ = ["Vpls"]
 
 
+@spelled
 class Vpls:
     """Virtual point lights that `Whitted(vpls=...)` takes as they are, in place of traced ones.
 

@@ -15,13 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache.settings.checks import is_whole, require
-from viscache.settings.spelling import nearest
+from viscache.settings.spelling import nearest, spelled
 
 __all__ = ["DESIGNS", "Range", "draw", "latin_hypercube", "random", "values_of"]
 
 Floats = npt.NDArray[np.float64]
 
 
+@spelled
 @dataclass(frozen=True, slots=True)
 class Range:
     """Numbers from `low` to `high`.
@@ -76,6 +77,7 @@ def values_of(name: str, value: Any) -> Any:
     return found.steps(n)
 
 
+@spelled
 def random(over: Mapping[str, Any], n: int, *, seed: int = 0) -> list[dict[str, Any]]:
     """n points drawn independently.
 
@@ -100,6 +102,7 @@ def random(over: Mapping[str, Any], n: int, *, seed: int = 0) -> list[dict[str, 
     return _points(over, n, seed, lambda rng, count: rng.random(count))
 
 
+@spelled
 def latin_hypercube(over: Mapping[str, Any], n: int, *, seed: int = 0) -> list[dict[str, Any]]:
     """n points, one in each of n equal slices of every parameter; arguments as of `random`."""
     return _points(

@@ -16,7 +16,7 @@ from viscache.progress import Progress
 from viscache.sweeps.plan import Plan, Point
 from viscache.sweeps.store import Store
 from viscache.sweeps.table import TableFile
-from viscache.sweeps.work import check_travels, render_task
+from viscache.sweeps.work import render_task
 
 if TYPE_CHECKING:
     from viscache.frame import Frame
@@ -114,8 +114,6 @@ class Run:
 
     def parallel(self, executor: Executor) -> None:
         scene = self.scene if isinstance(executor, ThreadPoolExecutor) else None
-        if scene is None:
-            check_travels(next(iter(self.plan.tasks.values())).scene)
         flying: dict[Future[Frame], str] = {}
         try:
             while self.todo or flying:

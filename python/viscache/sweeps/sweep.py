@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING, Any
 from viscache import metrics as _metrics
 from viscache import sources
 from viscache.progress import Progress
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import require
-from viscache.settings.spelling import nearest
+from viscache.settings.spelling import nearest, spelled
 from viscache.sweeps import designs
 from viscache.sweeps.plan import Over, checked_size, definition_of, make_plan, positive
 from viscache.sweeps.run import Run
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 DEFAULT_METRICS = ("rel_l1", "rmse", "energy", "flip", "ssim")
 
 
+@spelled
 def sweep(
     scene: Any,
     integrator: Any,
@@ -43,7 +45,7 @@ def sweep(
     over: Over,
     repeats: int = 1,
     seed: int = 0,
-    size: tuple[int, int] = (640, 400),
+    size: tuple[int, int] | None = None,
     spp: int = 1,
     converged: Mapping[str, int] | None = None,
     metrics: Iterable[str] = DEFAULT_METRICS,
@@ -62,7 +64,7 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene or str
+    scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=200000`).
     integrator : settings or str
         `vc.Whitted(...)` or "whitted".
@@ -76,8 +78,8 @@ def sweep(
         a list; `viscache.designs` draws random points and Latin hypercubes.
     repeats, seed : int
         Repeat i uses seed + i. 1 <= repeats.
-    size : (width, height)
-        Pixels.
+    size : (width, height), optional
+        Pixels; the camera's own by default, as everywhere.
     spp : int
         Samples per pixel.
     converged : {"spp": ..., "seed": ...}, optional
@@ -89,7 +91,8 @@ def sweep(
         nothing is kept but the table.
     executor : concurrent.futures.Executor, optional
         Any one: of threads, of processes, of dask. Renders frames; this process measures and
-        stores them. Give `scene` as a string, so that every worker loads it itself, once.
+        stores them. A `scene` that has a spec is loaded by every worker itself, once; another one
+        travels with its arrays.
     apart : bool, optional
         Never render two frames side by side on this machine, whatever the executor and however
         many processes work at the directory: frames that share a machine disturb each other's
@@ -125,14 +128,15 @@ def sweep(
         Ctrl-C; what was finished is kept.
     """
     resolved = {
-        "integrator": _settings("integrator", integrator),
-        "rays": _settings("rays", "embree" if rays is None else rays),
-        "visibility": _settings("visibility", "aqvc" if visibility is None else visibility),
+        "integrator": by_name.setting("integrator", integrator),
+        "rays": by_name.setting("rays", rays, "embree"),
+        "visibility": by_name.setting("visibility", visibility, "aqvc"),
     }
+    scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
+    size = frame_size(size, find_camera(opened, camera)) if size is None else size
     common = {
-        "scene": getattr(scene, "spec", None) or scene, "use": use, "camera": camera,
-        "env": env, "threads": threads,
+        "scene": scene, "use": use, "camera": camera, "env": env, "threads": threads,
         "size": checked_size(size), "spp": positive("spp", spp),
     }  # fmt: skip
     require(use in (None, "replace"), 'use must be "replace"', use)
@@ -155,10 +159,7 @@ def sweep(
     return dataset
 
 
-def _settings(role: by_name.Role, value: Any) -> Any:
-    return by_name.make(role, value) if isinstance(value, (str, Mapping)) else value
-
-
+@spelled
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SweepFile:
     """A sweep written down in TOML.
@@ -195,7 +196,7 @@ class SweepFile:
     use: str | None = None
     camera: str | None = None
     env: str | None = None
-    size: Sequence[int] = (640, 400)
+    size: Sequence[int] | None = None
     spp: int = 1
     repeats: int = 1
     seed: int = 0
@@ -263,10 +264,10 @@ class SweepFile:
         return sweep(
             sources.absolute(self.scene, self.folder), self.integrator, visibility=visibility,
             rays=self.rays, use=self.use, over=self.over, repeats=self.repeats, seed=self.seed,
-            size=checked_size(self.size), spp=self.spp, converged=self.converged,
-            metrics=self.metrics, directory=directory, executor=executor, apart=apart,
-            references=references, progress=progress, threads=self.threads, camera=self.camera,
-            env=env,
+            size=None if self.size is None else checked_size(self.size), spp=self.spp,
+            converged=self.converged, metrics=self.metrics, directory=directory,
+            executor=executor, apart=apart, references=references, progress=progress,
+            threads=self.threads, camera=self.camera, env=env,
         )  # fmt: skip
 
 

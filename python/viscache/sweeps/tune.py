@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import html
 import math
+import os
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -18,11 +19,15 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscache import tiles
+from viscache import sources, tiles
 from viscache.render import render_part
 from viscache.scene import Scene
+from viscache.scene.cameras import find_camera, frame_size
+from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
+from viscache.settings.not_given import NotGiven
+from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Aqvc, Exact
 
 __all__ = ["Pilot", "Tuned", "tune"]
@@ -160,13 +165,14 @@ class Tuned:
         return f"<table><caption>{html.escape(repr(self))}</caption>{head}{rows}</table>{said}"
 
 
+@spelled
 def tune(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     integrator: Any,
     *,
     rel_l1: float = 0.01,
-    visibility: Aqvc | None = None,
-    size: tuple[int, int] = (640, 400),
+    visibility: Aqvc | str | None = None,
+    size: tuple[int, int] | None = None,
     spp: int = 1,
     seed: int = 0,
     threads: int | None = None,
@@ -180,15 +186,16 @@ def tune(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     integrator : Direct, Whitted or AmbientOcclusion
-        Its directions not shared.
+        Or its name. Its directions not shared.
     rel_l1 : float
         The error that is wanted, relative L1 of the colour layer; in (0, 1).
     visibility : Aqvc, optional
         The other parameters; a C_E per light group in it stays, and its `c_l` if it is given.
     size, spp, seed, threads, camera, env
-        Of the frame that will be rendered, as `viscache.render` takes them.
+        Of the frame that will be rendered, as `viscache.render` takes them; the size is the
+        camera's own by default.
 
     Returns
     -------
@@ -211,14 +218,17 @@ def tune(
     """
     number = isinstance(rel_l1, (int, float)) and not isinstance(rel_l1, bool)
     require(number and 0 < rel_l1 < 1, "rel_l1 must lie in (0, 1)", rel_l1)
+    integrator = by_name.setting("integrator", integrator)
     require(isinstance(integrator, Direct | Whitted | AmbientOcclusion),
             "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
             integrator)  # fmt: skip
-    base = visibility or Aqvc()
+    base: Aqvc = by_name.setting("visibility", visibility, "aqvc")
     require(isinstance(base, Aqvc), "visibility must be vc.Aqvc(...)", visibility)
     require(is_whole(seed) and 0 <= seed < 1 << 62, "seed must be in [0, 2^62)", seed)
-    lit = scene if env is None else scene.with_environment(env, threads=threads)
-    given = {"size": size, "spp": spp, "threads": threads, "camera": camera}
+    lit = sources.opened(scene)
+    lit = lit if env is None else lit.with_environment(env, threads=threads)
+    pixels = frame_size(size, find_camera(lit, camera))
+    given = {"size": pixels, "spp": spp, "threads": threads, "camera": camera}
     pilot, check = _samples(lit, integrator, given, int(seed))
     if not pilot.groups.isdisjoint(OWN_SAMPLES):
         base = with_light_cells(lambda tried: pilot.measured(tried)[3], base, float(rel_l1))
@@ -239,8 +249,8 @@ def with_light_cells(groups: Callable[[Aqvc], dict[str, float]], base: Aqvc, tar
     `groups` tells what each light group is off by.
     """
     tried = base
-    for halvings in range(MOST_HALVINGS + 1 if base.c_l is None else 0):
-        tried = replace(base, c_l=None if halvings == 0 else 0.5**halvings)
+    for halvings in range(MOST_HALVINGS + 1 if isinstance(base.c_l, NotGiven) else 0):
+        tried = replace(base, c_l=0.5**halvings) if halvings else base
         off = groups(replace(tried, c_e=FINE_C_E))
         if sum(value for name, value in off.items() if name in OWN_SAMPLES) <= target / 2:
             break

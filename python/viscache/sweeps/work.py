@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import threading
 import time
 from collections.abc import Callable
@@ -38,7 +37,7 @@ _SCENE, _LIT = Newest(), Newest()
 def _opened(task: Task) -> Any:
     """The scene of a task, in a worker."""
     scene = task.scene
-    if not isinstance(scene, str):
+    if not isinstance(scene, str):  # a scene that travelled, or a stand-in
         return scene
     opened = _SCENE.get(scene, lambda: sources.open_scene(scene))
     if str(opened.content_hash) != task.scene_hash:
@@ -52,14 +51,3 @@ def _lit(task: Task, scene: Any) -> Any:
         return scene
     key = (task.scene_hash, task.env_hash)
     return _LIT.get(key, lambda: scene.with_environment(task.env, threads=task.threads))
-
-
-def check_travels(scene: Any) -> None:
-    """ValueError where a scene cannot be sent to the workers of an executor."""
-    try:
-        pickle.dumps(scene)
-    except (TypeError, AttributeError, pickle.PicklingError) as error:
-        raise ValueError(
-            "scene must be a file or a built-in name when an executor's workers render it,"
-            f" got {scene!r}"
-        ) from error

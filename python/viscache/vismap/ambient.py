@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import asdict, replace
 
 import numpy as np
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.frame import Frame
 from viscache.provenance import provenance
 from viscache.scene import Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import checked_threads, is_whole, require
-from viscache.settings.maps import MapSettings
+from viscache.settings.maps import MapSettings, map_settings
+from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache, checked_size
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
@@ -22,11 +24,12 @@ __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 AMBIENT = MapSettings(criterion="ambient", w_min=0.1, d_max=0.025)
 
 
+@spelled
 def cached_ambient_occlusion(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     *,
     cache: VisibilityMapCache | None = None,
-    settings: MapSettings | None = None,
+    settings: MapSettings | str | None = None,
     camera: str | int | _core.Camera | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -38,18 +41,18 @@ def cached_ambient_occlusion(
     """Ambient visibility, the visible fraction of the hemisphere, interpolated between records.
 
     Every record stores its visible fraction (Eq. 12, divided by π). A pixel takes the Gaussian mean
-    of the m nearest records. The result has no noise, but it is biased; `viscache.AmbientOcclusion`
-    is the unbiased reference.
+    of the m nearest records. The result has no noise, but it is biased; the unbiased
+    reference is `viscache.AmbientOcclusion(max_distance=None)`.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     cache : VisibilityMapCache, optional
         A cache of the scene with criterion "ambient". Records are added to it where the image needs
         them. By default a new cache.
     settings : MapSettings, optional
-        Settings of the new cache; `viscache.vismap.ambient.AMBIENT` by default. The criterion is
-        set to "ambient".
+        Settings of the new cache, or the name of a preset; `viscache.vismap.ambient.AMBIENT` by
+        default. The criterion is set to "ambient".
     camera, size, threads
         As in `viscache.render`.
     spp, seed : int
@@ -83,10 +86,11 @@ def cached_ambient_occlusion(
     >>> frame.image.shape, frame.counters["unserved"]
     ((20, 32, 1), 0)
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     require(cache is None or settings is None, "settings must be left out with a cache", settings)
     if cache is None:
-        cache = VisibilityMapCache(scene, replace(settings or AMBIENT, criterion="ambient"))
+        chosen = map_settings(settings or AMBIENT)
+        cache = VisibilityMapCache(scene, replace(chosen, criterion="ambient"))
     ambient = cache.settings.criterion == "ambient"
     require(ambient, 'the cache\'s criterion must be "ambient"', cache.settings.criterion)
     fits = cache.scene.content_hash == scene.content_hash
@@ -94,7 +98,7 @@ def cached_ambient_occlusion(
     require(is_whole(spp) and 1 <= spp <= 1 << 20, "spp must be in [1, 2^20]", spp)
     require(is_whole(seed) and 0 <= seed < 1 << 64, "seed must be in [0, 2^64)", seed)
     view = find_camera(scene, camera)
-    columns, rows = checked_size(size or (view.width, view.height))
+    columns, rows = checked_size(frame_size(size, view))
     cores = checked_threads(threads)
 
     start, cpu = time.perf_counter(), time.process_time()

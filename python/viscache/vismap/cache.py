@@ -8,13 +8,14 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
-from viscache.settings.maps import MapSettings
-from viscache.settings.rays import Caster, Embree, Rays, check_rays
+from viscache.settings.maps import MapSettings, map_settings
+from viscache.settings.rays import Caster, Rays, check_rays
+from viscache.settings.spelling import spelled
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.points import Cloud, Rows, insert_tiles, make_cloud
@@ -27,13 +28,15 @@ MAX_PIXELS = 1 << 28
 NOTHING = {"inserted": 0, "duplicates": 0, "rays": 0}
 
 
+@spelled
 class VisibilityMapCache:
     """Visibility-map records of a scene (VisMap Sec. 5).
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     settings : MapSettings, optional
+        Or the name of a preset.
     rays : Embree, Bsp or Vlf, optional
         Ray caster for the rays of records; Embree by default.
 
@@ -48,14 +51,16 @@ class VisibilityMapCache:
     """
 
     def __init__(
-        self, scene: Scene, settings: MapSettings | None = None, *, rays: Rays | None = None
+        self,
+        scene: Scene | str | os.PathLike[str],
+        settings: MapSettings | str | None = None,
+        *,
+        rays: Rays | str | None = None,
     ) -> None:
-        settings = settings or MapSettings()
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
-        require(isinstance(settings, MapSettings), "settings must be a MapSettings", settings)
-        self.scene = scene
+        settings = map_settings(settings)
+        self.scene = sources.opened(scene)
         self.settings = settings
-        self.rays_by = Embree() if rays is None else check_rays(rays)
+        self.rays_by = check_rays(rays)
         self._core = _core.vismap.MapCache(settings.core(), settings.seed)
         self._lock = threading.RLock()
         #: Number of the current frame; `end_frame` increments it.
@@ -100,7 +105,7 @@ class VisibilityMapCache:
         camera: str | int | _core.Camera | None = None,
         *,
         size: tuple[int, int] | None = None,
-        scene: Scene | None = None,
+        scene: Scene | str | os.PathLike[str] | None = None,
         at: tuple[float, float] = (0.5, 0.5),
         threads: int | None = None,
         progress: Progress = False,
@@ -133,10 +138,9 @@ class VisibilityMapCache:
             Within half a second of Ctrl-C; finished records are kept.
         """
         if scene is not None:
-            require(isinstance(scene, Scene), "scene must be a Scene", scene)
-            self.scene = scene
+            self.scene = sources.opened(scene)
         view = find_camera(self.scene, camera)
-        width, height = checked_size(size or (view.width, view.height))
+        width, height = checked_size(frame_size(size, view))
         cores = checked_threads(threads)
         with self._lock:
             startup = self._start(view, width, height, cores)
@@ -252,10 +256,8 @@ class VisibilityMapCache:
             pixels=pixels,
             misses=misses,
             bad_normals=bad_normals,
-            **{name: found[name] for name in (
-                "no_candidate", "weight", "difference", "suppressed", "refused", "lookups", "passes"
-            )},
-        )  # fmt: skip
+            **counts,
+        )
 
     def _pixels(
         self, view: _core.Camera, width: int, height: int, at: tuple[float, float], threads: int
@@ -475,13 +477,15 @@ class VisibilityMapCache:
         cache_file.write(path, state)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], scene: Scene) -> VisibilityMapCache:
+    def load(
+        cls, path: str | os.PathLike[str], scene: Scene | str | os.PathLike[str]
+    ) -> VisibilityMapCache:
         """Load a cache from a file.
 
         Parameters
         ----------
         path : path
-        scene : Scene
+        scene : Scene, path or str
             The scene of the cache.
 
         Raises
@@ -492,7 +496,7 @@ class VisibilityMapCache:
         OSError
             The file cannot be read.
         """
-        require(isinstance(scene, Scene), "scene must be a Scene", scene)
+        scene = sources.opened(scene)
         state = cache_file.read(path, scene.content_hash)
         cache = cls(scene, MapSettings(**state.settings))
         fit = np.array_equal(cache.directions, state.directions)

@@ -14,10 +14,11 @@ from viscache.frame import Frame
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
+from viscache.settings.spelling import spelled
 from viscache.vismap.cache import VisibilityMapCache, checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]
@@ -27,6 +28,7 @@ Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 MOST_ROWS = 256
 
 
+@spelled
 class Relighting:
     """An image of a scene whose environment light can be rotated and replaced in milliseconds.
 
@@ -72,7 +74,7 @@ class Relighting:
         require(blends, 'the cache\'s criterion must be "visibility"', cache.settings.criterion)
         self.cache = cache
         view = find_camera(cache.scene, camera)
-        self.size = checked_size(size or (view.width, view.height))
+        self.size = checked_size(frame_size(size, view))
         self._view = view.name
         self._threads = checked_threads(threads)
         if update:

@@ -66,7 +66,7 @@ def render_with_maps(
 
     start, before, records = time.perf_counter(), cache.rays, len(cache)
     size = (frame.width, frame.height)
-    if visibility.update:
+    if visibility.updates:
         cache.update(view, size=size, threads=frame.threads)
     inserted, traced = len(cache) - records, cache.rays - before
     points, _, _ = cache._pixels(view, *size, (0.5, 0.5), frame.threads)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache.scene import Scene
-from viscache.scene.cameras import find_camera
+from viscache.scene.cameras import find_camera, frame_size
 from viscache.scenes.light_product import (
     LUMINANCE,
     Hits,
@@ -116,10 +116,13 @@ class Pixels:
         The scene has other lights.
     """
 
-    def __init__(self, cache: VisibilityMapCache, camera: Any, size: tuple[int, int]) -> None:
+    def __init__(
+        self, cache: VisibilityMapCache, camera: Any, size: tuple[int, int] | None
+    ) -> None:
         self.cache = cache
         self._directions, self.texels = environment_texels(cache.scene)
         view = find_camera(cache.scene, camera)
+        size = frame_size(size, view)
         self._hits: Hits = first_hits(cache.scene, view, size)
         rules = _core.vismap.PixelRules(cache.settings.d_max)
         self._asking, _, _ = _core.vismap.pixel_points(

@@ -113,7 +113,7 @@ def simulate(
     samples: Sequence[int],
     *,
     camera: str | int | _core.Camera | None = None,
-    size: tuple[int, int] = (640, 480),
+    size: tuple[int, int] | None = None,
     n_pixels: int = 256,
     replicates: int = 32,
     seed: int = 0,
@@ -130,8 +130,9 @@ def simulate(
         Per pixel and pass, or in total if the method is `one_shot`.
     camera : str, int or Camera, optional
         As in `viscache.render`.
-    size : (width, height)
-        Size of the image; the size of pixels determines the search radius for records.
+    size : (width, height), optional
+        Size of the image; the size of pixels determines the search radius for records. The camera's
+        own by default.
     n_pixels : int >= 1
         Number of pixels chosen from those that see a surface; all of them if there are fewer.
     replicates : int >= 2

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
+from viscache.array_output import ArrayOutput
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Vlf
+from viscache.settings.spelling import spelled
 from viscache.vlf.directions import checked_directions
 from viscache.vlf.field import VisibilityField
 
@@ -29,8 +32,8 @@ MOST_EMBREE_NS = 600.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class AlignedRows:
-    """Visibility of N points along l axes."""
+class AlignedRows(ArrayOutput):
+    """Visibility of N points along l axes; as an array, the bits."""
 
     bits: npt.NDArray[np.uint64]
     """(N, ⌈l/64⌉): bit k % 64 of word k // 64 is 1 if nothing blocks the point's ray along axis k,
@@ -48,9 +51,13 @@ class AlignedRows:
         """Number of rays: one per point and axis."""
         return len(self.bits) * self.n_directions
 
+    def _array(self) -> npt.NDArray[np.uint64]:
+        return self.bits
 
+
+@spelled
 def aligned_occlusion(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: npt.ArrayLike,
     normals: npt.ArrayLike,
     n_directions: int = 513,
@@ -77,8 +84,9 @@ def aligned_occlusion(
     ).bits  # fmt: skip
 
 
+@spelled
 def trace_aligned(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: npt.ArrayLike,
     normals: npt.ArrayLike,
     n_directions: int = 513,
@@ -93,7 +101,7 @@ def trace_aligned(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     points : (N, 3) float
         Points on surfaces; rays start 8 units in the last place away (visibility/query.h).
     normals : (N, 3) float
@@ -128,7 +136,7 @@ def trace_aligned(
     KeyboardInterrupt
         Within half a second of Ctrl-C.
     """
-    require(isinstance(scene, Scene), "scene must be a Scene", scene)
+    scene = sources.opened(scene)
     known = engine in get_args(Engine)
     require(known, 'engine must be "auto", "batch", "embree" or "field"', engine)
     frames = _core.vlf.direction_frames(checked_directions(n_directions))
@@ -138,22 +146,15 @@ def trace_aligned(
     asked = _Asked(scene, points, normals, frames, t_max, n_threads)
     chosen, reason = (engine, "asked for") if engine != "auto" else _choose(asked, field)
     with progress_bar(progress, unit="direction") as report:
+        options: dict[str, Any] = {"t_max": t_max, "threads": n_threads, "progress": report}
         if chosen == "batch":
-            bits, _ = scene.aligned_batch().rows(
-                scene._core, points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+            bits, _ = scene.aligned_batch().rows(scene._core, points, normals, frames, **options)
         elif chosen == "field":
             settings = Vlf(n_directions=n_directions)
             core = field._core if field else scene.caster(settings, threads=threads)
-            bits = _core.vlf.field_rows(
-                core, points, normals, frames, t_max=t_max, threads=n_threads, progress=report
-            )
+            bits = _core.vlf.field_rows(core, points, normals, frames, **options)
         else:
-            bits = _core.vlf.embree_rows(
-                scene.caster(), points, normals, frames,
-                t_max=t_max, threads=n_threads, progress=report,
-            )  # fmt: skip
+            bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **options)
     return AlignedRows(
         bits=bits,
         n_directions=len(frames),

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.progress import Progress, progress_bar
-from viscache.scene import Scene
+from viscache.scene import Scene, queries
 from viscache.settings.checks import checked_points, checked_threads, is_whole, require
-from viscache.settings.rays import Vlf
+from viscache.settings.rays import Vlf, vlf_settings
+from viscache.settings.spelling import spelled
 
 __all__ = ["DynamicField", "DynamicHits"]
 
@@ -37,6 +39,7 @@ class DynamicHits(NamedTuple):
     barycentrics: npt.NDArray[np.float32]
 
 
+@spelled
 class DynamicField:
     """A visibility field over a scene and over objects that are inserted, moved and deleted.
 
@@ -47,7 +50,7 @@ class DynamicField:
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or str
     settings : Vlf, optional
         `head_room` is the space available to objects: the radius of the field's ball relative to
         the scene's bounding sphere. Lazy or snapped fields are not supported. Default: a head room
@@ -81,21 +84,21 @@ class DynamicField:
 
     def __init__(
         self,
-        scene: Scene,
-        settings: Vlf | None = None,
+        scene: Scene | str | os.PathLike[str],
+        settings: Vlf | str | None = None,
         *,
         mode: Literal["overlay", "in_place"] = "overlay",
         threads: int | None = None,
         progress: Progress = False,
     ) -> None:
-        settings = Vlf(head_room=1.25) if settings is None else settings
+        settings = Vlf(head_room=1.25) if settings is None else vlf_settings(settings)
         require(mode in ("overlay", "in_place"), 'mode must be "overlay" or "in_place"', mode)
         require(not settings.lazy, "lazy must be false for objects that move", settings.lazy)
         require(not settings.snap, "snap must be false for objects that move", settings.snap)
-        self.scene, self.settings, self.mode = scene, settings, mode
+        self.scene, self.settings, self.mode = sources.opened(scene), settings, mode
         with progress_bar(progress) as report:
             self._core = _core.vlf.DynamicField(
-                scene._core,
+                self.scene._core,
                 settings.core(),
                 _core.vlf.UpdateMode[mode.upper()],
                 threads=checked_threads(threads),
@@ -172,9 +175,8 @@ class DynamicField:
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> DynamicHits:
-        """Nearest hits of (N, 3) rays; see `DynamicHits`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return DynamicHits(*self._core.intersect(o, d, checked_threads(threads)))
+        """Nearest hits of (..., 3) rays, which broadcast; see `DynamicHits`."""
+        return DynamicHits(*queries.hits(self._core, origins, directions, threads))
 
     def occluded(
         self,
@@ -185,8 +187,7 @@ class DynamicField:
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything in (0, t_max)? As `Scene.occluded`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return self._core.occluded(o, d, t_max, checked_threads(threads))
+        return queries.occluded(self._core, origins, directions, t_max, threads)
 
     @property
     def stats(self) -> dict[str, int]:

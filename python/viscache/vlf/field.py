@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import dataclasses
+import os
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
+from viscache import _core, sources
 from viscache.progress import Progress, progress_bar
-from viscache.scene import Intersection, Scene
-from viscache.settings.checks import checked_points, checked_threads
-from viscache.settings.rays import Vlf
+from viscache.scene import Intersection, Scene, queries
+from viscache.settings import by_name
+from viscache.settings.checks import checked_threads, require
+from viscache.settings.rays import Vlf, vlf_settings
+from viscache.settings.spelling import spelled
 
 __all__ = ["VisibilityField"]
 
 
+@spelled
 class VisibilityField:
     """Lists of triangles along beams in fixed directions; rays are traced by lookup (VLF-RT).
 
@@ -27,16 +30,19 @@ class VisibilityField:
 
     Parameters
     ----------
-    scene : Scene
-    n_directions : int or "auto"
+    scene : Scene, path or str
+    n_directions : int or "auto", optional
         l: 1, 3, 9, 33, 129, 513, 2049 or 8193.
-    n_tiles : int in [1, 4096] or "auto"
+    n_tiles : int in [1, 4096] or "auto", optional
         n: tiles along an edge of a subfield.
-    bsp_depth : int in [0, 12] or "auto"
-        Maximum number of halvings of a tile's depth. max_bytes : int Memory budget. A field that
-        would exceed it is refused before it is built; "auto" parameters are chosen to fit.
+    bsp_depth : int in [0, 12] or "auto", optional
+        Maximum number of halvings of a tile's depth.
+    max_bytes : int, optional
+        Memory budget. A field that would exceed it is refused before it is built; "auto" parameters
+        are chosen to fit.
     settings : Vlf, optional
-        All other settings; the four parameters above take precedence.
+        All parameters at once, or "vlf"; `Vlf()` by default. The four parameters above are short
+        for its fields. They are refused if they contradict the settings.
     threads : int, optional
         Threads of the build; all cores by default. The field is the same for any number.
     progress : bool or callable
@@ -48,7 +54,7 @@ class VisibilityField:
         The field would need more than `max_bytes`; the message gives the predicted bytes and the
         largest parameters that fit.
     ValueError
-        A parameter is out of range.
+        A parameter is out of range, or contradicts `settings`.
 
     Examples
     --------
@@ -61,28 +67,30 @@ class VisibilityField:
 
     def __init__(
         self,
-        scene: Scene,
-        n_directions: int | Literal["auto"] = 513,
-        n_tiles: int | Literal["auto"] = 128,
-        bsp_depth: int | Literal["auto"] = "auto",
+        scene: Scene | str | os.PathLike[str],
+        n_directions: int | Literal["auto"] | None = None,
+        n_tiles: int | Literal["auto"] | None = None,
+        bsp_depth: int | Literal["auto"] | None = None,
         *,
-        max_bytes: int = 2 << 30,
-        settings: Vlf | None = None,
+        max_bytes: int | None = None,
+        settings: Vlf | str | None = None,
         threads: int | None = None,
         progress: Progress = False,
     ) -> None:
-        self.scene = scene
+        self.scene = sources.opened(scene)
+        short = {"n_directions": n_directions, "n_tiles": n_tiles, "bsp_depth": bsp_depth,
+                 "max_bytes": max_bytes}  # fmt: skip
+        given = {name: value for name, value in short.items() if value is not None}
+        chosen = vlf_settings(settings)
+        for name, value in given.items() if settings is not None else ():
+            said = getattr(chosen, name)
+            require(value == said, f"{name} must be left out beside settings, or be their {said!r}",
+                    value)  # fmt: skip
         #: The settings as given.
-        self.settings = dataclasses.replace(
-            settings or Vlf(),
-            n_directions=n_directions,
-            n_tiles=n_tiles,
-            bsp_depth=bsp_depth,
-            max_bytes=max_bytes,
-        )
+        self.settings: Vlf = by_name.replaced(chosen, given, "settings")
         with progress_bar(progress) as report:
             self._core = _core.vlf.VisibilityField(
-                scene._core,
+                self.scene._core,
                 self.settings.core(),
                 threads=checked_threads(threads),
                 progress=report,
@@ -115,14 +123,20 @@ class VisibilityField:
 
     @classmethod
     def memory_estimate(
-        cls, scene: Scene, settings: Vlf | None = None, *, threads: int | None = None
+        cls,
+        scene: Scene | str | os.PathLike[str],
+        settings: Vlf | str | None = None,
+        *,
+        threads: int | None = None,
     ) -> int:
         """Predict the bytes of a field with these settings, within a few per cent.
 
         Builds eight of its subfields, one at a time.
         """
-        core = (settings or Vlf()).core()
-        return _core.vlf.predicted_bytes(scene._core, core, checked_threads(threads))
+        core = vlf_settings(settings).core()
+        return _core.vlf.predicted_bytes(
+            sources.opened(scene)._core, core, checked_threads(threads)
+        )
 
     def tile_entries(self, direction: int) -> npt.NDArray[np.int64]:
         """Number of entries in each tile of one axis: an image of the scene along it.
@@ -145,9 +159,8 @@ class VisibilityField:
     def intersect(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, *, threads: int | None = None
     ) -> Intersection:
-        """Nearest hits of (N, 3) rays; as `Scene.intersect`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return Intersection(*self._core.intersect(o, d, checked_threads(threads)))
+        """Nearest hits of (..., 3) rays; as `Scene.intersect`."""
+        return queries.intersect(self._core, origins, directions, threads)
 
     def occluded(
         self,
@@ -158,15 +171,24 @@ class VisibilityField:
         threads: int | None = None,
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything in (0, t_max)? As `Scene.occluded`."""
-        o, d = checked_points(origins, "origins"), checked_points(directions, "directions")
-        return self._core.occluded(o, d, t_max, checked_threads(threads))
+        return queries.occluded(self._core, origins, directions, t_max, threads)
 
     def visible(
         self, x: npt.ArrayLike, y: npt.ArrayLike, *, threads: int | None = None
     ) -> npt.NDArray[np.bool_]:
         """Does x see y? As `Scene.visible`."""
-        ends = checked_points(x, "x"), checked_points(y, "y")
-        return self._core.visible(*ends, checked_threads(threads))
+        return queries.visible(self._core, x, y, threads)
+
+    def visible_matrix(
+        self,
+        points: npt.ArrayLike,
+        targets: npt.ArrayLike,
+        *,
+        threads: int | None = None,
+        progress: Progress = False,
+    ) -> npt.NDArray[np.uint64]:
+        """Every point against every target, as bits. As `Scene.visible_matrix`."""
+        return queries.visible_matrix(self._core, points, targets, threads, progress)
 
     def __repr__(self) -> str:
         s: dict[str, Any] = self.stats

@@ -1,0 +1,103 @@
+#pragma once
+// One row per parameter of a method: its name, member, range and meaning. Checks, bindings and the help read
+// it.
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <type_traits>
+
+namespace viscache {
+
+namespace detail {
+template <class Value>
+void require(bool holds, const std::string& what, Value given) {
+    if (!holds) throw std::invalid_argument(what + ", got " + std::to_string(given));
+}
+}  // namespace detail
+
+/// Names of a closed set, in the order of its enumerators.
+template <class Enum>
+inline constexpr std::array<const char*, 0> kNames{};
+
+/// What a number may be.
+struct Range {
+    static constexpr double kAny = std::numeric_limits<double>::infinity();
+    double low = -kAny, high = kAny;
+    bool above = false;  ///< low itself is not in it
+    bool even = false;
+    bool by_side = false;  ///< errors name the end that was passed alone
+
+    bool holds(double v) const {
+        const bool past_low = above ? v > low : v >= low;
+        return past_low && v <= high && std::abs(v) < kAny && !(even && std::fmod(v, 2) != 0);
+    }
+    /// "in [1, 64]", "> 0": as errors and the help say it.
+    std::string text() const {
+        if (low > -kAny && high < kAny)
+            return (even ? "even and in [" : "in [") + number(low) + ", " + number(high) + "]";
+        if (low > -kAny) return (above ? "> " : ">= ") + number(low);
+        return "";
+    }
+    /// What must hold of v, which does not fit.
+    std::string text_for(double v) const {
+        if (!by_side) return text();
+        return v < low ? ">= " + number(low) : "<= " + number(high);
+    }
+    /// The shortest text of a number; large powers of two as 2^k.
+    static std::string number(double v) {
+        if (v >= 0x1p20 && v < 0x1p63 && std::has_single_bit(uint64_t(v)))
+            return "2^" + std::to_string(std::countr_zero(uint64_t(v)));
+        std::array<char, 32> text{};
+        return {text.data(), std::to_chars(text.data(), text.data() + text.size(), v).ptr};
+    }
+};
+
+/// What else is said of a parameter: the cells that one C_E gives, or keys, or what is kept under them,
+/// depend on it; it exists for the paper's own form alone (viscache.PaperForm).
+enum ParameterUse : unsigned { kPlain = 0, kKeyed = 1, kPaper = 2 };
+
+template <class Struct, class Value>
+struct ParameterRow {
+    const char* name;
+    Value Struct::* member;
+    unsigned use;
+    Range range;
+    const char* doc;
+
+    /// Throws std::invalid_argument unless the number is in range. What is no number always is.
+    void check(const Struct& parameters) const {
+        if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+            const Value value = parameters.*member;
+            const bool of_reals = std::is_floating_point_v<Value> && !(range.high < Range::kAny);
+            detail::require(range.holds(double(value)),
+                            std::string(name) + " must be " + range.text_for(double(value)) +
+                                (of_reals ? " and finite" : ""),
+                            value);
+        }
+    }
+};
+
+template <class Struct, class Value>
+constexpr ParameterRow<Struct, Value> row(const char* name, Value Struct::* member, unsigned use, Range range,
+                                          const char* doc) {
+    return {name, member, use, range, doc};
+}
+template <class Struct, class Value>
+constexpr ParameterRow<Struct, Value> row(const char* name, Value Struct::* member, unsigned use,
+                                          const char* doc) {
+    return {name, member, use, {}, doc};
+}
+
+/// Calls `visit` with every row of a table.
+template <class... Rows, class Visit>
+constexpr void for_each_row(const std::tuple<Rows...>& table, Visit visit) {
+    std::apply([&](const auto&... rows) { (visit(rows), ...); }, table);
+}
+
+}  // namespace viscache

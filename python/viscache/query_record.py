@@ -1,0 +1,147 @@
+"""Every query of a frame, written down: both ends, truth, answer, cluster and level, as NetCDF."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import h5netcdf
+import numpy as np
+import numpy.typing as npt
+
+from viscache.connections import Connections
+from viscache.oracles.points import GROUPS, EyePoints
+from viscache.settings.checks import is_whole, require
+
+__all__ = ["record_queries"]
+
+#: Of a query in memory: its row of the oracle's log, and of the file.
+BYTES_PER_QUERY = 32 + 64
+
+#: Variables of the file: type, unit or meaning.
+VARIABLES: dict[str, tuple[str, str]] = {
+    "x": ("f4", "eye point, scene units"),
+    "y": ("f4", "far end: position, or unit direction"),
+    "eye": ("i8", "number of the eye point"),
+    "far": ("i8", "number of the far end in its group"),
+    "group": ("i1", "light group: " + ", ".join(f"{i} {g}" for i, g in enumerate(GROUPS))),
+    "v": ("i1", "V: 1 where x sees y"),
+    "answer": ("i1", "V~: what the oracle answered"),
+    "cluster": ("i8", "queries with equal numbers share one answer"),
+    "level": ("i1", "of refinement, 0 = coarsest"),
+}
+
+
+def record_queries(
+    conn: Connections,
+    visibility: Any,
+    path: str | os.PathLike[str],
+    *,
+    max_bytes: int = 1 << 30,
+    use: Any = None,
+) -> int:
+    """Write every query of a frame's shared lights to a NetCDF file, tile by tile.
+
+    The file has one dimension "query" and the variables x and y (query, axis), eye, far, group, v,
+    answer, cluster and level; xarray reads it, and pandas through `to_dataframe`. Samples of each
+    eye point's own are not in it.
+
+    Parameters
+    ----------
+    conn : Connections
+        The frame's questions, from `viscache.connections`.
+    visibility : Exact or Aqvc
+        Who answers; `Aqvc` in its default form.
+    path : path
+        Of the file, ".nc"; written whole or not at all.
+    max_bytes : int >= 2^16
+        Memory for queries. Where a tile has more, it is asked several times, for some lights each.
+    use : {"replace", "correct"} or Correct, optional
+        As in `viscache.render`.
+
+    Returns
+    -------
+    int
+        Number of queries written.
+
+    Raises
+    ------
+    ValueError
+        An oracle that cannot tell who answered; max_bytes below one eye point's lights.
+
+    Examples
+    --------
+    >>> import tempfile, xarray, viscache as vc
+    >>> conn = vc.connections(vc.scenes.cube_on_plane(), vc.Direct(), size=(16, 10))
+    >>> path = tempfile.mkdtemp() + "/queries.nc"
+    >>> count = vc.record_queries(conn, vc.Aqvc(c_e=4), path)
+    >>> with xarray.open_dataset(path, engine="h5netcdf") as queries:
+    ...     wrong = float((queries["v"] != queries["answer"]).mean())
+    >>> count > 0, 0 <= wrong < 0.5
+    (True, True)
+    """
+    require(is_whole(max_bytes) and max_bytes >= 1 << 16,
+            "max_bytes must be a whole number >= 65536", max_bytes)  # fmt: skip
+    target = Path(path)
+    partial = target.with_name(target.name + ".partial")
+    try:
+        with h5netcdf.File(partial, "w") as file:
+            written = _write_all(file, conn, visibility, use, int(max_bytes))
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
+    return written
+
+
+def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_bytes: int) -> int:
+    file.dimensions = {"query": None, "axis": 3}
+    for name, (kind, meaning) in VARIABLES.items():
+        dims = ("query", "axis") if name in ("x", "y") else ("query",)
+        chunks = (1 << 14, 3)[: len(dims)]
+        variable = file.create_variable(name, dims, kind, chunks=chunks, compression="gzip")
+        variable.attrs["long_name"] = meaning
+    asked, truth = conn.oracle(visibility, use=use), conn.oracle("exact")
+    written, clusters, first = 0, 0, 0
+    for tile in conn.eyes._tiles or ():
+        eyes = EyePoints(
+            tile["positions"], tile["normals"], tile["density"], _origins=tile["origins"],
+            _tiles=(tile,),
+        )  # fmt: skip
+        rows = slice(first, first + len(eyes))
+        for group, ends in conn.groups.items():
+            wanted = conn.wanted(group)[rows]
+            step = max_bytes // (BYTES_PER_QUERY * max(1, len(eyes)))
+            require(step >= 1, f"max_bytes must be >= {BYTES_PER_QUERY * len(eyes)} for a light of"
+                    " this tile", max_bytes)  # fmt: skip
+            seen = truth.block(eyes, ends, wanted)
+            offset = clusters
+            for begin in range(0, len(ends), step):
+                some = slice(begin, begin + step)
+                answer = asked.block(eyes, ends, wanted, clusters=some)
+                log = answer.clusters
+                columns = {
+                    "x": eyes.positions[log["row"]],
+                    "y": ends.positions[log["column"]],
+                    "eye": log["row"].astype(np.int64) + first,
+                    "far": log["column"],
+                    "group": np.full(len(log), GROUPS.index(group)),
+                    "v": _bits(seen.bits, log),
+                    "answer": _bits(answer.bits, log),
+                    "cluster": log["cluster"].astype(np.int64) + offset,
+                    "level": log["level"],
+                }
+                file.resize_dimension("query", written + len(log))
+                for name, values in columns.items():
+                    file.variables[name][written : written + len(log)] = values
+                written += len(log)
+                if len(log):
+                    offset += int(log["cluster"].max()) + 1
+            clusters = offset
+        first += len(eyes)
+    return written
+
+
+def _bits(rows: npt.NDArray[np.uint64], log: npt.NDArray[Any]) -> npt.NDArray[np.uint64]:
+    words = rows[log["row"], log["column"] // 64]
+    return words >> (log["column"] % 64).astype(np.uint64) & np.uint64(1)

@@ -1,0 +1,78 @@
+"""What is told of a scene: its numbers, its coplanar triangles, how far away it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache.scene.coplanar import coplanar_share
+
+__all__ = ["far_away", "info", "placed_coplanar_share"]
+
+MOST_COUNTED_TRIANGLES = 5_000_000
+#: Sizes from the origin from which on a scene is warned of.
+FAR_AWAY = 1e4
+
+
+def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
+    """The warning of a scene whose distance costs it precision, if it is one."""
+    low, high = bounds.astype(float)
+    size = float(np.max(high - low))
+    if not (np.isfinite(size) and size > 0):
+        return []
+    away = float(np.max(np.abs(low + high))) / 2 / size
+    if away <= FAR_AWAY:
+        return []
+    steps = size / np.spacing(np.float32(away * size))
+    return [
+        f"the scene lies {away:.3g} times its size from the origin, where single precision "
+        f"leaves it {steps:.3g} steps across"
+    ]
+
+
+def placed_coplanar_share(
+    core: _core.Scene, meshes: Callable[[], list[dict[str, Any]]]
+) -> float | None:
+    """`Scene.coplanar_share`."""
+    if core.unique_triangles > MOST_COUNTED_TRIANGLES:
+        return None
+    listed = meshes()
+    placed = np.array([int(m["in_world"]) for m in listed], dtype=float)
+    for members, _ in _core.scene_instances(core):
+        placed[list(members)] += 1
+    counts = placed * [len(m["triangles"]) for m in listed]
+    shares = [
+        coplanar_share(m["vertices"], m["triangles"]) if count else 0.0
+        for m, count in zip(listed, counts, strict=True)
+    ]
+    return float(counts @ shares / counts.sum()) if counts.sum() > 0 else 0.0
+
+
+def info(scene: Any) -> dict[str, Any]:
+    """`Scene.info`."""
+    bounds = [[float(str(v)) for v in corner] for corner in scene.bounds]
+    return {
+        "name": scene.name,
+        "triangles": scene.triangles,
+        "unique_triangles": scene._core.unique_triangles,
+        "instances": scene._core.instances,
+        "bounds": bounds,
+        "lights": scene.lights,
+        "cameras": [
+            {
+                "name": c.name,
+                "origin": list(c.origin),
+                "forward": list(c.forward),
+                "size": [c.width, c.height],
+            }
+            for c in scene.cameras
+        ],
+        "memory_bytes": scene._core.memory_bytes,
+        "coplanar_share": scene.coplanar_share,
+        "content_hash": scene.content_hash,
+        "warnings": scene.warnings,
+    }

@@ -1,0 +1,50 @@
+"""Scenes from files."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from viscache import _core
+from viscache._core import SceneError
+from viscache.scene.environments import apply_environment, decode_images
+from viscache.scene.scene import Env, Scene
+from viscache.settings.spelling import spelled
+
+__all__ = ["load_scene"]
+
+
+@spelled
+def load_scene(
+    path: str | os.PathLike[str],
+    *,
+    strict: bool = False,
+    env: Env | None = None,
+    threads: int | None = None,
+) -> Scene:
+    """Load a scene file.
+
+    Parameters
+    ----------
+    path : path
+        `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
+    strict : bool
+        Make what viscache does not model an error; by default it is skipped and named in
+        `Scene.warnings`.
+    env : path, float, (3,) or (H, W, 3), optional
+        Environment light that replaces the file's.
+    threads : int, optional
+        All cores by default.
+
+    Raises
+    ------
+    SceneError
+        A missing, malformed or inconsistent file; names file and place.
+    """
+    if str(path) and Path(path).is_dir():
+        raise SceneError(f"{path}: is a directory, not a scene file")
+    description = _core.load_scene_file(os.fspath(path), strict=strict)
+    decode_images(description, strict=strict)
+    if env is not None:
+        apply_environment(description, env)
+    return Scene.from_description(description, spec=str(Path(path)), threads=threads)

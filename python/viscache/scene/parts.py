@@ -1,0 +1,98 @@
+"""Scenes from arrays and from trimesh: meshes with materials, put into a description."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core
+from viscache._core import SceneDescription, SceneError
+from viscache.settings.checks import require
+
+__all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes"]
+
+#: Vertices (V, 3), triangles (T, 3) and, where it has one of its own, an albedo (3,) or a mapping
+#: of what `SceneDescription.add_material` takes.
+Mesh: TypeAlias = "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"
+
+
+def checked_meshes(value: Any) -> Sequence[Mesh]:
+    """A list of meshes; ValueError where it is none."""
+    listed = isinstance(value, (list, tuple)) and all(
+        isinstance(mesh, (list, tuple)) and len(mesh) in (2, 3) for mesh in value
+    )
+    require(listed, "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
+            " material), where triangles are left out", type(value).__name__)  # fmt: skip
+    meshes: Sequence[Mesh] = value
+    return meshes
+
+
+def add_mesh(
+    description: SceneDescription, vertices: npt.ArrayLike, triangles: npt.ArrayLike,
+    material: Any, normals: npt.ArrayLike | None = None, name: str = "",
+) -> None:  # fmt: skip
+    """One mesh with a material of its own: an albedo or a mapping."""
+    indices = np.asarray(triangles)
+    if indices.size and indices.dtype.kind not in "iu":
+        raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
+    if indices.size and (indices.min() < 0 or indices.max() > 0xFFFFFFFF):
+        low, high = indices.min(), indices.max()
+        raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
+    description.add_mesh(
+        vertices, indices.astype(np.uint32), material=_add_material(description, material),
+        normals=normals, name=name,
+    )  # fmt: skip
+
+
+def _add_material(description: SceneDescription, material: Any) -> int:
+    if isinstance(material, Mapping):
+        given = dict(material)
+        kind = given.pop("kind", _core.MaterialKind.DIFFUSE)
+        if isinstance(kind, str):
+            known = [k.name.lower() for k in _core.MaterialKind]
+            require(kind in known, f"kind of a material must be one of {known}", kind)
+            kind = _core.MaterialKind[kind.upper()]
+        return description.add_material(kind, **given)
+    rgb = tuple(float(v) for v in material)
+    require(len(rgb) == 3, "base_color must have 3 values", len(rgb))
+    return description.add_material(base_color=(rgb[0], rgb[1], rgb[2]))
+
+
+def add_trimesh(description: SceneDescription, given: Any) -> None:
+    """A trimesh.Trimesh, a trimesh.Scene, or several of them; known by what they have."""
+    for name, mesh, to_world in _placed(given):
+        if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+            kind = type(mesh).__name__
+            raise SceneError(
+                f"meshes must be triangle meshes of trimesh, got {name or kind}: {kind}"
+            )
+        vertices = np.asarray(mesh.vertices, dtype=np.float64)
+        vertices = vertices @ to_world[:3, :3].T + to_world[:3, 3]
+        triangles = np.asarray(mesh.faces)
+        if np.linalg.det(to_world[:3, :3]) < 0:  # a mirrored mesh keeps its outside
+            triangles = triangles[:, ::-1]
+        add_mesh(description, vertices, triangles, _albedo(mesh), name=name)
+
+
+def _placed(given: Any) -> Iterable[tuple[str, Any, npt.NDArray[np.float64]]]:
+    """(name, mesh, matrix (4, 4)) of everything that is placed."""
+    if isinstance(given, (list, tuple)):
+        for one in given:
+            yield from _placed(one)
+    elif hasattr(given, "graph") and hasattr(given, "geometry"):
+        for node in given.graph.nodes_geometry:
+            matrix, name = given.graph[node]
+            yield str(node), given.geometry[name], np.asarray(matrix, dtype=np.float64)
+    else:
+        yield str((getattr(given, "metadata", None) or {}).get("name", "")), given, np.eye(4)
+
+
+def _albedo(mesh: Any) -> tuple[float, ...]:
+    """The mesh's main colour, RGBA bytes in trimesh; a vertex or face colour is averaged there."""
+    visual = getattr(mesh, "visual", None)
+    source = getattr(visual, "material", visual)
+    color = np.asarray(getattr(source, "main_color", (127.5,) * 3), dtype=np.float64)
+    return tuple(np.clip(color.reshape(-1)[:3] / 255, 0, 1).tolist())

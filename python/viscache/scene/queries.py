@@ -1,0 +1,116 @@
+"""Rays and segments as arrays that broadcast as NumPy's do, asked of whatever traces them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.progress import progress_bar
+from viscache.settings.checks import checked_points, checked_threads, require
+from viscache.settings.rays import Caster
+
+__all__ = ["Intersection", "intersect", "occluded", "visible", "visible_matrix"]
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+
+
+class Intersection(NamedTuple):
+    """Nearest hits of N rays; N is any shape that the rays have.
+
+    Attributes
+    ----------
+    t : (N,) float32
+        Distance in units of the direction's length; inf where nothing is hit. A surface through the
+        origin itself is hit at 0 by Embree's robust rays, not by others: start off it.
+    triangle : (N,) int64
+        Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
+    barycentrics : (N, 2) float32
+        Weights of the triangle's vertices 1 and 2; NaN for a miss.
+    instance : (N,) int64
+        Index of the instance; -1 for a miss or a mesh that is not instanced.
+    """
+
+    t: npt.NDArray[np.float32]
+    triangle: npt.NDArray[np.int64]
+    barycentrics: npt.NDArray[np.float32]
+    instance: npt.NDArray[np.int64]
+
+
+def visible(
+    caster: Caster, x: npt.ArrayLike, y: npt.ArrayLike, threads: int | None
+) -> npt.NDArray[np.bool_]:
+    """`Scene.visible`."""
+    (from_, to), shape = together(x=x, y=y)
+    return caster.visible(from_, to, checked_threads(threads)).reshape(shape)
+
+
+def occluded(
+    caster: Any, origins: npt.ArrayLike, directions: npt.ArrayLike,
+    t_max: float | npt.ArrayLike, threads: int | None,
+) -> npt.NDArray[np.bool_]:  # fmt: skip
+    """`Scene.occluded`."""
+    if np.ndim(t_max) == 0:
+        rays, shape = together(origins=origins, directions=directions)
+        ends = t_max
+    else:
+        ends = np.asarray(t_max)
+        rays, shape = together(ends.shape, origins=origins, directions=directions)
+        ends = np.broadcast_to(ends, shape).reshape(-1)
+    found: npt.NDArray[np.bool_] = caster.occluded(*rays, ends, checked_threads(threads))
+    return found.reshape(shape)
+
+
+def intersect(
+    caster: Caster, origins: npt.ArrayLike, directions: npt.ArrayLike, threads: int | None
+) -> Intersection:
+    """`Scene.intersect`."""
+    return Intersection(*hits(caster, origins, directions, threads))
+
+
+def hits(
+    caster: Any, origins: npt.ArrayLike, directions: npt.ArrayLike, threads: int | None
+) -> list[npt.NDArray[Any]]:
+    """The arrays that a caster finds nearest hits as, in the shape of the rays."""
+    rays, shape = together(origins=origins, directions=directions)
+    found = caster.intersect(*rays, checked_threads(threads))
+    return [part.reshape(*shape, *part.shape[1:]) for part in found]
+
+
+def visible_matrix(
+    caster: Caster, points: npt.ArrayLike, targets: npt.ArrayLike, threads: int | None,
+    progress: bool | Callable[[int, int], None],
+) -> npt.NDArray[np.uint64]:  # fmt: skip
+    """`Scene.visible_matrix`."""
+    ends = checked_points(points, "points"), checked_points(targets, "targets")
+    with progress_bar(progress, unit="tile") as report:
+        return caster.visible_matrix(*ends, checked_threads(threads), report)
+
+
+def together(
+    *more: tuple[int, ...], **given: npt.ArrayLike
+) -> tuple[list[Floats], tuple[int, ...]]:
+    """Vectors (..., 3) as rows (N, 3) of one length, and the shape (...) that they broadcast to.
+
+    `more` are the shapes of what broadcasts with them.
+
+    Raises
+    ------
+    ValueError
+        Not vectors, or shapes that do not go together; the message has the names and shapes.
+    """
+    arrays = {name: checked_points(value, name) for name, value in given.items()}
+    for name, array in arrays.items():
+        vectors = array.ndim >= 1 and array.shape[-1] == 3
+        require(vectors, f"{name} must have shape (..., 3)", array.shape)
+    try:
+        shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()), *more)
+    except ValueError:
+        shapes = [array.shape for array in arrays.values()] + list(more)
+        names = " and ".join([*arrays, *["t_max"] * len(more)])
+        told = " and ".join(str(s) for s in shapes)
+        raise ValueError(f"{names} must have shapes that broadcast, got {told}") from None
+    rows = [np.broadcast_to(array, (*shape, 3)).reshape(-1, 3) for array in arrays.values()]
+    return [np.ascontiguousarray(row) for row in rows], shape

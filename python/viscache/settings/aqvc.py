@@ -1,0 +1,280 @@
+"""Settings of the quantized visibility cache.
+
+Ranges, defaults and meanings of the parameters stand in `cpp/viscache/aqvc/parameters.h` alone; the
+classes here take them from there.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from numbers import Real
+from typing import Any, Literal
+
+from viscache import _core
+from viscache.settings.checks import check_types, require
+from viscache.settings.not_given import NotGiven, not_given, plain
+from viscache.settings.source_context import SourceContext
+from viscache.settings.spelling import setting
+
+__all__ = ["Aqvc", "PaperForm"]
+
+LIGHT_GROUPS = (
+    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
+)  # fmt: skip
+
+#: Rows of the C++ table by name.
+ROWS = {row["name"]: row for row in _core.aqvc.parameter_rows()}
+#: Parameters on which keys, or what is kept under them, depend.
+KEYED = tuple(name for name, row in ROWS.items() if row["keyed"])
+#: Parameters that are mappings by light group.
+BY_GROUP = ("c_e_groups", "refinement_groups")
+
+#: What the presets change of the defaults (docs/deviations.md tells why).
+PRESETS: dict[str, dict[str, Any]] = {
+    "default": {},
+    # Fewer and larger clusters, rays where they count (docs/aqvc.md)
+    "fast": {
+        "c_n": 2,
+        "c_z": 1.0,
+        "c_r": 2.0,
+        "by_contribution": True,
+        "level_step": 2.0,
+    },
+    "paper": {
+        "c_z": 8.0,
+        "level_rule": "log2",
+        "level_step": 2.0,
+        "vpl_key": "surface",
+        "refinement": "on",
+        "form": "pairs",
+        "batch": 1,
+    },
+}
+PRESETS["as_printed"] = PRESETS["paper"] | {
+    "normal_mode": "floor",
+    "grid_offset": False,
+    "tangent_neighbours": False,
+    "hash": "scheme1",
+    "env_rule": "printed",
+}
+
+_DEFAULTS = _core.aqvc.AqvcParameters()
+
+
+def _default(name: str) -> Any:
+    """The C++ default, marked as not given."""
+    return not_given(getattr(_DEFAULTS, name))
+
+
+def _documented(cls: type[Any]) -> type[Any]:
+    """Writes the parameters of the C++ table into the docstring, at the line `{parameters}`."""
+    lines = []
+    for f in fields(cls):
+        if f.name in ROWS:
+            row = ROWS[f.name]
+            default = "{}" if f.name in BY_GROUP else repr(f.default).replace("'", '"')
+            lines.append(f"    {f.name} : {row['kind']}, default {default}")
+            lines.append(textwrap.fill(row["doc"], 92, initial_indent=8 * " ",
+                                       subsequent_indent=8 * " "))  # fmt: skip
+    if cls.__doc__:
+        cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
+    return cls
+
+
+def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
+    """Where nothing was given: the preset's value, or the default."""
+    for f in fields(settings):
+        if f.name in ROWS and isinstance(getattr(settings, f.name), NotGiven):
+            value = preset.get(f.name, plain(f.default))
+            object.__setattr__(settings, f.name, not_given(value))
+
+
+def _core_of(*settings: Any) -> _core.aqvc.AqvcParameters:
+    """The C++ struct with the values of these settings, checked."""
+    core = _core.aqvc.AqvcParameters()
+    for part in settings:
+        for f in fields(part):
+            if f.name in ROWS:
+                value = plain(getattr(part, f.name))
+                try:
+                    setattr(core, f.name, dict(value) if f.name in BY_GROUP else value)
+                except TypeError as error:
+                    message = f"{f.name} must be a number in range, got {value!r}"
+                    raise ValueError(message) from error
+    core.validate()
+    return core
+
+
+@setting
+@_documented
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PaperForm:
+    """What the paper's own form of the cache has besides: `Aqvc(paper=PaperForm(...))`.
+
+    What is given wins over the preset, the rest is the preset's.
+
+    Parameters
+    ----------
+    {parameters}
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> exact_table = vc.PaperForm(form="pairs", storage="exact")
+    >>> vc.Aqvc(preset="paper", paper=exact_table).paper.level_rule
+    'log2'
+    """
+
+    form: Literal["waves", "pairs"] = _default("form")
+    storage: Literal["table", "exact", "shared", "paper_tiles"] = _default("storage")
+    batch: int = _default("batch")
+    queue: int = _default("queue")
+    c_w: int = _default("c_w")
+    order: Literal["hm", "scanline", "random"] = _default("order")
+    c_pg: float = _default("c_pg")
+    hash: Literal["scheme2", "scheme1", "scheme1_mixed"] = _default("hash")
+    digest_bits: int = _default("digest_bits")
+    normal_mode: Literal["round", "floor", "octahedral", "single"] = _default("normal_mode")
+    grid_offset: bool = _default("grid_offset")
+    tangent_neighbours: bool = _default("tangent_neighbours")
+    res_rule: Literal["eq7", "eq6"] = _default("res_rule")
+    env_rule: Literal["derived", "printed"] = _default("env_rule")
+    cell_density: Literal["light", "mixture"] = _default("cell_density")
+    vpl_key: Literal["point", "surface"] = _default("vpl_key")
+    level_rule: Literal["finest", "log2"] = _default("level_rule")
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        _core_of(self)
+
+
+@setting
+@_documented
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Aqvc:
+    """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
+
+    What is given wins over the preset; the defaults shown are those of the preset "default".
+
+    Parameters
+    ----------
+    preset : {"default", "fast", "paper", "as_printed"}
+        "fast": fewer, larger cells and C_E by contribution: at one C_E fewer rays and more error.
+        It pays with many lights and in foliage, not with few lamps.
+        "paper": the paper's parameters with our corrections, one query at a time through the hash
+        table. "as_printed": with its slips too (docs/deviations.md).
+    {parameters}
+    paper : PaperForm
+        What the paper's own form has besides.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> vc.Aqvc(c_e=8).c_z, vc.Aqvc(preset="paper").c_z, vc.Aqvc(preset="paper", c_z=2).c_z
+    (4.0, 8.0, 2.0)
+    """
+
+    preset: Literal["default", "fast", "paper", "as_printed"] = "default"
+    c_e: float = _default("c_e")
+    c_e_groups: Mapping[str, float] = field(default_factory=dict, hash=False)
+    c_l: float = _default("c_l")
+    c_n: int = _default("c_n")
+    c_z: float = _default("c_z")
+    c_r: float = _default("c_r")
+    scale_free: bool = _default("scale_free")
+    grid_seed: int = _default("grid_seed")
+    refinement: Literal["auto", "on", "off"] = _default("refinement")
+    refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
+    level_step: float = _default("level_step")
+    c_finest: float = _default("c_finest")
+    by_contribution: bool = _default("by_contribution")
+    table_bytes: int = _default("table_bytes")
+    paper: PaperForm = PaperForm()
+
+    def __post_init__(self) -> None:
+        check_types(self)
+        table = isinstance(self.c_e_groups, Mapping)
+        require(table, "c_e_groups must map light groups to numbers", self.c_e_groups)
+        for group, value in self.c_e_groups.items():
+            require(group in LIGHT_GROUPS, f"c_e_groups must name {', '.join(LIGHT_GROUPS)}", group)
+            number = isinstance(value, Real) and not isinstance(value, bool)
+            require(
+                number and 0 < value < float("inf"),
+                f"c_e_groups[{group!r}] must be > 0 and finite", value,
+            )  # fmt: skip
+        self._check_refinement_groups()
+        require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
+        _fill(self, PRESETS[self.preset])
+        paper = replace(self.paper)
+        _fill(paper, PRESETS[self.preset])
+        object.__setattr__(self, "paper", paper)
+        self.core()
+
+    def _check_refinement_groups(self) -> None:
+        given = self.refinement_groups
+        table = isinstance(given, Mapping)
+        require(table, 'refinement_groups must map light groups to "auto", "on" or "off"', given)
+        for group, value in given.items():
+            known = group in LIGHT_GROUPS
+            require(known, f"refinement_groups must name {', '.join(LIGHT_GROUPS)}", group)
+            require(value in ("auto", "on", "off"),
+                    f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
+                    value)  # fmt: skip
+
+    def core(self) -> _core.aqvc.AqvcParameters:
+        """The C++ struct with the preset and what was given.
+
+        Raises
+        ------
+        ValueError
+            A value out of range.
+        """
+        return _core_of(self, self.paper)
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        scene, caster, spp = context.scene, context.caster, context.spp
+        if context.kept is not None:
+            table, check, repair = context.kept
+            return _core.KeptTableSource(
+                scene, caster, self.core(), table, spp=spp, check=check, repair=repair
+            )
+        if context.bidirectional:
+            return _core.FrameTableSource(scene, caster, self.core(), spp=spp)
+        return _core.AqvcSource(scene, caster, self.core(), spp=spp)
+
+    def for_frame_table(self) -> Aqvc:
+        """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
+
+        In the default preset also C_R = 2 (docs/deviations.md, A35).
+        """
+        own: dict[str, Any] = {"table_bytes": 256 << 20, "refinement": "off"}
+        if self.preset == "default":
+            own["c_r"] = 2.0
+        return self._unless_given(own, {"res_rule": "eq6"})
+
+    def for_kept_table(self) -> Aqvc:
+        """With what a table kept over frames needs: one query at a time, scale-free cells."""
+        made = self._unless_given({"scale_free": True}, {"form": "pairs", "storage": "table"})
+        form, storage = made.paper.form, made.paper.storage
+        require(form == "pairs", 'form must be "pairs" with keep', form)
+        require(storage == "table", 'storage must be "table" with keep', storage)
+        return made
+
+    def _unless_given(self, own: Mapping[str, Any], paper: Mapping[str, Any]) -> Aqvc:
+        """With these values, where nothing was given."""
+        papers = {n: v for n, v in paper.items() if isinstance(getattr(self.paper, n), NotGiven)}
+        values = {n: v for n, v in own.items() if isinstance(getattr(self, n), NotGiven)}
+        return replace(self, **values, paper=replace(self.paper, **papers))
+
+    def resolved(self) -> dict[str, Any]:
+        """Every parameter's value, those of `paper` under their own names."""
+        own = {f.name: plain(getattr(self, f.name)) for f in fields(self) if f.name != "paper"}
+        own |= {name: dict(own[name]) for name in BY_GROUP}
+        return own | {f.name: plain(getattr(self.paper, f.name)) for f in fields(self.paper)}
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values as used: `resolved`."""
+        return self.resolved()

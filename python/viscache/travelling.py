@@ -1,0 +1,57 @@
+"""Scenes that travel to other processes: by their spec where that gives the same scene again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from weakref import WeakKeyDictionary
+
+from viscache import _core, sources
+from viscache._core import SceneDescription, SceneError
+from viscache.scene import Scene
+from viscache.workers import Newest
+
+__all__ = ["reduced"]
+
+#: A process that is sent one scene many times makes it once.
+_NEWEST = Newest()
+#: Whether the spec of a scene gives a scene of the same content, found out when it travels first.
+_REOPENS: WeakKeyDictionary[Scene, bool] = WeakKeyDictionary()
+
+
+def reduced(scene: Scene) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
+    """How a scene is made again: what `copyreg.pickle` takes."""
+    if scene not in _REOPENS:
+        _REOPENS[scene] = scene.spec is not None and _reopens(scene.spec, scene.content_hash)
+    if _REOPENS[scene]:
+        spec = str(scene.spec)
+        return _from_spec, (sources.absolute(spec, Path.cwd()), spec, scene.content_hash)
+    return _from_arrays, (_core.description_of(scene._core), scene.spec, scene.content_hash)
+
+
+def _reopens(spec: str, content_hash: str) -> bool:
+    try:
+        return sources.open_scene(spec).content_hash == content_hash
+    except (ValueError, OSError, MemoryError):
+        return False
+
+
+def _from_spec(where: str, spec: str, content_hash: str) -> Scene:
+    def make() -> Scene:
+        made = sources.open_scene(where)
+        if made.content_hash != content_hash:
+            raise SceneError(f"{where}: must be the scene that was sent, its content differs")
+        made.spec = spec
+        return made
+
+    return _kept((content_hash, spec), make)
+
+
+def _from_arrays(description: SceneDescription, spec: str | None, content_hash: str) -> Scene:
+    return _kept((content_hash, spec), lambda: Scene.from_description(description, spec=spec))
+
+
+def _kept(key: tuple[str, str | None], make: Callable[[], Scene]) -> Scene:
+    made: Scene = _NEWEST.get(key, make)
+    return made

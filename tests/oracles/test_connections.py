@@ -1,0 +1,143 @@
+"""The renderer's taps: answers to its own questions make its own frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+
+SIZE = (72, 40)
+ROOM = "room?triangles=3000"
+
+
+def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) -> tuple[Any, Any]:
+    """The frame that answers make, and the renderer's."""
+    use = options.pop("use", None)
+    conn = vc.connections(scene, integrator, size=SIZE, **options)
+    made = conn.frame(conn.answers(visibility, use=use))
+    return made, vc.render(scene, integrator, size=SIZE, visibility=visibility, use=use, **options)
+
+
+@pytest.mark.parametrize("spp", [1, 4])
+@pytest.mark.parametrize(
+    "visibility",
+    [vc.Exact(), vc.Aqvc(c_e=8), vc.Aqvc(c_e=6, preset="paper"), vc.ShadowMap(resolution=64),
+     vc.Aqvc(preset="fast", c_e=8)],
+    ids=["exact", "aqvc", "paper", "shadow maps", "fast"],
+)  # fmt: skip
+def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: int) -> None:
+    made, rendered = frames(
+        vc.scenes.build(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3
+    )
+    assert made.sha256 == rendered.sha256
+    for name, layer in rendered.layers.items():
+        np.testing.assert_array_equal(made.layers[name], layer)
+
+
+@pytest.mark.parametrize("visibility", [vc.Exact(), vc.Aqvc(c_e=8)], ids=["exact", "aqvc"])
+@pytest.mark.parametrize(
+    "integrator",
+    [vc.Direct(n_area=5), vc.AmbientOcclusion(n_samples=9, max_distance=1.0)],
+    ids=["direct", "ambient"],
+)
+def test_samples_of_each_eye_points_own_too(integrator: Any, visibility: Any) -> None:
+    scene = vc.scenes.build("cornell_box" if "cornell_box" in vc.scenes.SCENES else ROOM)
+    made, rendered = frames(scene, integrator, visibility, spp=4, env=(0.5, 0.6, 0.7))
+    assert made.sha256 == rendered.sha256
+
+
+def test_corrected_answers_too() -> None:
+    made, rendered = frames(
+        vc.scenes.build(ROOM), vc.Whitted(n_vpls=40), vc.Aqvc(c_e=12), use=vc.Correct(share=0.3)
+    )
+    assert made.sha256 == rendered.sha256
+
+
+def test_contributions_of_what_is_seen_are_the_light() -> None:
+    scene = vc.scenes.build(ROOM)
+    conn = vc.connections(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
+    exact = vc.render(scene, vc.Whitted(n_vpls=30), size=SIZE, seed=1)
+    oracle = conn.oracle(vc.Exact())
+    total = np.zeros(3)
+    for group, ends in conn.groups.items():
+        seen = oracle.block(conn.eyes, ends).visible
+        light = conn.contributions(group)
+        assert light.shape == (len(conn.eyes), len(ends), 3)
+        np.testing.assert_array_equal(light[10:20], conn.contributions(group, slice(10, 20)))
+        wanted = np.unpackbits(conn.wanted(group).view(np.uint8), axis=1, bitorder="little")
+        np.testing.assert_array_equal(wanted[:, : len(ends)] > 0, light.sum(axis=2) > 0)
+        total += (light * seen[..., None]).sum(axis=(0, 1))
+    groups = [exact.layers[name] for name in conn.groups]
+    np.testing.assert_allclose(total, np.sum(groups, axis=(0, 1, 2)), rtol=1e-4)
+
+
+def test_plain_arrays_are_answers_too() -> None:
+    scene = vc.scenes.build(ROOM)
+    conn = vc.connections(scene, vc.Direct(), size=SIZE)
+    rendered = vc.render(scene, vc.Direct(), size=SIZE)
+    bits = {group: conn.oracle(vc.Exact()).block(conn.eyes, ends).visible
+            for group, ends in conn.groups.items()}  # fmt: skip
+    assert conn.frame(bits).sha256 == rendered.sha256
+    half = {group: (seen, np.full(seen.shape, 0.5)) for group, seen in bits.items()}
+    np.testing.assert_allclose(
+        conn.frame(half).layers["point"], rendered.layers["point"] / 2, rtol=1e-6
+    )
+    assert not conn.frame({}).layers["point"].any()
+
+
+def test_wrong_answers_are_refused() -> None:
+    conn = vc.connections(vc.scenes.build(ROOM), vc.Direct(), size=SIZE)
+    seen = np.ones((len(conn.eyes), len(conn.groups["point"])), dtype=bool)
+    for answers, match in (
+        ({"points": seen}, "answers must be of point"),
+        ({"point": seen[:5]}, "must have shape"),
+        ({"point": seen.astype(float)}, "must be bool or bits"),
+        ({"point": (seen, np.full(seen.shape, np.inf))}, "finite"),
+        ({"point": (seen, np.ones(3))}, "weights must have shape"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            conn.frame(answers)
+    for make, match in (
+        (lambda: vc.connections(conn._scene, vc.Bdpt()), "integrator must be"),  # type: ignore[arg-type]
+        (lambda: vc.connections(conn._scene, vc.Direct(environment="product")), "product"),
+        (lambda: conn.contributions("area"), "group must be one of"),
+        (lambda: conn.contributions("point", slice(0, 10, 2)), "without a step"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            make()
+
+
+def test_own_virtual_lights_and_arrays_of_lamps() -> None:
+    d = vc.SceneDescription()
+    d.add_mesh(np.array([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], dtype=np.float32),
+               np.array([(0, 2, 1), (0, 3, 2)]))  # fmt: skip
+    d.add_point_lights([(0, 1, 0), (1, 2, 0)], [(1, 1, 1), (2, 1, 0)])
+    scene = vc.Scene.from_description(d)
+    assert [light["kind"] for light in scene.lights] == ["point", "point"]
+    own = vc.Vpls([(0, 2, 0), (1, 2, 1)], [(0, -1, 0), (0, -2, 0)], [1.0, 2.0])
+    camera = vc.look_at((0, 3, 3), (0, 0, 0), (0, 1, 0), 60)
+    conn = vc.connections(scene, vc.Whitted(vpls=own), size=SIZE, camera=camera)
+    assert len(conn.groups["vpl"]) == 2
+    frame = vc.render(scene, vc.Whitted(vpls=own), size=SIZE, camera=camera)
+    assert frame.counters["vpls"] == 2
+    # One patch above the floor: f · flux · cos · cos' / (d² + bound²) at every eye point
+    light = conn.contributions("vpl")
+    eye = np.asarray(conn.eyes.positions, dtype=np.float64)
+    place = np.asarray(conn.groups["vpl"].positions, dtype=np.float64)
+    flux = np.array([own.flux[own.positions.tolist().index(p)][0] for p in place.tolist()])
+    towards = place[None] - eye[:, None]
+    d2 = (towards**2).sum(axis=2)
+    bound2 = (0.01 * np.linalg.norm(np.diff(scene.bounds, axis=0))) ** 2
+    cosines = towards[..., 1] ** 2 / d2
+    expected = 0.5 / np.pi * flux * cosines / (d2 + bound2)
+    albedo = light[..., 0].max() / expected.max() * 0.5
+    np.testing.assert_allclose(light[..., 0], expected * albedo / 0.5, rtol=2e-3)
+    with pytest.raises(ValueError, match="vpls must be"):
+        vc.Whitted(vpls=[(0, 0, 0)])  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="equal numbers of rows"):
+        d.add_point_lights([(0, 1, 0)], [(1, 1, 1), (2, 1, 0)])
+    with pytest.raises(ValueError, match="flux must be >= 0"):
+        vc.Vpls([(0, 2, 0)], [(0, -1, 0)], [-1.0])

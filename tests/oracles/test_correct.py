@@ -1,0 +1,148 @@
+"""use="correct": any cache as a control variate."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import _core
+from viscache.oracles.correct import Correct
+
+SIZE = (48, 32)
+ROOM = "room?triangles=3000"
+
+
+@pytest.mark.parametrize(
+    ("integrator", "visibility"),
+    [
+        (vc.Whitted(n_vpls=64), vc.Aqvc(c_e=12)),
+        (vc.Whitted(n_vpls=64), vc.Aqvc(preset="fast", c_e=12)),
+        (vc.Direct(n_area=4), vc.Aqvc(c_e=12, preset="paper")),
+        (vc.Direct(n_area=4), vc.ShadowMap(resolution=32)),
+        (vc.AmbientOcclusion(n_samples=8, max_distance=1.0), vc.Aqvc(c_e=12)),
+        (vc.Bdpt(max_depth=3), vc.Aqvc(c_e=12)),
+        (vc.Direct(), vc.Exact()),
+    ],
+    ids=["waves", "fast", "paper", "shadow maps", "own samples", "bdpt", "exact"],
+)
+def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibility: Any) -> None:
+    scene = vc.scenes.build(ROOM)
+    exact = vc.render(scene, integrator, size=SIZE, spp=2)
+    right = vc.render(
+        scene, integrator, size=SIZE, spp=2, visibility=visibility, use=vc.Correct(share=1)
+    )
+    assert right.sha256 == exact.sha256
+    assert right.counters["corrections"] > 0
+    if not isinstance(visibility, vc.Exact):
+        cached = vc.render(scene, integrator, size=SIZE, spp=2, visibility=visibility)
+        assert cached.sha256 != exact.sha256
+        assert right.counters["contradicted"] > 0
+
+
+def test_weights_of_roulette_are_corrected_too() -> None:
+    scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
+    exact = vc.render(scene, light, size=SIZE)
+    right = vc.render(scene, light, size=SIZE, visibility=vc.NeePlusPlus(), use=vc.Correct(share=1))
+    np.testing.assert_allclose(right.image, exact.image, rtol=1e-5, atol=1e-7)
+
+
+def energies(scene: vc.Scene, c_e: float, share: float | None, seeds: int) -> Any:
+    """Relative energy errors of frames against exact frames of the same seeds."""
+    errors = []
+    for seed in range(seeds):
+        options: dict[str, Any] = {"size": SIZE, "seed": seed}
+        exact = vc.render(scene, vc.Whitted(n_vpls=48), **options).image.sum()
+        use = None if share is None else vc.Correct(share=share)
+        frame = vc.render(
+            scene, vc.Whitted(n_vpls=48), visibility=vc.Aqvc(c_e=c_e, refinement="off"), use=use,
+            **options,
+        )  # fmt: skip
+        errors.append(float(frame.image.sum() / exact - 1))
+    return np.array(errors)
+
+
+@pytest.mark.stat
+def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
+    scene, seeds = vc.scenes.build("slits"), 24
+    biased = energies(scene, 16, None, seeds)
+    corrected = energies(scene, 16, 0.25, seeds)
+    error = corrected.std(ddof=1) / np.sqrt(seeds)
+    z = corrected.mean() / error
+    assert abs(z) < 3.5
+    # Power: one percent less energy, and the cache alone, are noticed
+    assert error < 0.01 / 3.5 or abs(biased.mean()) > 3.5 * error
+    assert abs(biased.mean()) > 5 * biased.std(ddof=1) / np.sqrt(seeds)
+    assert abs(biased.mean()) > abs(corrected.mean()) + 3 * error
+
+
+@pytest.mark.stat
+def test_without_weights_the_bias_shows() -> None:
+    """Negative control: corrections that count as if every query had been drawn."""
+    scene = vc.scenes.build("slits")
+    view = scene.cameras[0] if scene.cameras else scene.overview_camera()
+    from viscache.render import frame_settings
+    from viscache.settings.integrators import core_settings
+
+    errors = []
+    for seed in range(12):
+        frame = frame_settings(SIZE, 1, seed, None)
+        caster = scene.caster(vc.Embree())
+        parts = (scene._core, caster, view, core_settings(vc.Whitted(n_vpls=48)), frame)
+        cache = vc.Aqvc(c_e=16, refinement="off").core()
+        inner = _core.AqvcSource(scene._core, caster, cache, spp=1)
+        source = _core.ResidualSource(
+            scene._core, caster, inner, share=0.25, seed=seed, weighted=False
+        )
+        made = _core.render_frame(*parts, source)["layers"]["color"].sum()
+        exact = _core.render_frame(*parts, _core.ExactSource(scene._core, caster))
+        errors.append(float(made / exact["layers"]["color"].sum() - 1))
+    assert abs(np.mean(errors)) > 5 * np.std(errors, ddof=1) / np.sqrt(len(errors))
+
+
+def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
+    scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
+    frames = [
+        vc.render(scene, light, size=SIZE, visibility=vc.Aqvc(c_e=12), threads=n, rays=vc.Bsp(),
+                  use=vc.Correct(share=0.2))
+        for n in (1, 3)
+    ]  # fmt: skip
+    assert frames[0].sha256 == frames[1].sha256
+    assert frames[0].parameters["use"] == {"name": "correct", "share": 0.2}
+    counters = frames[0].counters
+    conn = vc.connections(scene, light, size=SIZE, rays=vc.Bsp())
+    cached, exact = conn.answers(vc.Aqvc(c_e=12)), conn.answers(vc.Exact())
+    wrong = sum(
+        np.bitwise_count(cached[g].bits ^ exact[g].bits).sum()  # type: ignore[union-attr]
+        for g in conn.groups
+    )
+    share = counters["contradicted"] / counters["corrections"]
+    expected = wrong / counters["queries"]
+    spread = np.sqrt(expected * (1 - expected) / counters["corrections"])
+    assert abs(share - expected) < 4 * spread
+    assert counters["corrections"] == pytest.approx(0.2 * counters["queries"], rel=0.02)
+
+
+def test_correct_is_the_default_share() -> None:
+    scene = vc.scenes.build(ROOM)
+    options: dict[str, Any] = {"size": SIZE, "visibility": vc.Aqvc(c_e=12)}
+    word = vc.render(scene, vc.Direct(), use="correct", **options)
+    assert word.sha256 == vc.render(scene, vc.Direct(), use=Correct(), **options).sha256
+
+
+def test_what_does_not_combine_is_refused() -> None:
+    scene = vc.scenes.build(ROOM)
+    for share in (0, -0.1, 1.1, float("nan")):
+        with pytest.raises(ValueError, match="share must be"):
+            vc.Correct(share=share)
+    product = vc.Direct(environment="product")
+    for integrator, options, match in (
+        (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "unless visibility is"),
+        (product, {"use": "correct", "env": 1.0}, "product"),
+        (vc.AmbientOcclusion(n_samples=33, directions="shared"), {"use": "correct"}, "shared"),
+        (vc.Direct(), {"use": "repair"}, "use must be"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            vc.render(scene, integrator, size=SIZE, **options)  # type: ignore[arg-type]

@@ -1,0 +1,242 @@
+"""Oracles written in Python: rendered, swept, corrected; wrong ones are refused."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+
+SIZE = (64, 40)
+ROOM = "room?triangles=3000"
+WHITTED = vc.Whitted(n_vpls=40)
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Every wanted ray."""
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return eyes.trace(lamps, wanted)
+
+
+@dataclass(frozen=True)
+class AsBits:
+    """The same as rows of bits."""
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        seen = np.zeros((len(eyes), -(-len(lamps) // 64) * 64), dtype=bool)
+        seen[:, : len(lamps)] = eyes.trace(lamps, wanted)
+        return np.packbits(seen, axis=1, bitorder="little").view(np.uint64)
+
+    def pairs(self, eyes: Any, index: Any, ends: Any) -> Any:
+        return np.array(
+            [eyes[int(i)].trace(ends[k])[0, 0] for k, i in enumerate(index)], dtype=bool
+        )
+
+
+@dataclass(frozen=True)
+class Half:
+    """A random half of the rays, which count twice: unbiased."""
+
+    seed: int = 0
+    weight: float = 2.0
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        random = np.random.default_rng([self.seed, len(lamps), int(wanted.sum())])
+        kept = wanted & (random.random(wanted.shape) < 0.5)
+        return eyes.trace(lamps, kept), np.full(wanted.shape, self.weight)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One eye point asks for a whole cell of space."""
+
+    cell: float = 0.25
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        facing = np.argmax(np.abs(eyes.normals), axis=1)
+        key = np.column_stack([np.floor(eyes.positions / self.cell), facing])
+        _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        asked = np.zeros((len(first), len(lamps)), dtype=bool)
+        np.logical_or.at(asked, cell.ravel(), wanted)
+        return eyes[first].trace(lamps, asked)[cell.ravel()]
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    return vc.scenes.build(ROOM)
+
+
+@pytest.mark.parametrize("oracle", [Rays(), AsBits()])
+@pytest.mark.parametrize(
+    ("integrator", "options"),
+    [
+        (WHITTED, {}),
+        (vc.Direct(), {"env": (0.4, 0.5, 0.6), "spp": 2}),
+        (vc.AmbientOcclusion(n_samples=4, max_distance=1.0), {}),
+        (vc.Bdpt(max_depth=3), {}),
+    ],
+    ids=["whitted", "direct", "ambient", "bdpt"],
+)
+def test_traced_rays_make_the_exact_frame(
+    room: vc.Scene, integrator: Any, options: Any, oracle: Any
+) -> None:
+    size = (16, 10) if isinstance(oracle, AsBits) else SIZE
+    exact = vc.render(room, integrator, size=size, **options)
+    for threads in (1, 3):
+        made = vc.render(room, integrator, size=size, visibility=oracle, threads=threads, **options)
+        assert made.sha256 == exact.sha256
+        assert made.counters["queries"] == exact.counters["queries"]
+        if isinstance(oracle, Rays):
+            assert made.counters["rays"] == exact.counters["rays"]
+
+
+def test_a_grid_of_twenty_lines_trades_rays_for_error(room: vc.Scene) -> None:
+    exact = vc.render(room, WHITTED, size=SIZE)
+    found = {}
+    for cell in (0.02, 0.2, 0.8):
+        frame = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=cell))
+        assert frame.parameters["visibility"] == {"name": "Grid", "cell": cell}
+        found[cell] = (frame.counters["rays"], vc.metrics.compare(frame, exact)["rel_l1"])
+    assert found[0.02][0] > found[0.2][0] > found[0.8][0]
+    assert found[0.02][1] < found[0.2][1] < found[0.8][1]
+
+
+def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
+    table = vc.sweep(
+        room, WHITTED, visibility=Grid(), over={"visibility.cell": [0.1, 0.4]}, size=SIZE
+    )
+    assert list(table["cell"].values) == [0.1, 0.4]
+    assert table["rays"].values[0] > table["rays"].values[1]
+    assert table["rel_l1"].values[0] < table["rel_l1"].values[1]
+
+
+def test_it_serves_as_control_variate(room: vc.Scene) -> None:
+    exact = vc.render(room, WHITTED, size=SIZE)
+    right = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=0.5), use=vc.Correct(share=1))
+    assert right.sha256 == exact.sha256
+    weighted = vc.render(room, WHITTED, size=SIZE, visibility=Half(), use=vc.Correct(share=1))
+    np.testing.assert_allclose(weighted.image, exact.image, rtol=1e-5, atol=1e-7)
+
+
+def test_weights_count(room: vc.Scene) -> None:
+    exact = vc.render(room, WHITTED, size=SIZE).image.mean()
+    means = [
+        vc.render(room, WHITTED, size=SIZE, visibility=Half(seed=seed)).image.mean()
+        for seed in range(12)
+    ]
+    error = np.std(means, ddof=1) / np.sqrt(len(means))
+    assert error < 0.01 * exact
+    assert abs(np.mean(means) - exact) < 4 * error
+    wrong = vc.render(room, WHITTED, size=SIZE, visibility=Half(weight=1.0)).image.mean()
+    assert wrong < 0.6 * exact
+
+
+def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:
+    told: list[tuple[str, int]] = []
+
+    @dataclass
+    class Told(Rays):
+        calls: list[tuple[str, int]] = field(default_factory=list)
+        lock: Any = field(default_factory=threading.Lock)
+
+        def begin_frame(self, lights: Any) -> None:
+            told.append(("frame", len(lights)))
+
+        def begin_tile(self, eyes: Any) -> None:
+            told.append(("tile", len(eyes)))
+
+    frame = vc.render(room, WHITTED, size=(256, 200), visibility=Told(), threads=2)
+    assert told[0] == ("frame", len(vc.connections(room, WHITTED, size=SIZE).groups))
+    assert [name for name, _ in told[1:]] == ["tile"] * (len(told) - 1)
+    assert sum(n for name, n in told if name == "tile") > 0
+    assert frame.sha256 == vc.render(room, WHITTED, size=(256, 200)).sha256
+
+
+def test_state_of_a_tile_is_each_threads_own(room: vc.Scene) -> None:
+    @dataclass
+    class Counting(Rays):
+        seen: int = 0
+
+        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+            before = self.seen
+            self.seen += 1
+            answer = eyes.trace(lamps, wanted)
+            assert self.seen == before + 1
+            return answer
+
+    given = Counting()
+    frame = vc.render(room, WHITTED, size=(300, 200), visibility=given, threads=4)
+    assert given.seen == 0
+    assert frame.sha256 == vc.render(room, WHITTED, size=(300, 200)).sha256
+
+
+def broken(answer: Any) -> Any:
+    class Broken:
+        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+            return answer(eyes, lamps, wanted)
+
+    return Broken()
+
+
+@pytest.mark.parametrize(
+    ("answer", "match"),
+    [
+        (lambda e, k, w: w[:-1], "must return bool of shape"),
+        (lambda e, k, w: w.astype(float), "must return bool of shape"),
+        (lambda e, k, w: None, "must return bool of shape"),
+        (lambda e, k, w: (w, np.full(w.shape, np.nan)), "weights must be finite"),
+        (lambda e, k, w: (w, np.ones(3)), "weights must have shape"),
+        (lambda e, k, w: (w, None, None), "an array or"),
+        (lambda e, k, w: e.trace(k, w[:, :1]), "wanted must have shape"),
+        (lambda e, k, w: vc.EyePoints(e.positions, e.normals).trace(k), "handed to an oracle"),
+    ],
+)
+def test_nonsense_is_refused_and_loses_nothing(room: vc.Scene, answer: Any, match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        vc.render(room, WHITTED, size=SIZE, visibility=broken(answer), threads=3)
+    assert vc.render(room, WHITTED, size=SIZE, visibility=Rays()).counters["rays"] > 0
+
+
+def test_an_exception_ends_the_frame_with_its_traceback(room: vc.Scene) -> None:
+    def answer(eyes: Any, lamps: Any, wanted: Any) -> Any:
+        raise KeyError("my own mistake")
+
+    with pytest.raises(KeyError, match="my own mistake") as caught:
+        vc.render(room, WHITTED, size=SIZE, visibility=broken(answer), threads=2)
+    assert any("test_written" in str(entry.path) for entry in caught.traceback)
+
+
+def test_what_is_no_oracle_is_refused(room: vc.Scene) -> None:
+    for given in (object(), Rays, 5):
+        with pytest.raises(ValueError, match="visibility must be"):
+            vc.render(room, WHITTED, visibility=given, size=SIZE)
+    with pytest.raises(ValueError, match="for parts of a frame"):
+        from viscache.render import render_part
+
+        render_part(room, WHITTED, (0, 2), visibility=Rays(), size=SIZE)
+    with pytest.raises(ValueError, match="product"):
+        vc.render(room, vc.Direct(environment="product"), visibility=Rays(), size=SIZE, env=1.0)
+
+
+def test_a_cancelled_frame_is_interrupted(room: vc.Scene) -> None:
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vc.render(room, vc.Whitted(n_vpls=1024), size=(640, 400), visibility=Rays(), progress=stop)
+
+
+def test_arrays_are_asked_through_it_as_well(room: vc.Scene, tmp_path: Path) -> None:
+    conn = vc.connections(room, WHITTED, size=SIZE)
+    made = conn.frame(conn.answers(Grid(cell=0.3)))
+    rendered = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=0.3))
+    assert made.sha256 == rendered.sha256
+    rendered.save(tmp_path / "grid.exr")
+    assert vc.Frame.load(tmp_path / "grid.exr").parameters == rendered.parameters

@@ -1,0 +1,165 @@
+"""Scenes that are sent to other processes, and what notebooks show of them."""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import _core, travelling
+from viscache.workers import Newest
+
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+SIZE = (24, 16)
+
+
+@pytest.fixture(autouse=True)
+def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that this process has made before is found again."""
+    monkeypatch.setattr(travelling, "_NEWEST", Newest())
+
+
+def sent(scene: vc.Scene) -> vc.Scene:
+    back: vc.Scene = pickle.loads(pickle.dumps(scene))
+    assert back is not scene and back.content_hash == scene.content_hash
+    assert (back.spec, back.name, back.warnings) == (scene.spec, scene.name, scene.warnings)
+    a, b = (vc.render(s, vc.Direct(), size=SIZE) for s in (scene, back))
+    assert a.sha256 == b.sha256
+    return back
+
+
+def described() -> vc.Scene:
+    d = vc.SceneDescription()
+    d.name = "described"
+    texture = d.add_image(np.random.default_rng(0).random((4, 4, 3)))
+    grey = d.add_material(base_color=(0.6, 0.6, 0.6), base_texture=texture)
+    corners = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], dtype=float)
+    uvs = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+    quad = np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
+    d.add_mesh(corners, quad, material=grey, uvs=uvs)
+    leaf = d.add_mesh(0.2 * corners, quad, material=grey, uvs=uvs, in_world=False)
+    for k in range(3):
+        d.add_instance([leaf], [[1, 0, 0, 0.3 * k], [0, 1, 0, 0.4], [0, 0, 1, 0]])
+    d.add_point_light((0.0, 2.0, 0.0), (10.0, 10.0, 10.0))
+    d.add_sphere_light((1.0, 3.0, 0.0), 0.2, (5.0, 5.0, 5.0))
+    d.add_directional_light((0.0, 1.0, 0.2), (1.0, 1.0, 1.0))
+    d.set_environment((0.3, 0.3, 0.3))
+    d.add_camera((0.0, 2.0, 4.0), (0.0, 0.0, 0.0), name="front")
+    d.warn("made:1", "is only a test")
+    return vc.Scene.from_description(d)
+
+
+def test_built_in_scenes_and_files_travel_by_their_spec(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert len(pickle.dumps(vc.scenes.room(triangles=5000))) < 1000
+    sent(vc.scenes.room(triangles=5000))
+    (tmp_path / "one.obj").write_text(OBJ)
+    monkeypatch.chdir(tmp_path)
+    bytes_ = pickle.dumps(vc.load_scene("one.obj"))
+    monkeypatch.chdir("/")
+    back = pickle.loads(bytes_)
+    assert back.spec == "one.obj" and back.triangles == 1
+
+
+def test_scenes_of_arrays_travel_with_everything() -> None:
+    back = sent(described())
+    assert back.lights == described().lights
+    assert [c.name for c in back.cameras] == ["front"]
+    sent(vc.Scene.from_arrays(np.eye(3), [[0, 1, 2]], env=1.0))
+
+
+def test_a_spec_that_does_not_give_the_scene_is_not_relied_on(tmp_path: Path) -> None:
+    lit = vc.scenes.cube_on_plane().with_environment(3.0)
+    assert lit.spec == "cube_on_plane"
+    sent(lit)
+    path = tmp_path / "one.obj"
+    path.write_text(OBJ)
+    scene = vc.load_scene(path, env=1.0)
+    sent(scene)
+    plain = vc.load_scene(path)
+    path.unlink()
+    sent(plain)
+
+
+def test_a_file_that_changed_on_the_way_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "one.obj"
+    path.write_text(OBJ)
+    bytes_ = pickle.dumps(vc.load_scene(path))
+    path.write_text(OBJ.replace("1 0 0", "2 0 0"))
+    with pytest.raises(vc.SceneError, match="must be the scene that was sent, its content differs"):
+        pickle.loads(bytes_)
+
+
+def test_a_scene_that_is_sent_often_is_made_once() -> None:
+    bytes_ = pickle.dumps(described())
+    assert pickle.loads(bytes_) is pickle.loads(bytes_)
+
+
+@pytest.mark.parametrize(
+    "spec", ["cornell_box", "room?triangles=3000", "garden?triangles=20000", "hairball"]
+)
+def test_built_in_scenes_come_back_from_their_arrays(spec: str) -> None:
+    made = vc.scenes.build(spec)
+    description = pickle.loads(pickle.dumps(_core.description_of(made._core)))
+    assert vc.Scene.from_description(description).content_hash == made.content_hash
+
+
+def rendered(scene: vc.Scene) -> str:
+    return vc.render(scene, vc.Direct(), size=SIZE, threads=1).sha256
+
+
+def test_pools_of_processes_take_scenes() -> None:
+    scene = described()
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
+        parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
+        assert parts.sha256 == rendered(scene)
+        table = vc.sweep(scene, "direct", over={"c_e": [4]}, size=SIZE, executor=pool,
+                         metrics=["rel_l1"])  # fmt: skip
+        here = vc.sweep(scene, "direct", over={"c_e": [4]}, size=SIZE, metrics=["rel_l1"])
+        assert table.rel_l1.values == here.rel_l1.values
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("damage", [b"", b"\x00" * 8, b"text that is no scene"])
+def test_other_bytes_are_no_description(damage: bytes) -> None:
+    with pytest.raises(vc.SceneError, match="the bytes "):
+        vc.SceneDescription.__new__(vc.SceneDescription).__setstate__(damage)
+
+
+def test_a_notebook_shows_a_scene() -> None:
+    text = described()._repr_html_()
+    for wanted in ("data:image/png;base64,", "thumbnail", "<td>8</td>", "front", "1 point",
+                   "1 sphere", "described", "is only a test", "bounds"):  # fmt: skip
+        assert wanted in text, wanted
+
+
+@pytest.mark.parametrize(
+    ("scene", "shown"),
+    [
+        (lambda: vc.Scene.from_arrays(np.eye(3), [[0, 1, 2]]), "alt='normals'"),
+        (lambda: vc.Scene.from_arrays(np.zeros((0, 3)), np.zeros((0, 3), int)), "no triangles"),
+        (lambda: vc.scenes.slits(), "alt='thumbnail'"),
+    ],
+)
+def test_a_scene_without_lights_or_triangles_shows_what_there_is(scene: Any, shown: str) -> None:
+    assert shown in scene()._repr_html_()
+
+
+def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fails(scene: vc.Scene) -> str:
+        raise MemoryError("too <large>")
+
+    monkeypatch.setattr(vc.Scene, "_picture", staticmethod(fails))
+    text = vc.scenes.slits()._repr_html_()
+    assert "no picture: too &lt;large&gt;" in text and "triangles" in text
