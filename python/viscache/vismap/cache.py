@@ -247,6 +247,8 @@ class VisibilityMapCache:
         misses: int,
         bad_normals: int,
     ) -> UpdateReport:
+        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
+        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
         return UpdateReport(
             frame=self.frame,
             startup=startup["inserted"],
