@@ -199,7 +199,8 @@ class VisibilityMapCache:
             Shapes do not match, positions are not finite, normals are not unit vectors, or another
             value is out of range. The cache stays as it was.
         KeyboardInterrupt
-            Within half a second of Ctrl-C; finished records are kept.
+            Within half a second of Ctrl-C while records are inserted; finished records are kept.
+            The search for neighbours before that is not interrupted.
 
         Examples
         --------
