@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,7 +20,13 @@ from viscache.scene import Env, Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import require
-from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted, core_settings
+from viscache.settings.integrators import (
+    AmbientOcclusion,
+    Direct,
+    Whitted,
+    core_settings,
+    described,
+)
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 
@@ -186,7 +191,7 @@ class Connections:
             parameters={
                 "scene": self._scene.spec or self._scene.name,
                 "scene_hash": self._scene.content_hash,
-                "integrator": {"name": type(self._integrator).__name__, **asdict(self._integrator)},
+                "integrator": described(self._integrator),
                 "visibility": {"name": "given"},
                 "size": [self._frame.width, self._frame.height], "spp": self._frame.spp,
                 "seed": self._frame.seed, "camera": self._camera.name,
