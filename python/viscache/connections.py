@@ -232,6 +232,8 @@ class Connections:
 
     def _give_samples(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
         order: tuple[Any, Any] = ([], [])
+        seen: Any
+        weights: Any
         if isinstance(answer, PairAnswer):
             seen, weights, order = answer.visible, answer.weights, answer._order or order
         else:
@@ -244,10 +246,10 @@ class Connections:
 def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
     if weights is None:
         return None
-    weights = np.ascontiguousarray(weights, dtype=np.float32)
-    good = bool(np.isfinite(weights).all())
+    rows: npt.NDArray[np.float32] = np.ascontiguousarray(weights, dtype=np.float32)
+    good = bool(np.isfinite(rows).all())
     require(good, f"weights of answers[{group!r}] must be finite", "values that are not")
-    return weights
+    return rows
 
 
 @spelled

@@ -796,7 +796,7 @@ def render_bdpt(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptS
     """
     A frame of bidirectional paths. `source` serves one frame.
     """
-def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps = None, batch: vlf.AlignedBatch = None, field: vlf.VisibilityField = None, progress: typing.Any = None) -> dict:
+def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps | None = None, batch: vlf.AlignedBatch | None = None, field: vlf.VisibilityField | None = None, progress: typing.Any = None) -> dict:
     """
     A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field`: who may trace shared directions of ambient occlusion.
     """
