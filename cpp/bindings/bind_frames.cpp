@@ -1,5 +1,6 @@
 // Rendering frames: tiles of eye points, and bidirectional paths. Any source of oracles serves both.
 #include <pybind11/pybind11.h>
+#include <pybind11/typing.h>
 
 #include "frame_dict.h"
 #include "frame_maps.h"
@@ -28,6 +29,12 @@ std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const Int
     return AlignedEngines{batch, *embree, field};
 }
 
+/// What Python gave, or nullptr for None.
+template <class T>
+const T* pointer(const py::object& given) {
+    return given.is_none() ? nullptr : given.cast<const T*>();
+}
+
 void check_maps(const Scene& scene, const IntegratorSettings& integrator) {
     if (!scene.environment())
         throw py::value_error("scene must have an environment light for visibility maps");
@@ -37,10 +44,13 @@ void check_maps(const Scene& scene, const IntegratorSettings& integrator) {
 
 py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera& camera,
                       const IntegratorSettings& integrator, const FrameSettings& frame, OracleSource& source,
-                      const FrameMaps* maps, const AlignedBatch* batch, const VisibilityField* field,
-                      const py::object& progress) {
+                      const py::typing::Optional<FrameMaps>& given_maps,
+                      const py::typing::Optional<AlignedBatch>& batch,
+                      const py::typing::Optional<VisibilityField>& field, const py::object& progress) {
+    const auto* maps = pointer<FrameMaps>(given_maps);
     if (maps) check_maps(scene, integrator);
-    const auto engines = aligned_engines(caster, integrator, batch, field);
+    const auto engines =
+        aligned_engines(caster, integrator, pointer<AlignedBatch>(batch), pointer<VisibilityField>(field));
     FrameResult result;
     run_interruptible(
         [&](Control& control) {

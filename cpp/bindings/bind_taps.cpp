@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "frame_dict.h"
 #include "interrupt.h"
 #include "oracle_arrays.h"
 #include "viscache/render/frame.h"
@@ -101,28 +102,20 @@ public:
         std::memcpy(out.mutable_data(), source.values().data(), source.values().size() * sizeof(Rgb));
         return out;
     }
-    /// Asks a source about the samples of a group, as a frame does.
-    py::dict ask(OracleSource& source, int group, int threads) const {
-        EyeTiles tiles;
-        for (const TileTap& tile : source_.tiles()) {
-            tiles.eyes.push_back(tile.eyes);
-            auto& row = tiles.row.emplace_back(tile.eyes.size());
-            for (uint32_t& number : row) number = uint32_t(tiles.size++);
-        }
-        SamplesAnswer answer;
+    /// Asks a source all that the frame asks, as the frame does: {"lights": [...], "samples": {group: ...}}.
+    py::dict ask(OracleSource& inner) const {
+        AnswerSource source(inner);
+        FrameResult result;
         run_interruptible([&](Control& control) {
-            answer = ask_samples(source, tiles, joined(group).at, threads, control);
+            result = render_frame(scene_, caster_, camera_, integrator_, frame_, source, control);
         });
-        py::dict out;
-        py::array_t<bool> visible(py::ssize_t(answer.visible.size()));
-        std::copy(answer.visible.begin(), answer.visible.end(), visible.mutable_data());
-        out["visible"] = visible;
-        if (!answer.weights.empty())
-            out["weights"] = py::array_t<float>(py::ssize_t(answer.weights.size()), answer.weights.data());
-        out["order"] = answer.order;
-        out["run_end"] = answer.run_end;
-        out["rays"] = answer.counters.rays();
-        out["queries"] = answer.counters.queries();
+        py::dict out = account_dict(result), samples;
+        py::list lights;
+        for (size_t light = 0; light < source_.lights().size(); ++light)
+            lights.append(block_of(source, light, source_.lights()[light].count));
+        for (const auto& [group, there] : groups_) samples[py::int_(group)] = samples_of(source, group);
+        out["lights"] = lights;
+        out["samples"] = samples;
         return out;
     }
     /// Starts the answers of a frame.
@@ -139,6 +132,57 @@ public:
     }
 
 private:
+    /// Bits and weights of a shared group, tile after tile.
+    py::dict block_of(const AnswerSource& source, size_t light, size_t columns) const {
+        const size_t words = words_for(columns);
+        py::array_t<uint64_t> bits({py::ssize_t(rows_), py::ssize_t(words)});
+        uint64_t* to = bits.mutable_data();
+        bool weighted = false;
+        for (const TileAnswers& tile : source.tiles()) {
+            for (size_t r = 0; r < tile.bits[light].rows(); ++r, to += words)
+                std::memcpy(to, tile.bits[light].row(r), words * sizeof(Word));
+            weighted |= !tile.weights[light].empty();
+        }
+        py::dict out;
+        out["bits"] = bits;
+        if (!weighted) return out;
+        py::array_t<float> weights({py::ssize_t(rows_), py::ssize_t(columns)});
+        float* next = weights.mutable_data();
+        for (const TileAnswers& tile : source.tiles()) {
+            const size_t n = tile.bits[light].rows() * columns;
+            const std::vector<float>& from = tile.weights[light];
+            next = from.empty() ? std::fill_n(next, n, 1.f) : std::copy(from.begin(), from.end(), next);
+        }
+        out["weights"] = weights;
+        return out;
+    }
+    /// Answers and weights of a group's samples in the order of the eye points, and the orders they were
+    /// asked in.
+    py::dict samples_of(const AnswerSource& source, int group) const {
+        std::vector<uint8_t> visible;
+        std::vector<float> weights;
+        std::vector<std::vector<uint32_t>> order, run_end;
+        bool weighted = false;
+        for (const TileAnswers& tile : source.tiles()) {
+            const auto found = tile.samples.find(group);
+            const TileAnswers::Samples none, &s = found == tile.samples.end() ? none : found->second;
+            for (const auto& [eye, row] : s.rows) {
+                visible.insert(visible.end(), row.first.begin(), row.first.end());
+                weights.insert(weights.end(), row.second.begin(), row.second.end());
+            }
+            weighted |= s.weighted;
+            order.push_back(s.order);
+            run_end.push_back(s.run_end);
+        }
+        py::array_t<bool> seen(py::ssize_t(visible.size()));
+        std::copy(visible.begin(), visible.end(), seen.mutable_data());
+        py::dict out;
+        out["visible"] = seen;
+        if (weighted) out["weights"] = py::array_t<float>(py::ssize_t(weights.size()), weights.data());
+        out["order"] = order;
+        out["run_end"] = run_end;
+        return out;
+    }
     /// The samples of a group through all tiles, eye points by their number in the frame.
     void join(int group) {
         SamplesTap& all = joined_[group];
@@ -238,7 +282,7 @@ void bind_taps(py::module_& m) {
         .def("sample_groups", &FrameTaps::sample_groups)
         .def("samples", &FrameTaps::samples, py::arg("group"))
         .def("contributions", &FrameTaps::contributions, py::arg("group"), py::arg("begin"), py::arg("end"))
-        .def("ask", &FrameTaps::ask, py::arg("source"), py::arg("group"), py::arg("threads"))
+        .def("ask", &FrameTaps::ask, py::arg("source"))
         .def_property_readonly("rows", &FrameTaps::rows);
     py::class_<GivenSource, OracleSource>(m, "GivenSource", "Answers that were given.");
     py::class_<Answers>(m, "GivenAnswers", "Answers for one frame.")

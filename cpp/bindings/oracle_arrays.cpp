@@ -1,5 +1,7 @@
 #include "oracle_arrays.h"
 
+#include <pybind11/stl.h>
+
 #include "arrays.h"
 #include "caster_queries.h"
 #include "checked_rows.h"

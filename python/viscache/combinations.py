@@ -145,7 +145,8 @@ RULES: tuple[Rule, ...] = (
          lambda r: r.integrator),
     Rule("frames in parts", '`PaperForm(storage="paper_tiles")`', '`storage="table"`',
          'storage must be "table" or "exact" for parts of a frame',
-         lambda r: r.parts > 1 and getattr(r.visibility, "storage", "") == "paper_tiles"),
+         lambda r: (r.parts > 1 and isinstance(r.visibility, Aqvc)
+                    and r.visibility.paper.storage == "paper_tiles")),
     Rule("frames in parts", "shared directions with another `sky_engine`",
          '`sky_engine="embree"`',
          'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with shared'

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,7 +20,13 @@ from viscache.scene import Env, Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import require
-from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted, core_settings
+from viscache.settings.integrators import (
+    AmbientOcclusion,
+    Direct,
+    Whitted,
+    core_settings,
+    described,
+)
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
 
@@ -123,17 +128,24 @@ class Connections:
         dict
             Group → answer, for `frame`.
         """
-        oracle = self.oracle(visibility, use=use)
-        found: dict[str, Answer] = {
-            group: oracle.block(self.eyes, ends, self.wanted(group))
-            for group, ends in self.groups.items()
-        }
-        for group in self.samples:
-            result = self._taps.ask(oracle._source(), GROUPS.index(group), self._frame.threads)
+        result = self._taps.ask(self.oracle(visibility, use=use)._source())
+        counters, timings = result["counters"], result["timings"]
+
+        def counted(group: str) -> dict[str, Any]:
+            own = counters["groups"].get(group, {"queries": 0, "rays": 0})
+            return {**own, "frame": counters}
+
+        found: dict[str, Answer] = {}
+        for group, ends in self.groups.items():
+            block = result["lights"][self._light_number[group]]
+            found[group] = BlockAnswer(
+                block["bits"], len(ends), block.get("weights"), counted(group), timings
+            )
+        for number, samples in result["samples"].items():
+            group = GROUPS[number]
             found[group] = PairAnswer(
-                result["visible"], result.get("weights"),
-                {"queries": result["queries"], "rays": result["rays"]},
-                _order=(result["order"], result["run_end"]),
+                samples["visible"], samples.get("weights"), counted(group), timings,
+                (samples["order"], samples["run_end"]),
             )  # fmt: skip
         return found
 
@@ -186,7 +198,7 @@ class Connections:
             parameters={
                 "scene": self._scene.spec or self._scene.name,
                 "scene_hash": self._scene.content_hash,
-                "integrator": {"name": type(self._integrator).__name__, **asdict(self._integrator)},
+                "integrator": described(self._integrator),
                 "visibility": {"name": "given"},
                 "size": [self._frame.width, self._frame.height], "spp": self._frame.spp,
                 "seed": self._frame.seed, "camera": self._camera.name,
@@ -220,6 +232,8 @@ class Connections:
 
     def _give_samples(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
         order: tuple[Any, Any] = ([], [])
+        seen: Any
+        weights: Any
         if isinstance(answer, PairAnswer):
             seen, weights, order = answer.visible, answer.weights, answer._order or order
         else:
@@ -232,10 +246,10 @@ class Connections:
 def _finite(weights: Any, group: str) -> npt.NDArray[np.float32] | None:
     if weights is None:
         return None
-    weights = np.ascontiguousarray(weights, dtype=np.float32)
-    good = bool(np.isfinite(weights).all())
+    rows: npt.NDArray[np.float32] = np.ascontiguousarray(weights, dtype=np.float32)
+    good = bool(np.isfinite(rows).all())
     require(good, f"weights of answers[{group!r}] must be finite", "values that are not")
-    return weights
+    return rows
 
 
 @spelled

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
+import h5netcdf  # type: ignore[import-untyped,unused-ignore]
 import numpy as np
 import numpy.typing as npt
 
@@ -142,6 +142,6 @@ def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_byte
     return written
 
 
-def _bits(rows: npt.NDArray[np.uint64], log: npt.NDArray[Any]) -> npt.NDArray[np.uint64]:
+def _bits(rows: npt.NDArray[np.uint64], log: npt.NDArray[Any]) -> Any:
     words = rows[log["row"], log["column"] // 64]
     return words >> (log["column"] % 64).astype(np.uint64) & np.uint64(1)

@@ -27,6 +27,7 @@ from viscache.settings.integrators import (
     Bdpt,
     Integrator,
     core_settings,
+    described,
 )
 from viscache.settings.rays import Rays, Vlf, check_rays
 from viscache.settings.source_context import SourceContext
@@ -224,7 +225,7 @@ def render_part(
         parameters={
             "scene": scene.spec or scene.name,
             "scene_hash": scene.content_hash,
-            "integrator": {"name": type(integrator).__name__, **asdict(integrator)},
+            "integrator": described(integrator),
             "rays": {"name": type(rays).__name__, **asdict(rays)},
             "visibility": {"name": type(visibility).__name__, **parameters_of(visibility)},
             "use": _use_in_words(use, visibility),

@@ -10,6 +10,8 @@ import pytest
 import viscache as vc
 from viscache import _core
 from viscache.oracles.correct import Correct
+from viscache.render import frame_settings
+from viscache.settings.integrators import core_settings
 
 SIZE = (48, 32)
 ROOM = "room?triangles=3000"
@@ -49,57 +51,42 @@ def test_weights_of_roulette_are_corrected_too() -> None:
     np.testing.assert_allclose(right.image, exact.image, rtol=1e-5, atol=1e-7)
 
 
-def energies(scene: vc.Scene, c_e: float, share: float | None, seeds: int) -> Any:
+def energies(scene: vc.Scene, share: float | None, seeds: int, weighted: bool = True) -> Any:
     """Relative energy errors of frames against exact frames of the same seeds."""
+    caster, view = scene.caster(vc.Embree()), scene.cameras[0]
+    cache, light = vc.Aqvc(c_e=16, refinement="off").core(), core_settings(vc.Direct())
     errors = []
     for seed in range(seeds):
-        options: dict[str, Any] = {"size": SIZE, "seed": seed}
-        exact = vc.render(scene, vc.Whitted(n_vpls=48), **options).image.sum()
-        use = None if share is None else vc.Correct(share=share)
-        frame = vc.render(
-            scene, vc.Whitted(n_vpls=48), visibility=vc.Aqvc(c_e=c_e, refinement="off"), use=use,
-            **options,
-        )  # fmt: skip
-        errors.append(float(frame.image.sum() / exact - 1))
+        parts = (scene._core, caster, view, light, frame_settings(SIZE, 1, seed, None))
+        exact = _core.ExactSource(scene._core, caster)
+        source: Any = _core.AqvcSource(scene._core, caster, cache, spp=1)
+        if share is not None:
+            source = _core.ResidualSource(
+                scene._core, caster, source, share=share, seed=seed, weighted=weighted
+            )
+        sums = [_core.render_frame(*parts, s)["layers"]["color"].sum() for s in (source, exact)]
+        errors.append(float(sums[0] / sums[1] - 1))
     return np.array(errors)
+
+
+def z_of(errors: Any) -> float:
+    return float(errors.mean() / (errors.std(ddof=1) / np.sqrt(len(errors))))
 
 
 @pytest.mark.stat
 def test_corrected_frames_are_unbiased_and_one_percent_would_show() -> None:
-    scene, seeds = vc.scenes.build("slits"), 24
-    biased = energies(scene, 16, None, seeds)
-    corrected = energies(scene, 16, 0.25, seeds)
-    error = corrected.std(ddof=1) / np.sqrt(seeds)
-    z = corrected.mean() / error
-    assert abs(z) < 3.5
-    # Power: one percent less energy, and the cache alone, are noticed
-    assert error < 0.01 / 3.5 or abs(biased.mean()) > 3.5 * error
-    assert abs(biased.mean()) > 5 * biased.std(ddof=1) / np.sqrt(seeds)
-    assert abs(biased.mean()) > abs(corrected.mean()) + 3 * error
+    scene, seeds = vc.scenes.build(ROOM), 24
+    corrected = energies(scene, 0.25, seeds)
+    assert abs(z_of(corrected)) < 3.5
+    # Power: one percent less energy would be noticed, and so is the cache alone
+    assert abs(z_of(corrected - 0.01)) > 5
+    assert abs(z_of(energies(scene, None, seeds))) > 5
 
 
 @pytest.mark.stat
 def test_without_weights_the_bias_shows() -> None:
     """Negative control: corrections that count as if every query had been drawn."""
-    scene = vc.scenes.build("slits")
-    view = scene.cameras[0] if scene.cameras else scene.overview_camera()
-    from viscache.render import frame_settings
-    from viscache.settings.integrators import core_settings
-
-    errors = []
-    for seed in range(12):
-        frame = frame_settings(SIZE, 1, seed, None)
-        caster = scene.caster(vc.Embree())
-        parts = (scene._core, caster, view, core_settings(vc.Whitted(n_vpls=48)), frame)
-        cache = vc.Aqvc(c_e=16, refinement="off").core()
-        inner = _core.AqvcSource(scene._core, caster, cache, spp=1)
-        source = _core.ResidualSource(
-            scene._core, caster, inner, share=0.25, seed=seed, weighted=False
-        )
-        made = _core.render_frame(*parts, source)["layers"]["color"].sum()
-        exact = _core.render_frame(*parts, _core.ExactSource(scene._core, caster))
-        errors.append(float(made / exact["layers"]["color"].sum() - 1))
-    assert abs(np.mean(errors)) > 5 * np.std(errors, ddof=1) / np.sqrt(len(errors))
+    assert abs(z_of(energies(vc.scenes.build(ROOM), 0.25, 24, weighted=False))) > 5
 
 
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -141,10 +140,9 @@ def test_weights_count(room: vc.Scene) -> None:
 def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:
     told: list[tuple[str, int]] = []
 
-    @dataclass
-    class Told(Rays):
-        calls: list[tuple[str, int]] = field(default_factory=list)
-        lock: Any = field(default_factory=threading.Lock)
+    class Told:
+        def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+            return eyes.trace(lamps, wanted)
 
         def begin_frame(self, lights: Any) -> None:
             told.append(("frame", len(lights)))
@@ -161,7 +159,7 @@ def test_it_may_be_told_of_frames_and_tiles(room: vc.Scene) -> None:
 
 def test_state_of_a_tile_is_each_threads_own(room: vc.Scene) -> None:
     @dataclass
-    class Counting(Rays):
+    class Counting:
         seen: int = 0
 
         def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:

@@ -24,7 +24,7 @@ BROKEN: list[dict[str, Any]] = [
     {"integrator": vc.Bdpt(), "visibility": vc.VisMaps()},
     {"integrator": vc.Direct(environment="shared"), "visibility": vc.VisMaps()},
     {"integrator": vc.Bdpt(), "visibility": vc.ShadowMap()},
-    {"visibility": vc.Aqvc(storage="shared")},
+    {"visibility": vc.Aqvc(paper=vc.PaperForm(storage="shared"))},
     {"integrator": vc.Direct(environment="product"), "visibility": Own()},
     {"integrator": vc.Direct(passes=2)},
     {"integrator": vc.AmbientOcclusion(n_samples=33, directions="shared"), "rays": vc.Bsp()},
@@ -37,7 +37,7 @@ BROKEN: list[dict[str, Any]] = [
     {"keep": True, "visibility": vc.Aqvc(), "parts": 2},
     {"parts": 2, "visibility": vc.ShadowMap()},
     {"parts": 2, "integrator": vc.Bdpt()},
-    {"parts": 2, "visibility": vc.Aqvc(storage="paper_tiles")},
+    {"parts": 2, "visibility": vc.Aqvc(paper=vc.PaperForm(storage="paper_tiles"))},
     {"parts": 2, "batch": True},
 ]  # fmt: skip
 

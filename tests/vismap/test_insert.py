@@ -11,7 +11,7 @@ import pytest
 
 import viscache as vc
 from render.test_interrupt import LIMIT, quickest_stop
-from viscache.vismap import cache as module
+from viscache.vismap import points as module
 from viscache.vismap.points import make_cloud
 from vismap.scenes import SIZE, clutter, made, pixels, same, view
 

@@ -79,11 +79,12 @@ void Waves::write_down(size_t level) {
         for (size_t below = level + 1; below < levels_; ++below) {
             const uint32_t finer = cells_->of(below, cells_->representative(c));
             if (finer == c) continue;
+            if (log_)
+                for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
+                    if (!known_.get(finer, k))
+                        asker_[size_t(finer) * columns_->count() + k] = cells_->representative(c);
+                });
             kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer), words_);
-            if (!log_) continue;
-            for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
-                asker_[size_t(finer) * columns_->count() + k] = cells_->representative(c);
-            });
         }
 }
 

@@ -9,7 +9,6 @@
 #include "viscache/render/vpl.h"
 #include "viscache/render/weighted_lights.h"
 #include "viscache/scene/check.h"
-#include "viscache/visibility/ask.h"
 
 namespace viscache {
 
@@ -18,7 +17,9 @@ namespace {
 constexpr int kTileSamples = 128;           // edge of a tile in eye samples
 constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kRowsPerCheck = 256;  // eye points between looks at the wish to stop
+constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
+constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
+constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
 
 }  // namespace
 
@@ -233,7 +234,7 @@ private:
                      MakeSamples make_samples) {
         const PairOrder order = oracle_->sample_order(eyes_.block, int(group));
         std::vector<Rgb>& sum = sums_[size_t(group)];
-        const size_t eyes = eyes_per_batch(size_t(samples));
+        const size_t eyes = std::clamp<size_t>(kPairsPerBatch / size_t(samples), 1, kEyesPerBatch);
         size_t run = 0;
         for (size_t first = 0; first < eyes_.size();) {
             control.check();

@@ -57,9 +57,9 @@ struct IntegratorSettings {
 
     // Virtual point lights
     std::shared_ptr<const std::vector<Vpl>> vpls;  ///< the caller's own, taken as they are; else traced
-    int vpl_max_depth = 4;    ///< bounces after the light
-    int vpl_candidates = 4;   ///< candidates per VPL that is kept
-    int vpl_eye_points = 64;  ///< camera points that judge the candidates
+    int vpl_max_depth = 4;                         ///< bounces after the light
+    int vpl_candidates = 4;                        ///< candidates per VPL that is kept
+    int vpl_eye_points = 64;                       ///< camera points that judge the candidates
     float vpl_bound = 0.01f;  ///< × scene diagonal: added (squared) to d² in the geometry term; 0 = unbounded
 
     PMode p_mode = PMode::kLastVertex;

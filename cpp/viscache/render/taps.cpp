@@ -68,6 +68,76 @@ void TapSource::end_item(VisibilityOracle& oracle, size_t item) {
     tiles_[item] = std::move(dynamic_cast<TapOracle&>(oracle).tap);
 }
 
+namespace {
+
+class AnswerOracle final : public VisibilityOracle {
+public:
+    explicit AnswerOracle(std::unique_ptr<VisibilityOracle> own) : inner(std::move(own)) {}
+    void watch(const Control& control) override { inner->watch(control); }
+    void weigh(const Contributions* contributions) override { inner->weigh(contributions); }
+    void weigh_samples(std::span<const Rgb> contribution) override { inner->weigh_samples(contribution); }
+    void begin_tile(const EyeBlock& eyes) override {
+        kept = {};
+        inner->begin_tile(eyes);
+    }
+    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+               Counters& counters) override {
+        inner->block(eyes, lights, wanted, visible, counters);
+        BitMatrix& bits = kept.bits.emplace_back(visible.rows(), visible.columns());
+        std::vector<float>& weights = kept.weights.emplace_back();
+        for (size_t r = 0; r < visible.rows(); ++r) {
+            std::copy_n(visible.row(r), visible.row_words(), bits.row(r));
+            const std::span<const float> row = inner->block_weights(uint32_t(r));
+            if (row.empty()) continue;
+            if (weights.empty()) weights.assign(visible.rows() * lights.count, 1.f);
+            std::copy_n(row.begin(), lights.count, weights.begin() + ptrdiff_t(r * lights.count));
+        }
+    }
+    std::span<const float> block_weights(uint32_t eye) const override { return inner->block_weights(eye); }
+    PairOrder pair_order(const EyeBlock& eyes) override { return inner->pair_order(eyes); }
+    PairOrder sample_order(const EyeBlock& eyes, int group) override {
+        const PairOrder order = inner->sample_order(eyes, group);
+        TileAnswers::Samples& s = kept.samples[group];
+        s.order.assign(order.eye.begin(), order.eye.end());
+        s.run_end.assign(order.run_end.begin(), order.run_end.end());
+        return order;
+    }
+    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+               Counters& counters) override {
+        inner->pairs(eyes, queries, visible, counters);
+    }
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override {
+        inner->samples(eyes, samples, visible, counters);
+        const std::span<const float> weights = inner->pair_weights();
+        TileAnswers::Samples& s = kept.samples[samples.group];
+        s.weighted |= !weights.empty();
+        for (size_t row = 0; row < samples.eye.size(); ++row) {
+            auto& [seen, weight] = s.rows[samples.eye[row]];
+            for (size_t i = samples.begin_of(row); i < samples.end[row]; ++i) {
+                seen.push_back(get_bit(visible.data(), i));
+                weight.push_back(weights.empty() ? 1.f : weights[i]);
+            }
+        }
+    }
+    std::span<const float> pair_weights() const override { return inner->pair_weights(); }
+
+    std::unique_ptr<VisibilityOracle> inner;
+    TileAnswers kept;
+};
+
+}  // namespace
+
+std::unique_ptr<VisibilityOracle> AnswerSource::make() {
+    return std::make_unique<AnswerOracle>(inner_.make());
+}
+
+void AnswerSource::end_item(VisibilityOracle& oracle, size_t item) {
+    auto& own = dynamic_cast<AnswerOracle&>(oracle);
+    inner_.end_item(*own.inner, item);
+    tiles_[item] = std::move(own.kept);
+}
+
 /// Takes down the contributions that blocks are weighed by.
 class ContributionOracle final : public VisibilityOracle {
 public:

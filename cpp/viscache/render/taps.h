@@ -43,6 +43,42 @@ private:
     std::vector<TileTap> tiles_;
 };
 
+/// What an oracle answered about one tile.
+struct TileAnswers {
+    std::vector<BitMatrix> bits;              ///< of every shared light group
+    std::vector<std::vector<float>> weights;  ///< of each: rows × columns, or empty
+    struct Samples {
+        /// By eye point of the tile: answers and weights of its samples.
+        std::map<uint32_t, std::pair<std::vector<uint8_t>, std::vector<float>>> rows;
+        std::vector<uint32_t> order, run_end;  ///< as the oracle liked to be asked
+        bool weighted = false;
+    };
+    std::map<int, Samples> samples;  ///< by light group
+};
+
+/// Keeps the answers of another source's oracles, which the frame gets as well.
+class AnswerSource final : public OracleSource {
+public:
+    /// `inner` must outlive the source and serve nobody else.
+    explicit AnswerSource(OracleSource& inner) : inner_(inner) {}
+    void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
+    std::unique_ptr<VisibilityOracle> make() override;
+    int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
+    void begin_round(size_t items) override {
+        tiles_.resize(items);
+        inner_.begin_round(items);
+    }
+    void end_item(VisibilityOracle& oracle, size_t item) override;
+    void end_round(Counters& counters) override { inner_.end_round(counters); }
+    void report(Counters& counters, SourceReport& out) const override { inner_.report(counters, out); }
+
+    const std::vector<TileAnswers>& tiles() const { return tiles_; }
+
+private:
+    OracleSource& inner_;
+    std::vector<TileAnswers> tiles_;
+};
+
 /// What some eye points would receive from the far ends of one shared group: rows × columns.
 class ContributionSource final : public OracleSource {
 public:

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "viscache/visibility/local_samples.h"
 #include "viscache/visibility/oracle_source.h"
 #include "viscache/visibility/query_log.h"
 
@@ -68,21 +67,5 @@ struct PairAnswer {
 /// `source` must be new: it serves one call.
 PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQuestion& question, int threads,
                      Control& control);
-
-/// Samples of each eye point's own, of one light group, as a frame asks for them.
-struct SamplesAnswer {
-    std::vector<uint8_t> visible;
-    std::vector<float> weights;                         ///< per sample, or empty: 1 each
-    std::vector<std::vector<uint32_t>> order, run_end;  ///< of every tile, as the oracle liked to be asked
-    Counters counters;
-    SourceReport report;
-};
-
-/// `samples.eye` holds the caller's numbers, in ascending order. `source` must be new.
-SamplesAnswer ask_samples(OracleSource& source, const EyeTiles& tiles, const LocalSamples& samples,
-                          int threads, Control& control);
-
-/// Eye points whose own samples are asked for together where an oracle has no runs of its own.
-size_t eyes_per_batch(size_t samples_per_eye);
 
 }  // namespace viscache

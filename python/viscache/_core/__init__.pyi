@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlphaMode', 'AmbientEngine', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'FrameSettings', 'IntegratorSettings', 'KeptTable', 'MaterialKind', 'NeePlusPlusSettings', 'PMode', 'PacketOrder', 'PointSet', 'RayCaster', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'VisMapSettings', 'active_isa', 'aqvc', 'best_isa', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_aligned', 'render_aqvc', 'render_aqvc_kept', 'render_bdpt_aqvc', 'render_bdpt_exact', 'render_bdpt_nee_plus_plus', 'render_exact', 'render_given_maps', 'render_nee_plus_plus', 'render_shadow_maps', 'render_shared', 'render_vismap', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'given_maps', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -71,6 +71,10 @@ class SceneDescription:
     def add_point_light(self, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], intensity: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
         Add a point light; intensity in W/sr.
+        """
+    def add_point_lights(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], intensities: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        """
+        Add point lights, (M, 3) each; intensities in W/sr.
         """
     def add_sphere_light(self, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
@@ -288,6 +292,10 @@ class IntegratorSettings:
     shade_after_specular: bool
     def __init__(self) -> None:
         ...
+    def set_vpls(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], flux: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        """
+        Takes the caller's own lights.
+        """
     @property
     def ambient_max_distance(self) -> float:
         ...
@@ -619,13 +627,134 @@ class VisMapSettings:
     """
     def __init__(self, *, alpha: AlphaMode, alpha_value: typing.SupportsFloat | typing.SupportsIndex, pilot_alpha: bool, sampling: str, eta: typing.SupportsFloat | typing.SupportsIndex, replace: bool, points: PointSet) -> None:
         ...
+class FrameMaps:
+    """
+    Maps that one frame estimates the environment with.
+    """
+class OracleSource:
+    """
+    Makes the oracles of one frame.
+    """
+class ExactSource(OracleSource):
+    """
+    See viscache.Exact.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, *, order: PacketOrder | None = None, coherent: bool | None = None) -> None:
+        ...
+class AlignedSource(OracleSource):
+    """
+    Exact; shared directions may go through a batch.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, batch: vlf.AlignedBatch, *, choose: bool, order: PacketOrder | None = None, coherent: bool | None = None) -> None:
+        ...
+class AqvcSource(OracleSource):
+    """
+    See viscache.Aqvc.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, *, spp: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class FrameTableSource(OracleSource):
+    """
+    One table of the frame, see Bdpt.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, *, spp: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class KeptTableSource(OracleSource):
+    """
+    See viscache.AqvcTable.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, table: KeptTable, *, spp: typing.SupportsInt | typing.SupportsIndex, check: typing.SupportsFloat | typing.SupportsIndex, repair: bool) -> None:
+        ...
+class ShadowMapSource(OracleSource):
+    """
+    See viscache.ShadowMap.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, settings: ShadowMapSettings) -> None:
+        ...
+class RouletteSource(OracleSource):
+    """
+    See viscache.NeePlusPlus.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, settings: NeePlusPlusSettings, *, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+        ...
+class ResidualSource(OracleSource):
+    """
+    See viscache.Correct.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+        ...
+class FrameTaps:
+    """
+    All that a frame asks, see viscache.connections.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> None:
+        ...
+    def ask(self, source: OracleSource) -> dict:
+        ...
+    def contributions(self, group: typing.SupportsInt | typing.SupportsIndex, begin: typing.SupportsInt | typing.SupportsIndex, end: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
+        ...
+    def lights(self) -> list:
+        ...
+    def sample_groups(self) -> list:
+        ...
+    def samples(self, group: typing.SupportsInt | typing.SupportsIndex) -> dict:
+        ...
+    def tiles(self) -> list:
+        ...
+    def wanted(self, light: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
+        ...
+    @property
+    def rows(self) -> int:
+        ...
+class GivenSource(OracleSource):
+    """
+    Answers that were given.
+    """
+class GivenAnswers:
+    """
+    Answers for one frame.
+    """
+    def __init__(self, taps: FrameTaps) -> None:
+        ...
+    def block(self, group: typing.SupportsInt | typing.SupportsIndex, bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None, columns: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def samples(self, group: typing.SupportsInt | typing.SupportsIndex, visible: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None, order: collections.abc.Sequence[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]], run_end: collections.abc.Sequence[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]]) -> None:
+        ...
+    def source(self) -> GivenSource:
+        ...
+class PythonTracer:
+    """
+    Exact rays for an oracle written in Python.
+    """
+    def block(self, eyes: dict, ends: dict, wanted: typing.Any) -> numpy.typing.NDArray[numpy.uint64]:
+        ...
+    def pairs(self, eyes: dict, index: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], ends: dict) -> numpy.typing.NDArray[numpy.bool]:
+        ...
+class PythonSource(OracleSource):
+    """
+    The oracles of a class written in Python.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, written: typing.Any) -> None:
+        ...
 def active_isa() -> str:
     """
     Variant of the SIMD kernels in use: portable, avx2 or avx512.
     """
+def ask_block(source: OracleSource, eyes: typing.Any, ends: dict, *, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64] | None = None, contributions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, log: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] = (0, 0), extent: typing.SupportsFloat | typing.SupportsIndex, most: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex) -> dict:
+    """
+    All eye points × all far ends: bits, weights, counters, timings and log. `eyes` is one dict of arrays, cut into tiles of `most` points, or a list of the tiles of a frame.
+    """
+def ask_pairs(source: OracleSource, eyes: typing.Any, index: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], ends: dict, *, extent: typing.SupportsFloat | typing.SupportsIndex, most: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex) -> dict:
+    """
+    Connection k joins eye point index[k] with far end k.
+    """
 def best_isa() -> str:
     """
     Best variant this CPU has.
+    """
+def cache_maps(settings: VisMapSettings, cache: vismap.MapCache, frame: FrameSettings, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0) -> FrameMaps:
+    """
+    Those of a cache, which must not change while the frame is rendered; d_max and footprint are those of the pixels' centres, (H·W,).
     """
 def description_of(scene: Scene) -> SceneDescription:
     """
@@ -639,6 +768,10 @@ def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals:
     """
 def geometry_hash(scene: Scene) -> str:
     ...
+def given_maps(settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> FrameMaps:
+    """
+    One blend of maps for all points, whatever they see (tests).
+    """
 def learnt_map(settings: NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
     """
     Cells of both ends (N,), then visibility and probability of each connection once all are counted (tests). `far` holds places, or directions towards the light.
@@ -659,37 +792,13 @@ def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
     Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
     """
-def render_aligned(scene: Scene, caster: EmbreeCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: collections.abc.Sequence[vlf.AlignedBatch], *, field: collections.abc.Sequence[vlf.VisibilityField] = (), progress: typing.Any = None) -> dict:
+def render_bdpt(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, source: OracleSource, *, progress: typing.Any = None) -> dict:
     """
-    Ambient occlusion along shared directions; `batch` and `field` are one or none.
+    A frame of bidirectional paths. `source` serves one frame.
     """
-def render_aqvc(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
-    ...
-def render_aqvc_kept(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, table: KeptTable, *, check: typing.SupportsFloat | typing.SupportsIndex = 0.0, repair: bool = False, progress: typing.Any = None) -> dict:
-    ...
-def render_bdpt_aqvc(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, parameters: aqvc.AqvcParameters, *, progress: typing.Any = None) -> dict:
-    ...
-def render_bdpt_exact(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, *, order: PacketOrder | None = None, coherent: bool | None = None, progress: typing.Any = None) -> dict:
-    ...
-def render_bdpt_nee_plus_plus(scene: Scene, caster: RayCaster, camera: Camera, integrator: BdptSettings, frame: FrameSettings, settings: NeePlusPlusSettings, *, weighted: bool = True, progress: typing.Any = None) -> dict:
-    ...
-def render_exact(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, *, order: PacketOrder | None = None, coherent: bool | None = None, progress: typing.Any = None) -> dict:
-    ...
-def render_given_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> dict:
+def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps | None = None, batch: vlf.AlignedBatch | None = None, field: vlf.VisibilityField | None = None, progress: typing.Any = None) -> dict:
     """
-    The same with one blend of maps for all points, whatever they see (tests).
-    """
-def render_nee_plus_plus(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: NeePlusPlusSettings, *, weighted: bool = True, progress: typing.Any = None) -> dict:
-    ...
-def render_shadow_maps(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: ShadowMapSettings, *, progress: typing.Any = None) -> dict:
-    ...
-def render_shared(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, batch: vlf.AlignedBatch, *, choose: bool, order: PacketOrder | None = None, coherent: bool | None = None, progress: typing.Any = None) -> dict:
-    """
-    An exact frame whose shared directions go through the batch, or, with `choose`, through the engine that is cheaper for each tile.
-    """
-def render_vismap(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, settings: VisMapSettings, cache: vismap.MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
-    """
-    A frame whose environment is estimated with a cache, which must not change meanwhile; d_max and footprint are those of the pixels' centres, (H·W,).
+    A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field`: who may trace shared directions of ambient occlusion.
     """
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...
@@ -709,6 +818,10 @@ def scene_mesh(scene: Scene, index: typing.SupportsInt | typing.SupportsIndex) -
     """
 def scene_mesh_count(scene: Scene) -> int:
     ...
+def scene_offset_extent(scene: Scene) -> float:
+    """
+    The length that offsets of ray origins are relative to.
+    """
 def scene_sphere(scene: Scene) -> typing.Annotated[list[float], "FixedSize(4)"]:
     """
     Bounding sphere: centre and radius.

@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.sampling
-__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'KdTree', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'ProductTree', 'Relighting', 'ambient_visibility', 'best_alpha', 'cell_light', 'control_variate_estimate', 'correlation', 'dilated', 'gather2', 'geometric_weight', 'hierarchy', 'least_residual_variance', 'map_differences', 'morton2', 'morton_order', 'node_codes', 'normal_angle', 'normalized_weight', 'pixel_points', 'points', 'product_terms', 'record_nbytes', 'record_pattern', 'record_weight', 'reflection_at_nodes', 'regressed_alpha', 'residual_variance', 'sample_points', 'startup_points', 'time_product', 'wilson_lower']
+__all__: list[str] = ['CachePoints', 'EnvironmentPyramid', 'MapCache', 'MapCacheParameters', 'PixelRules', 'PointEstimate', 'Relighting', 'cell_light', 'dilated', 'morton2', 'morton_order', 'pixel_points', 'points', 'record_nbytes', 'record_weight', 'sample_points', 'startup_points']
 class EnvironmentPyramid:
     """
     Sums of luminance × solid angle over the equal-area map.
@@ -29,45 +29,6 @@ class EnvironmentPyramid:
     def total(self) -> float:
         """
         Integral of luminance over the sphere.
-        """
-class ProductTree:
-    """
-    L·B̃ over the sphere for one point, to draw directions from.
-    """
-    @staticmethod
-    def of_surface(light: EnvironmentPyramid, shading: viscache._core.sampling.ShadingPoint, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> ProductTree:
-        ...
-    @staticmethod
-    def of_table(light: EnvironmentPyramid, b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> ProductTree:
-        """
-        From B as a table over the map, (N, N, 3).
-        """
-    def b_tilde(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        B̃ of the texels, (R, R, 3).
-        """
-    def masses(self, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Integrals of L·B̃ over the nodes of a level along the Morton curve.
-        """
-    def sample(self, u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
-        """
-        Texels drawn by points (N, 2) of the square, row-major numbers (N,), and directions (N, 3).
-        """
-    def texel_masses(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Integrals of L·B̃ over the texels, (R, R); over L_ns the probability to be drawn.
-        """
-    @property
-    def dense_level(self) -> int:
-        ...
-    @property
-    def leaves(self) -> int:
-        ...
-    @property
-    def total(self) -> float:
-        """
-        L_ns, the integral of L·B̃.
         """
 class PointEstimate:
     """
@@ -149,35 +110,6 @@ class PointEstimate:
         """
         ∫ L·B̃·Ṽ² of luminances.
         """
-class KdTree:
-    """
-    The records' tree; finds the m nearest within a radius.
-    """
-    def __init__(self) -> None:
-        ...
-    def __len__(self) -> int:
-        ...
-    def build(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
-        ...
-    def insert(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], first_id: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    def search(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], radius: typing.SupportsFloat | typing.SupportsIndex, m: typing.SupportsInt | typing.SupportsIndex) -> list[list[int]]:
-        """
-        Ids of every position, nearest first.
-        """
-    def walk(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], radius: typing.SupportsFloat | typing.SupportsIndex, m: typing.SupportsInt | typing.SupportsIndex) -> tuple[list[list[int]], int]:
-        """
-        The same by a neighbour list without ids congruent to the query's number modulo 3, and how often the tree was not needed.
-        """
-    @property
-    def depth(self) -> int:
-        ...
-    @property
-    def oversized_leaves(self) -> int:
-        ...
-    @property
-    def rebuilds(self) -> int:
-        ...
 class CachePoints:
     """
     Points that ask a cache; d_max = 0 where there is no surface.
@@ -302,47 +234,13 @@ class Relighting:
     @property
     def unserved(self) -> int:
         ...
-def ambient_visibility(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, pattern: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
-    """
-    A of a map.
-    """
-def best_alpha(var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    ...
 def cell_light(map: viscache._core.sampling.EnvironmentMap, m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """
     Radiance × solid angle over the cells of maps, (3, 4^m), in Z order.
     """
-def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    Eq. 2 for one channel.
-    """
-def correlation(var_z: typing.SupportsFloat | typing.SupportsIndex, var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    """
-    Eq. 6: ρ.
-    """
 def dilated(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
     """
     V^level of a map.
-    """
-def gather2(v: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
-    """
-    The bits on even places.
-    """
-def geometric_weight(normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], to_record: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], d_max: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    """
-    w_g.
-    """
-def hierarchy(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
-    """
-    Words of the codes above a map.
-    """
-def least_residual_variance(var_z: typing.SupportsFloat | typing.SupportsIndex, rho: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    """
-    Eq. 5: variance at the best α.
-    """
-def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    δ of rows of maps, (N,).
     """
 def morton2(x: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
     """
@@ -352,18 +250,6 @@ def morton_order(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float
     """
     Rows of the positions along the Morton curve of their bounding box.
     """
-def node_codes(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint8]:
-    """
-    Codes of a level's nodes, (4^level,).
-    """
-def normal_angle(a: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], b: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
-    """
-    θ of unit normals, in radians.
-    """
-def normalized_weight(t: typing.SupportsFloat | typing.SupportsIndex, theta: typing.SupportsFloat | typing.SupportsIndex, theta_max: typing.SupportsFloat | typing.SupportsIndex, lambda_: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    """
-    ŵ.
-    """
 def pixel_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, at: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
     First hits through one place of every pixel, row-major; misses; bad normals.
@@ -372,33 +258,13 @@ def points(set: viscache._core.PointSet, count: typing.SupportsInt | typing.Supp
     """
     Random or randomised (0, 2)-sequence points of the square, (count, 2).
     """
-def product_terms(b_over_b_tilde: typing.SupportsFloat | typing.SupportsIndex, visible: typing.SupportsFloat | typing.SupportsIndex, approximate: typing.SupportsFloat | typing.SupportsIndex, d: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> tuple[float, float]:
-    """
-    Eq. 3: Z and W.
-    """
 def record_nbytes(m: typing.SupportsInt | typing.SupportsIndex) -> int:
     """
     Bytes of a record as the paper counts them.
     """
-def record_pattern(m: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    Directions of the cells in Z order, (4^m, 3).
-    """
 def record_weight(t: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], theta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], lambda_: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> typing.Any:
     """
     w of Eq. 9; t = d / d_max, θ in radians.
-    """
-def reflection_at_nodes(shading: viscache._core.sampling.ShadingPoint, level: typing.SupportsInt | typing.SupportsIndex, first: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
-    """
-    Sixteen node centres (16, 3) and B = f·cos there, as the tree sees it (16, 3).
-    """
-def regressed_alpha(z: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], var_w: typing.SupportsFloat | typing.SupportsIndex) -> float:
-    """
-    α from samples (N,), both less the mean of W.
-    """
-def residual_variance(var_z: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], var_w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], covariance: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    Eq. 4: variance of Z − αW.
     """
 def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, sample: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
@@ -407,12 +273,4 @@ def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster,
 def startup_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
     """
     First hits of n rays, stratified over the image; misses; bad normals.
-    """
-def time_product(light: EnvironmentPyramid, shading: collections.abc.Sequence[viscache._core.sampling.ShadingPoint], samples: typing.SupportsInt | typing.SupportsIndex, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> dict:
-    """
-    CPU seconds per tree and per sample over the shading points, and the mean number of leaves.
-    """
-def wilson_lower(misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
-    """
-    Lower end of the 95 % interval of a share.
     """

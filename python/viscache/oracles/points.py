@@ -35,7 +35,7 @@ GROUP_OF_KIND = {
 def rows3(values: Any, name: str) -> npt.NDArray[np.float32]:
     """An (N, 3) array of finite floats; the error names what was given."""
     try:
-        rows = np.ascontiguousarray(values, dtype=np.float32)
+        rows: npt.NDArray[np.float32] = np.ascontiguousarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} must be numbers of shape (N, 3), got {values!r}") from error
     require(rows.ndim == 2 and rows.shape[1] == 3, f"{name} must have shape (N, 3)", rows.shape)
@@ -84,7 +84,8 @@ def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.floa
         density = k / (np.pi * distance**2)
     finite = density[np.isfinite(density)]
     most = finite.max() if finite.size else 0.0
-    return np.minimum(density, most).astype(np.float32)
+    bounded: npt.NDArray[np.float32] = np.minimum(density, most).astype(np.float32)
+    return bounded
 
 
 @spelled

@@ -153,7 +153,7 @@ def _parted(answer: Any) -> tuple[Any, Any]:
 def _weights(weights: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float32] | None:
     if weights is None:
         return None
-    weights = np.ascontiguousarray(weights, dtype=np.float32)
-    require(weights.shape == shape, f"weights must have shape {shape}", weights.shape)
-    require(bool(np.isfinite(weights).all()), "weights must be finite", "values that are not")
-    return weights
+    rows: npt.NDArray[np.float32] = np.ascontiguousarray(weights, dtype=np.float32)
+    require(rows.shape == shape, f"weights must have shape {shape}", rows.shape)
+    require(bool(np.isfinite(rows).all()), "weights must be finite", "values that are not")
+    return rows

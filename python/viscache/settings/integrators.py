@@ -6,8 +6,8 @@ The fields are the C++ struct `IntegratorSettings`; a test pins names and defaul
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Literal, TypeAlias
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -263,6 +263,14 @@ def _check_samples(s: Direct | Whitted) -> None:
         value = getattr(s, name)
         require(0 <= value <= 1 << 16, f"{name} must be in [0, 65536]", value)
     _check_density(s)
+
+
+def described(integrator: Integrator) -> dict[str, Any]:
+    """Class, names and values, JSON-able: arrays of lights by their number and hash."""
+    values = asdict(integrator)
+    if values.get("vpls") is not None:
+        values["vpls"] = repr(values["vpls"])
+    return {"name": type(integrator).__name__, **values}
 
 
 def core_settings(integrator: Integrator) -> _core.IntegratorSettings:

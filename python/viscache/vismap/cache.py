@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import threading
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,17 +18,12 @@ from viscache.settings.rays import Caster, Rays, check_rays
 from viscache.settings.spelling import spelled
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
-from viscache.vismap.points import TILE, Cloud, make_cloud
+from viscache.vismap.points import Cloud, Rows, insert_tiles, make_cloud
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
 
 __all__ = ["VisibilityMapCache"]
 
-Rows: TypeAlias = npt.NDArray[np.uint32]
-
 MAX_PIXELS = 1 << 28
-#: Counts of an insertion that add up over calls, and those of which the latest per point holds.
-SUMMED = ("inserted", "no_candidate", "weight", "difference", "rays", "lookups", "passes")
-LATEST = ("suppressed", "duplicates", "refused", "unusable")
 #: Of a start-up that was not needed.
 NOTHING = {"inserted": 0, "duplicates": 0, "rays": 0}
 
@@ -205,7 +199,8 @@ class VisibilityMapCache:
             Shapes do not match, positions are not finite, normals are not unit vectors, or another
             value is out of range. The cache stays as it was.
         KeyboardInterrupt
-            Within half a second of Ctrl-C; finished records are kept.
+            Within half a second of Ctrl-C while records are inserted; finished records are kept.
+            The search for neighbours before that is not interrupted.
 
         Examples
         --------
@@ -225,7 +220,14 @@ class VisibilityMapCache:
         with self._lock:
             order = points.order()
             startup = self._start_at(points, order, cores)
-            found = self._insert_tiles(points, order, cores, progress)
+            found = insert_tiles(
+                points, order,
+                lambda tile: self._insert(tile, cores, progress, "point"),
+                lambda: len(self),
+                settle=self.settings.settle,
+            )  # fmt: skip
+            for tile in points.tiles(order):
+                self._core.mark_used(tile, self.frame, cores)
         return self._report(startup, found, len(points), found["unusable"], 0)
 
     def _cloud(
@@ -238,28 +240,6 @@ class VisibilityMapCache:
         reach, extent = self.settings.d_max, self.scene._core.offset_extent
         return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
 
-    def _insert_tiles(
-        self, points: Cloud, order: Rows, threads: int, progress: Progress
-    ) -> dict[str, int]:
-        """Inserts at all points; visits a tile again while records of others may reach it."""
-        tiles = [order[first : first + TILE] for first in range(0, len(order), TILE)]
-        totals = dict.fromkeys(SUMMED, 0)
-        last: list[dict[str, int]] = [{} for _ in tiles]
-        settled_at = [-1] * len(tiles)
-        while any(size != len(self) for size in settled_at):
-            for number, rows in enumerate(tiles):
-                if settled_at[number] == len(self):
-                    continue
-                last[number] = self._insert(points.take(rows), threads, progress, "point")
-                settled_at[number] = len(self)
-                for name in SUMMED:
-                    totals[name] += last[number][name]
-            if not self.settings.settle:
-                break
-        for rows in tiles:
-            self._core.mark_used(points.take(rows), self.frame, threads)
-        return totals | {name: sum(found[name] for found in last) for name in LATEST}
-
     def _report(
         self,
         startup: dict[str, int],
@@ -268,6 +248,8 @@ class VisibilityMapCache:
         misses: int,
         bad_normals: int,
     ) -> UpdateReport:
+        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
+        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
         return UpdateReport(
             frame=self.frame,
             startup=startup["inserted"],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -12,12 +14,17 @@ from viscache.oracles.points import neighbour_density
 from viscache.settings.checks import checked_points, require
 from viscache.vismap.records import Floats
 
-__all__ = ["TILE", "Cloud", "make_cloud"]
+__all__ = ["Cloud", "Rows", "insert_tiles", "make_cloud"]
+
+Rows: TypeAlias = npt.NDArray[np.uint32]
 
 #: Points that are converted for the core together.
 TILE = 1 << 20
 #: Limits of the default d_max in diagonals of the scene; the upper one is that of pixels.
 LEAST_REACH, MOST_REACH = 1e-6, 0.1
+#: Counts of an insertion that add up over calls, and those of which the latest per point holds.
+SUMMED = ("inserted", "no_candidate", "weight", "difference", "rays", "lookups", "passes")
+LATEST = ("suppressed", "duplicates", "refused", "unusable")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,15 +39,20 @@ class Cloud:
     def __len__(self) -> int:
         return len(self.positions)
 
-    def take(self, rows: npt.NDArray[np.integer] | slice) -> _core.vismap.CachePoints:
+    def take(self, rows: Rows | slice) -> _core.vismap.CachePoints:
         """Some of the points in the form of the C++ core."""
         return _core.vismap.CachePoints(
             self.positions[rows], self.normals[rows], self.d_max[rows], self.footprint[rows]
         )
 
-    def order(self) -> npt.NDArray[np.uint32]:
+    def order(self) -> Rows:
         """Rows of the points along a Morton curve."""
         return _core.vismap.morton_order(self.positions)
+
+    def tiles(self, order: Rows) -> Iterator[_core.vismap.CachePoints]:
+        """The points in this order, `TILE` at a time."""
+        for first in range(0, len(order), TILE):
+            yield self.take(order[first : first + TILE])
 
 
 def make_cloud(
@@ -85,6 +97,45 @@ def make_cloud(
     if d_max is None:
         radii = _default_reach(sizes, reach, extent)
     return Cloud(places, sides, radii, sizes)
+
+
+def insert_tiles(
+    points: Cloud,
+    order: Rows,
+    insert: Callable[[_core.vismap.CachePoints], Mapping[str, int]],
+    size: Callable[[], int],
+    *,
+    settle: bool,
+) -> dict[str, int]:
+    """Insert records at points tile by tile.
+
+    Parameters
+    ----------
+    points : Cloud
+    order : (N,) uint32
+        Order in which points are visited.
+    insert : callable
+        Inserts at the points of a tile and returns the counts.
+    size : callable
+        Number of records.
+    settle : bool
+        Visit tiles again until no tile needs a record because of another tile's records.
+    """
+    totals = dict.fromkeys(SUMMED, 0)
+    latest: dict[int, Mapping[str, int]] = {}
+    settled_at: dict[int, int] = {}
+    while True:
+        before = size()
+        for number, tile in enumerate(points.tiles(order)):
+            if settled_at.get(number) == size():
+                continue
+            latest[number] = insert(tile)
+            settled_at[number] = size()
+            for name in SUMMED:
+                totals[name] += latest[number][name]
+        if not settle or size() == before:
+            break
+    return totals | {name: sum(found[name] for found in latest.values()) for name in LATEST}
 
 
 def _per_row(value: npt.ArrayLike, name: str, count: int) -> Floats:
