@@ -51,6 +51,7 @@ nitpick_ignore_regex = [
     ("py:obj", ".*"),
     ("py:exc", ".*"),
     ("py:class", r"(?!viscache\.).*"),
+    ("py:class", r"viscache\.settings\.vismaps\.RecordCache"),
     ("py:class", r"viscache\.(_core|figures\.outcome|scenes\.builder)\.(?!Camera$).*"),
 ]
 

@@ -164,6 +164,8 @@ class Connections:
         answers : mapping of group to answer
             What `oracle.block` and `oracle.pairs` return; of shared groups also (N, M) bool or
             bits, of samples also (K,) bool; or any of these with weights, as (visible, weights).
+        progress : bool or callable
+            True shows a bar; a callable gets (done, total).
 
         Returns
         -------

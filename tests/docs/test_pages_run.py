@@ -28,9 +28,9 @@ SLOW = {
     *(
         f"docs/howto/{page}.md"
         for page in (
-            "ambient-occlusion", "correlation", "own-cache", "own-integrator", "pytest", "report",
-            "sweep", "unbiased",
-        )  # fmt: skip
+            *("ambient-occlusion", "correlation", "own-cache", "own-integrator", "pytest"),
+            *("report", "sweep", "unbiased"),
+        )
     ),
 }
 PAGES = [p for p in paths(".md") if p.startswith(("docs/", "README", "notebooks/"))]
@@ -72,7 +72,7 @@ def run(source: str, name: str) -> int:
             tree = ast.parse(block.text, name)
             ast.increment_lineno(tree, block.line - 1)
             with redirect_stdout(out):
-                exec(compile(tree, name, "exec"), space)
+                exec(compile(tree, name, "exec", dont_inherit=True), space)
             printed, ran = out.getvalue(), ran + 1
         elif block.kind == "text":
             assert alike(block.text, printed), (
