@@ -27,7 +27,10 @@ SLOW = {
     *(f"docs/{page}.md" for page in ("aqvc", "cluster", "correlation", "vismap", "vlf")),
     *(
         f"docs/howto/{page}.md"
-        for page in ("ambient-occlusion", "correlation", "pytest", "report", "sweep", "unbiased")
+        for page in (
+            "ambient-occlusion", "correlation", "own-cache", "own-integrator", "pytest", "report",
+            "sweep", "unbiased",
+        )  # fmt: skip
     ),
 }
 PAGES = [p for p in paths(".md") if p.startswith(("docs/", "README", "notebooks/"))]
