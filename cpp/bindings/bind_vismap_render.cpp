@@ -39,7 +39,8 @@ void bind_vismap_render(py::module_& m) {
         "cache_maps",
         [](const VisMapSettings& settings, MapCache& cache, const FrameSettings& frame,
            const FloatArray& d_max, const FloatArray& footprint, bool count_misses, uint32_t cache_frame) {
-            FrameMaps made{{pixel_maps(cache, frame, d_max, footprint), settings}, {}};
+            FrameMaps made{
+                {pixel_maps(cache, frame, d_max, footprint), settings}, {}, py::make_tuple(d_max, footprint)};
             if (count_misses) made.maps.source.records = cache.size();
             made.take_tally = [&cache, cache_frame](const RecordTally& tally) {
                 add_tally(cache, tally, cache_frame);
@@ -59,7 +60,8 @@ void bind_vismap_render(py::module_& m) {
             return FrameMaps{
                 {{given->view.m, [given] { return [given](Vec3, Vec3, size_t) { return given->view; }; }, 0},
                  settings},
-                {}};
+                {},
+                py::tuple()};
         },
         py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),
         "One blend of maps for all points, whatever they see (tests).");

@@ -1,5 +1,7 @@
 #pragma once
 // Visibility maps as a frame takes them.
+#include <pybind11/pybind11.h>
+
 #include <functional>
 
 #include "viscache/render/frame.h"
@@ -10,6 +12,7 @@ namespace viscache::bindings {
 struct FrameMaps {
     EnvironmentMaps maps;
     std::function<void(const RecordTally&)> take_tally;  ///< told how often each record served; may be empty
+    pybind11::tuple arrays;                              ///< what `maps` looks at
 };
 
 }  // namespace viscache::bindings

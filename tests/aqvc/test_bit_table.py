@@ -26,7 +26,7 @@ def test_a_table_gives_back_what_was_put_and_nothing_else():
 
 @pytest.mark.extreme
 def test_a_table_of_one_slot_holds_the_last_key():
-    """T19: C_T = 1."""
+    """C_T = 1."""
     table = aqvc.BitTable(1)
     keys = random_keys(5)
     for i in range(5):
@@ -37,7 +37,7 @@ def test_a_table_of_one_slot_holds_the_last_key():
 
 @pytest.mark.extreme
 def test_one_bit_digests_work_and_are_never_empty():
-    """T19: digest 0 is stored as 1, so half of the keys do not vanish."""
+    """Digest 0 is stored as 1, so half of the keys do not vanish."""
     table = aqvc.BitTable(10007, 1)
     keys = random_keys(200)
     table.put(keys, np.zeros(200, bool))
@@ -50,7 +50,7 @@ def test_sizes_are_primes():
 
 
 def test_occupancy_follows_the_number_of_writes():
-    """T12: 1 − e^(−n/C_T)."""
+    """1 − e^(−n/C_T)."""
     table = aqvc.BitTable(aqvc.largest_prime(2**14))
     table.put(random_keys(2**14), np.ones(2**14, bool))
     assert table.occupied / table.slots == pytest.approx(1 - np.exp(-1), abs=0.01)

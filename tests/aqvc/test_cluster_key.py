@@ -119,7 +119,7 @@ def test_environment_keys_are_octahedral_cells():
 
 
 def test_the_octahedral_map_is_a_bijection_with_bounded_cell_areas():
-    """T11: distinct directions stay distinct, poles and z = ±0 included; areas within 5.2×."""
+    """Distinct directions stay distinct, poles and z = ±0 included; areas within 5.2×."""
     w = unit(np.random.default_rng(7), 10**6)
     corners = np.float32([[0, 0, 1], [0, 0, -1], [1, 0, 0.0], [1, 0, -0.0], [0, -1, 0]])
     uv = aqvc.octahedral_square(np.concatenate([w, corners]))
@@ -138,7 +138,7 @@ def test_the_octahedral_map_is_a_bijection_with_bounded_cell_areas():
 
 @pytest.mark.parametrize("offset", [(1, 0), (-1, 0), (0, 1), (0, -1)])
 def test_neighbours_on_a_plane_are_the_cells_one_width_away(offset):
-    """T18: for any tilt, the ±1 key is the key of the point moved along the plane by one cell."""
+    """For any tilt, the ±1 key is the key of the point moved along the plane by one cell."""
     rng = np.random.default_rng(8)
     x, n = rng.uniform(-3, 3, (400, 3)).astype(np.float32), unit(rng, 400)
     r = 300.0
@@ -168,7 +168,7 @@ def test_without_tangent_neighbours_the_normal_coordinate_is_kept():
 
 
 def test_both_sides_of_a_thin_wall_have_different_keys():
-    """T22: opposite normals never share a cluster, so light cannot leak through."""
+    """Opposite normals never share a cluster, so light cannot leak through."""
     x, n = surface_points(2000)
     front = keys(x, n, 20.0)[0]
     back = keys(x - np.float32(1e-4) * n, -n, 20.0)[0]
@@ -190,7 +190,7 @@ def wall_of_no_thickness():
      ("floor", 1, False), ("octahedral", 1, False)],
 )  # fmt: skip
 def test_light_leaks_through_a_thin_wall_where_all_normals_share_a_grid(mode, c_n, leaks):
-    """T22: shares of points of the front whose cell holds a point of the back."""
+    """Shares of points of the front whose cell holds a point of the back."""
     x, up, behind = wall_of_no_thickness()
     front = keys(x, up, 40.0, normal_mode=mode, c_n=c_n)[0]
     back = keys(behind, -up, 40.0, normal_mode=mode, c_n=c_n)[0]
@@ -215,7 +215,7 @@ def test_octahedral_bins_are_as_many_as_rounded_ones_and_hold_the_axes():
 
 
 def test_random_light_vertices_occupy_the_poisson_share_of_their_cells():
-    """T21: 1 − 1/e of M distinct light cells where one sample per cell is expected."""
+    """1 − 1/e of M distinct light cells where one sample per cell is expected."""
     m, side = 4000, 4.0
     y = np.random.default_rng(9).uniform(-side, side, (m, 3)).astype(np.float32)
     y[:, 1] = 0
@@ -230,7 +230,7 @@ def test_random_light_vertices_occupy_the_poisson_share_of_their_cells():
 
 @pytest.mark.parametrize(("rule", "grows"), [("derived", True), ("printed", False)])
 def test_only_the_derived_environment_rule_makes_finer_cells_for_more_samples(rule, grows):
-    """T21 and A3: printed Eq. 9 keeps the whole sky in a handful of cells."""
+    """Printed Eq. 9 keeps the whole sky in a handful of cells."""
     for m in (64, 256, 1024):
         w = unit(np.random.default_rng(m), m)
         r = aqvc.resolution_environment(m / (4 * np.pi), printed=rule == "printed")
@@ -242,7 +242,7 @@ def test_only_the_derived_environment_rule_makes_finer_cells_for_more_samples(ru
 @pytest.mark.extreme
 @pytest.mark.parametrize(("mode", "low", "high"), [("round", 1, 1), ("floor", 3, 100)])
 def test_noise_on_the_normals_of_a_wall_does_not_split_cells(mode, low, high):
-    """T19: rounding keeps one bin at 1e-3 noise; floor splits axis-aligned walls."""
+    """Rounding keeps one bin at 1e-3 noise; floor splits axis-aligned walls."""
     rng = np.random.default_rng(10)
     x = rng.uniform(-4, 4, (5000, 3)).astype(np.float32)
     x[:, 1] = 0
@@ -255,7 +255,7 @@ def test_noise_on_the_normals_of_a_wall_does_not_split_cells(mode, low, high):
 @pytest.mark.parametrize("mode", ["round", "floor", "octahedral", "single"])
 @pytest.mark.parametrize("c_n", [1, 2, 3, 7, 64])
 def test_every_number_of_normal_bins_gives_finite_frames(c_n, mode):
-    """T19: odd C_N, C_N = 1, and the zero vector of C_N = 2 with floor."""
+    """Odd C_N, C_N = 1, and the zero vector of C_N = 2 with floor."""
     axes = np.concatenate([np.eye(3), -np.eye(3), np.ones((1, 3)) / np.sqrt(3)]).astype(np.float32)
     got, place, valid, _ = keys(axes * 2, axes, 10.0, c_n=c_n, normal_mode=mode)
     assert valid.all() and np.isfinite(place).all()
@@ -266,7 +266,7 @@ def test_every_number_of_normal_bins_gives_finite_frames(c_n, mode):
 @pytest.mark.extreme
 @pytest.mark.parametrize(("offset", "split"), [(True, False), (False, True)])
 def test_the_grid_offset_keeps_a_plane_through_the_centre_off_cell_faces(offset, split):
-    """T19: position noise of one ulp doubles the cells of such a plane without the offset."""
+    """Position noise of one ulp doubles the cells of such a plane without the offset."""
     rng = np.random.default_rng(11)
     x = rng.uniform(-4, 4, (5000, 3)).astype(np.float32) + CENTER
     x[:, 1] = CENTER[1] + rng.choice([-1e-7, 1e-7], 5000).astype(np.float32)
@@ -277,7 +277,7 @@ def test_the_grid_offset_keeps_a_plane_through_the_centre_off_cell_faces(offset,
 
 @pytest.mark.extreme
 def test_negative_zero_is_zero_and_what_is_not_finite_has_no_key():
-    """T19: −0.0, NaN, ∞ and normals of length zero."""
+    """−0.0, NaN, ∞ and normals of length zero."""
     x, n = surface_points(1)
     plus = keys(x, n, 9.0, far=np.float32([[0.0, 1, 0.0]]))[0]
     minus = keys(x, n, 9.0, far=np.float32([[-0.0, 1, -0.0]]))[0]
@@ -290,7 +290,7 @@ def test_negative_zero_is_zero_and_what_is_not_finite_has_no_key():
 
 @pytest.mark.extreme
 def test_folded_keys_stay_distinct():
-    """T19: beyond R_max neighbouring floats still get their own keys."""
+    """Beyond R_max neighbouring floats still get their own keys."""
     x, n = surface_points(20000)
     n[:] = [0, 1, 0]
     got = keys(x, n, 1e12)[0]

@@ -91,7 +91,7 @@ def test_a_weighed_frame_has_the_same_bytes_for_any_number_of_threads(frames):
 
 
 def test_a_weighed_frame_becomes_exact_as_c_e_falls(frames):
-    """T1: every eye sample alone in its cell."""
+    """Every eye sample alone in its cell."""
     cached = frames(vc.Aqvc(c_e=1e-3, by_contribution=True, refinement="on"))
     exact = frames(vc.Exact())
     np.testing.assert_array_equal(cached.image, exact.image)

@@ -28,7 +28,7 @@ def point_keys(points):
 
 @pytest.mark.parametrize("scheme", ["scheme2", "scheme1_mixed"])
 def test_mirrored_lights_have_distinct_hashes(scheme):
-    """T13: (x, y, z) and (−x, y, −z)."""
+    """(x, y, z) and (−x, y, −z)."""
     p = np.random.default_rng(2).uniform(0.1, 5, (1000, 3)).astype(np.float32)
     a = aqvc.hash_keys(point_keys(p), scheme)
     b = aqvc.hash_keys(point_keys(p * np.float32([-1, 1, -1])), scheme)
@@ -71,7 +71,7 @@ CASES = [("surface", s) for s in ("scheme2", "scheme1_mixed")] + [
 @pytest.mark.parametrize("load", [0.5, 2.0])
 @pytest.mark.parametrize(("kind", "scheme"), CASES)
 def test_false_hits_of_fresh_keys_come_at_the_predicted_rate(kind, scheme, load, bits, probes):
-    """T12: occupancy·2^−b·(1 + 2^(1−b)); occupancy = 1 − e^(−load)."""
+    """Occupancy·2^−b·(1 + 2^(1−b)); occupancy = 1 − e^(−load)."""
     table = aqvc.BitTable(aqvc.largest_prime(2**17), bits, scheme)
     n = int(load * table.slots)
     counts = table.put(structured_keys(kind, 0, n), np.zeros(n, bool))

@@ -71,7 +71,7 @@ def test_samples_of_many_eye_points_share_rays(kind):
 
 @pytest.mark.parametrize("kind", ["area", "environment"])
 def test_batches_do_not_depend_on_how_calls_are_cut(kind):
-    """T15: whole runs per call, several runs per call: the same bytes."""
+    """Whole runs per call, several runs per call: the same bytes."""
     eyes = tiles.eye_points()
     whole = tiles.tile_run(eyes, c_e=6, batch=100)
     queries, rank, ends = ordered(whole, area_queries(eyes, kind=kind))
@@ -89,7 +89,7 @@ def test_batches_do_not_depend_on_how_calls_are_cut(kind):
 
 
 def test_without_refinement_rays_are_distinct_keys_in_every_order():
-    """T2: one ray per cluster, whatever the order."""
+    """One ray per cluster, whatever the order."""
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     options = {"c_e": 10, "refinement": "off", "storage": "exact", "form": "pairs"}
@@ -110,7 +110,7 @@ def test_without_refinement_rays_are_distinct_keys_in_every_order():
 
 
 def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
-    """T5: clusters of uniform visibility contribute no error."""
+    """Clusters of uniform visibility contribute no error."""
     eyes, far = tiles.eye_points(48, 48), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     run = tiles.tile_run(eyes, c_e=10, refinement="off", storage="exact", form="pairs")
@@ -133,7 +133,7 @@ def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
 
 
 def test_a_smaller_table_traces_more_rays_and_answers_the_same_at_c_e_near_zero():
-    """T14: eviction costs rays, not correctness."""
+    """Eviction costs rays, not correctness."""
     eyes, far = tiles.eye_points(), tiles.lights("point", 12)
     wanted = tiles.facing(eyes, far)
     sizes = [4, 400, 4000, 40000, 4 << 20]

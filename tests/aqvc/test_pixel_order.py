@@ -18,14 +18,14 @@ def make(width, height, branches=1, **options):
 @pytest.mark.parametrize("order", ["hm", "scanline", "random"])
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (16, 16), (13, 29), (32, 8)])
 def test_every_eye_point_occurs_once(order, width, height):
-    """T17: a permutation, whatever the size, two eye points per position included."""
+    """A permutation, whatever the size, two eye points per position included."""
     _, _, o = make(width, height, branches=2, order=order)
     assert sorted(o["eye"]) == list(range(2 * width * height))
     assert o["segment_end"][-1] == o["run_end"][-1] == 2 * width * height
 
 
 def test_segments_hold_the_points_of_the_halton_sequence():
-    """T17: cut at C_PI, C_PI·C_PG, …; Morton order inside, x on the low bit."""
+    """Cut at C_PI, C_PI·C_PG, …; Morton order inside, x on the low bit."""
     x, y, o = make(24, 20, c_e=6)
     visited = reference.halton_order(24, 20)
     assert o["segment_end"][0] == 24 * 20 // 36
@@ -43,7 +43,7 @@ def test_segments_hold_the_points_of_the_halton_sequence():
 
 
 def test_the_first_segment_leaves_no_large_gap():
-    """T17: some point of the first segment within 3·C_E of every pixel."""
+    """Some point of the first segment within 3·C_E of every pixel."""
     x, y, o = make(64, 64, c_e=8)
     chosen = o["eye"][: o["segment_end"][0]]
     gap = np.hypot(x[:, None] - x[chosen], y[:, None] - y[chosen]).min(1)

@@ -36,7 +36,7 @@ def block(kind, count=12, *, eyes=None, exact=False, scene=None, **options):
 @pytest.mark.parametrize("kind", EXACT_KINDS)
 @pytest.mark.parametrize("c_e", [1e-3, 1e-9])
 def test_tiny_clusters_give_the_exact_bits_with_one_ray_per_query(form, kind, c_e):
-    """T1: C_E → 0, folded keys included."""
+    """C_E → 0, folded keys included."""
     visible, counters, wanted = block(kind, c_e=c_e, **form)
     np.testing.assert_array_equal(visible, block(kind, exact=True)[0])
     assert counters["rays"] == counters["queries"] == wanted.sum()
@@ -46,7 +46,7 @@ def test_tiny_clusters_give_the_exact_bits_with_one_ray_per_query(form, kind, c_
 @pytest.mark.parametrize("form", FORMS, ids=str)
 @pytest.mark.parametrize("c_e", [1e-3, 1e-9])
 def test_tiny_clusters_are_exact_where_cells_are_scale_free(form, c_e):
-    """T1, and no clamp: R has no upper end there."""
+    """And no clamp: R has no upper end there."""
     visible, counters, wanted = block("point", c_e=c_e, scale_free=True, **form)
     np.testing.assert_array_equal(visible, block("point", exact=True)[0])
     assert counters["rays"] == wanted.sum() and counters["clamped_high"] == 0
@@ -66,7 +66,7 @@ def test_scale_free_cells_answer_as_well_as_those_of_the_sphere(form):
 
 @pytest.mark.parametrize("form", FORMS[:2], ids=str)
 def test_c_e_of_one_is_not_exact(form):
-    """T19: a cell of one expected sample holds two at times."""
+    """A cell of one expected sample holds two at times."""
     _, counters, wanted = block("point", c_e=1, **form)
     assert counters["rays"] < wanted.sum()
 
@@ -100,7 +100,7 @@ def test_lights_that_share_a_cell_share_a_column(kind):
 
 @pytest.mark.parametrize("form", FORMS, ids=str)
 def test_the_same_tile_gives_the_same_answers_again(form):
-    """T15: nothing outlives begin_tile."""
+    """Nothing outlives begin_tile."""
     eyes, far = tiles.eye_points(), tiles.lights("point")
     wanted = tiles.facing(eyes, far)
     run = tiles.tile_run(eyes, c_e=10, **form)
@@ -122,7 +122,7 @@ def digest_of_all_forms():
 
 @pytest.mark.parametrize("isa", ["portable", "avx2", "avx512"])
 def test_every_instruction_set_gives_the_same_bytes(isa):
-    """T15: kernels of all widths."""
+    """Kernels of all widths."""
     names = ["portable", "avx2", "avx512"]
     if names.index(isa) > names.index(_core.best_isa()):
         pytest.skip(f"this CPU has no {isa}")
@@ -140,7 +140,7 @@ def test_every_instruction_set_gives_the_same_bytes(isa):
 @pytest.mark.stat
 @pytest.mark.parametrize("density", [50.0, 400.0])
 def test_random_samples_fill_cells_as_poisson_says(density):
-    """T4: distinct cells per cell area = 1 − e^(−D w²); mean occupation tends to C_E²."""
+    """Distinct cells per cell area = 1 − e^(−D w²); mean occupation tends to C_E²."""
     rng = np.random.default_rng(1)
     side, c_e = 6.0, 5.0
     n = rng.poisson(density * side * side)
@@ -164,7 +164,7 @@ def test_random_samples_fill_cells_as_poisson_says(density):
 
 @pytest.mark.stat
 def test_without_refinement_the_error_grows_with_c_e():
-    """T6: share of wrong bits, mean over shifted grids."""
+    """Share of wrong bits, mean over shifted grids."""
     exact = block("point", exact=True)[0]
     errors = []
     for c_e in (0.5, 1, 2, 4, 8, 16):
@@ -184,7 +184,7 @@ def test_refinement_lowers_the_error_of_hard_shadows():
 
 @pytest.mark.stat
 def test_shifted_grids_keep_the_energy_without_refinement():
-    """T7: mean over 24 grids of the visible share, |bias| < 3σ, one query at a time."""
+    """Mean over 24 grids of the visible share, |bias| < 3σ, one query at a time."""
     eyes = tiles.eye_points(64, 64)
     exact = block("point", exact=True, eyes=eyes)[0].sum()
     options = {"c_e": 6, "refinement": "off", "form": "pairs"}
@@ -198,7 +198,7 @@ def test_shifted_grids_keep_the_energy_without_refinement():
 @pytest.mark.parametrize("form", ["waves", "pairs"])
 @pytest.mark.parametrize("scale", [1e-3, 1e3, 2.0**-20, 2.0**20])
 def test_scale_does_not_matter(form, scale):
-    """T8: ray counts within 1 %, wrong bits within 5 %, from micrometres to thousands of km."""
+    """Ray counts within 1 %, wrong bits within 5 %, from micrometres to thousands of km."""
     exact, _, _ = block("point", exact=True)
     want, c, _ = block("point", c_e=8, form=form)
     scene = {"scale": scale}
@@ -210,7 +210,7 @@ def test_scale_does_not_matter(form, scale):
 
 @pytest.mark.extreme
 def test_distance_from_the_origin_does_not_matter():
-    """T8, T19: the centre is subtracted in double; 4096 units off, float positions permitting."""
+    """The centre is subtracted in double; 4096 units off, float positions permitting."""
     _, c, _ = block("point", c_e=8)
     _, c2, _ = block("point", c_e=8, scene={"shift": (4096.0, -4096.0, 8192.0)})
     assert c2["rays"] == pytest.approx(c["rays"], rel=0.02)
@@ -219,7 +219,7 @@ def test_distance_from_the_origin_does_not_matter():
 @pytest.mark.extreme
 @pytest.mark.parametrize("rungs", [38, 76, 114])
 def test_a_far_ground_plane_does_not_change_the_cells(rungs):
-    """T19: B_R (here ×1e3, ×1e6, ×1e9) only shifts the ladder; beyond R_max keys fold."""
+    """B_R (here ×1e3, ×1e6, ×1e9) only shifts the ladder; beyond R_max keys fold."""
     eyes = tiles.eye_points(64, 64)
     _, c, _ = block("point", eyes=eyes, c_e=4)
     _, c2, _ = block("point", eyes=eyes, c_e=4, radius=tiles.RADIUS * 1.2**rungs)
@@ -231,7 +231,7 @@ def test_a_far_ground_plane_does_not_change_the_cells(rungs):
 @pytest.mark.parametrize("form", FORMS, ids=str)
 @pytest.mark.parametrize("c_e", [1e4, 1e30])
 def test_huge_clusters_are_one_cell_per_normal_bin_and_slab(form, c_e):
-    """T19: R = 1; few rays, all finite, counted."""
+    """R = 1; few rays, all finite, counted."""
     visible, c, wanted = block("point", c_e=c_e, refinement="off", **form)
     assert 0 < c["rays"] < 0.1 * wanted.sum() and c["clamped_low"] > 0
     assert not (visible & ~wanted).any()
@@ -241,7 +241,7 @@ def test_huge_clusters_are_one_cell_per_normal_bin_and_slab(form, c_e):
 @pytest.mark.parametrize("form", FORMS, ids=str)
 @pytest.mark.parametrize("density", [0.0, np.nan, np.inf, -1.0, 1e30, 1e-30])
 def test_densities_out_of_range_are_answered_and_counted(form, density):
-    """T19: P = 0, NaN, ∞; no query is lost."""
+    """P = 0, NaN, ∞; no query is lost."""
     eyes = tiles.eye_points(12, 12)
     eyes["density"][::3] = density
     visible, c, wanted = block("point", eyes=eyes, c_e=1.5, **form)
@@ -254,7 +254,7 @@ def test_densities_out_of_range_are_answered_and_counted(form, density):
 @pytest.mark.extreme
 @pytest.mark.parametrize("form", FORMS, ids=str)
 def test_eye_points_without_normal_bypass_the_cache_and_are_exact(form):
-    """T19: degenerate triangles."""
+    """Degenerate triangles."""
     eyes, far = tiles.eye_points(12, 12), tiles.lights("point")
     wanted = tiles.facing(eyes, far)
     eyes["normal"][5:20] = 0
@@ -269,7 +269,7 @@ def test_eye_points_without_normal_bypass_the_cache_and_are_exact(form):
 @pytest.mark.parametrize("form", FORMS, ids=str)
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e17])
 def test_ends_that_are_not_finite_get_no_ray(form, bad):
-    """T19: such queries are blocked and counted as bypassed; the others do not notice."""
+    """Such queries are blocked and counted as bypassed; the others do not notice."""
     eyes, far = tiles.eye_points(12, 12), tiles.lights("point")
     wanted = tiles.facing(eyes, far)
     good, _ = tiles.tile_run(eyes, c_e=1e-3, **form).block(far, wanted)

@@ -13,7 +13,7 @@ POSITIVE = st.floats(1e-6, 1e6)
 
 
 def test_the_printed_examples_of_equations_6_7_and_9_hold():
-    """T9: Eq. 6 gives 2.828, Eq. 7 gives 4, Eq. 9 gives 16 for the worked numbers."""
+    """Eq. 6 gives 2.828, Eq. 7 gives 4, Eq. 9 gives 16 for the worked numbers."""
     assert aqvc.resolution_pair(16.0, 1.0, 2.0, 1.0) == pytest.approx(2 * 4**0.25)
     assert aqvc.resolution_eye(16.0, 2.0, 1.0) == pytest.approx(4)
     assert aqvc.resolution_environment(256 / (4 * np.pi)) == pytest.approx(16)
@@ -23,7 +23,7 @@ def test_the_printed_examples_of_equations_6_7_and_9_hold():
 
 @given(POSITIVE, POSITIVE, st.floats(0.1, 64), st.floats(1e-3, 1e3), st.integers(1, 10**6))
 def test_patches_of_equations_6_and_7_have_the_area_of_equation_3(d_e, d_l, c_e, b_r, n_s):
-    """T9: A_e·A_l·P_e·P_l·N_P = C_E² before the ladder, for both rules."""
+    """A_e·A_l·P_e·P_l·N_P = C_E² before the ladder, for both rules."""
     p_e, m = d_e / n_s, 7.0
     p_l, n_p = d_l / m, m * n_s
     area = aqvc.patch_area_product(p_e, p_l, n_p, c_e)
@@ -56,7 +56,7 @@ def test_the_equations_equal_their_transcription(name):
 
 @pytest.mark.extreme
 def test_densities_of_thirty_decades_keep_resolutions_finite():
-    """T19: roots before products."""
+    """Roots before products."""
     for d in (1e-30, 1e30):
         assert 0 < aqvc.resolution_pair(d, d, 12.0, 1.0) < np.inf
     tiny = aqvc.resolution_pair(1e-300, 1e-300, 1.0, 1.0)
@@ -65,7 +65,7 @@ def test_densities_of_thirty_decades_keep_resolutions_finite():
 
 @pytest.mark.parametrize("c_r", [1.1, 1.2, 1.5, 2.0, 2.5])
 def test_the_ladder_is_equation_8(c_r):
-    """T10: the table equals ⌊C_R^⌊log R + ½⌋⌋ where R >= 1 and never decreases."""
+    """The table equals ⌊C_R^⌊log R + ½⌋⌋ where R >= 1 and never decreases."""
     r = np.exp(np.random.default_rng(1).uniform(0, 18, 20000))
     got, slots, clamps = aqvc.ladder(np.sort(r), c_r=c_r)
     np.testing.assert_array_equal(got, reference.ladder(np.sort(r), c_r))
@@ -75,7 +75,7 @@ def test_the_ladder_is_equation_8(c_r):
 
 
 def test_the_ladder_has_the_known_rungs():
-    """T10: 1, 2, 3 … 114 at C_R = 1.2, the same integers on every machine."""
+    """1, 2, 3 … 114 at C_R = 1.2, the same integers on every machine."""
     rungs = np.unique(aqvc.ladder(np.linspace(1, 120, 5000))[0]).astype(int).tolist()
     want = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 26, 31, 38, 46, 55, 66, 79, 95, 114]
     assert rungs == want
@@ -87,7 +87,7 @@ def test_the_ladder_has_the_known_rungs():
     [(0.0, "low"), (-0.0, "low"), (0.9, "low"), (-3.0, "low"), (np.nan, "nan"), (np.inf, "high")],
 )
 def test_resolutions_out_of_range_are_clamped_and_counted(r, clamp):
-    """T19: P = 0 gives one cell, not-a-number the finest cells; never silently."""
+    """P = 0 gives one cell, not-a-number the finest cells; never silently."""
     got, slot, clamps = aqvc.ladder([r])
     assert clamps == {"low": 0, "high": 0, "nan": 0, clamp: 1}
     assert slot[0] > 0
@@ -96,7 +96,7 @@ def test_resolutions_out_of_range_are_clamped_and_counted(r, clamp):
 
 @pytest.mark.extreme
 def test_resolutions_beyond_32_bits_get_finer_still():
-    """T19: R > R_max is folded, not clamped: a negative slot, counted."""
+    """R > R_max is folded, not clamped: a negative slot, counted."""
     got, slot, clamps = aqvc.ladder([1e9, 1e12, 1e14])
     np.testing.assert_allclose(got, [1e9, 1e12, 1e14], rtol=0.1)
     assert (slot < 0).all() and len(set(slot)) == 3 and clamps["high"] == 3

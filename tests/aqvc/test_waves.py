@@ -39,7 +39,7 @@ def grid_of(options):
 @pytest.mark.parametrize("kind", ["point", "directional", "vpl"])
 @pytest.mark.parametrize("options", OPTIONS, ids=str)
 def test_waves_equal_their_transcription(kind, options):
-    """T23: values, rays of every level and leftover rays, exactly."""
+    """Values, rays of every level and leftover rays, exactly."""
     eyes, far = tiles.eye_points(), tiles.lights(kind, 12)
     wanted = tiles.facing(eyes, far)
     run = tiles.tile_run(eyes, **options)
@@ -54,7 +54,7 @@ def test_waves_equal_their_transcription(kind, options):
 
 
 def test_waves_of_nearer_and_farther_eye_points_share_rows_between_levels():
-    """T23 where levels coincide: one eye point's R does not change, its neighbour's does."""
+    """Where levels coincide, one eye point's R does not change, its neighbour's does."""
     eyes, far = tiles.eye_points(16, 16), tiles.lights("point", 6)
     eyes["density"] *= np.geomspace(1e-6, 1, len(eyes["density"])).astype(np.float32)
     wanted = tiles.facing(eyes, far)

@@ -195,7 +195,7 @@ ONE = [[0.0, 0.0, 1.0]]
         ({"t_max": 0.0}, "t_max must be > 0, got 0"),
         ({"t_max": np.nan}, "t_max must be > 0, got nan"),
         ({"threads": -1}, r"threads must be a whole number in \[1, 1024\], got -1"),
-        ({"scene": "room"}, "scene must be a Scene, got 'room'"),
+        ({"scene": 5}, "scene must be a Scene, a file or a built-in name, got 5"),
         ({"directions": [[0, 0, 1.0]]}, "directions must be a DirectionSet"),
     ],
 )

@@ -272,5 +272,5 @@ def test_bad_arguments_are_refused(arguments: dict[str, Any], message: str) -> N
     n = arguments.pop("n_points", 100)
     with pytest.raises(ValueError, match=message):
         points(convex(), n, **arguments)
-    with pytest.raises(ValueError, match="scene must be a Scene, got 'room'"):
-        points("room", 100)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="scene must be a Scene, a file or a built-in name, got 5"):
+        points(5, 100)  # type: ignore[arg-type]

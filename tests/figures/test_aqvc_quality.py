@@ -43,7 +43,7 @@ def test_only_one_grid_for_all_normals_joins_the_sides_of_a_wall() -> None:
 @pytest.mark.stat
 @pytest.mark.slow
 def test_refinement_loses_thin_shadows_and_thin_light() -> None:
-    """T7: majority filtering brightens below slats and darkens below slits."""
+    """Majority filtering brightens below slats and darkens below slits."""
     for name, sign in (("slats", 1), ("slits", -1)):
         scene = getattr(vc.scenes, name)()
         found = aqvc_bias.biases(Shot(scene=scene, integrator=vc.Direct(), size=(160, 100)),

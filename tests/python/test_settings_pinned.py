@@ -218,7 +218,7 @@ CALLS: list[tuple[dict[str, Any], str]] = [
     ({"visibility": vc.Direct()}, "visibility must be vc.Exact"),
     ({"visibility": "aqcv"}, "unknown visibility 'aqcv'; did you mean 'aqvc'"),
     ({"rays": vc.Exact()}, "rays must be vc.Embree"),
-    ({"use": "correct"}, "use must be"),
+    ({"use": "repair"}, "use must be"),
     ({"size": 5}, "size must be"),
     ({"size": (2.5, 4)}, "size must be"),
     ({"size": (0, 4)}, "size must be"),

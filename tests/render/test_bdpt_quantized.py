@@ -46,7 +46,7 @@ def signature(frame: vc.Frame) -> tuple[Any, ...]:
     return layers, frame.counters
 
 
-# T1: the limit of small cells
+# The limit of small cells
 
 
 @pytest.mark.parametrize("camera", ["bypass", "keyed"])
@@ -65,7 +65,7 @@ def test_vanishing_clusters_give_the_exact_image_bit_for_bit(camera: str, storag
                for g, c in reference.counters["groups"].items())  # fmt: skip
 
 
-# T15: determinism
+# Determinism
 
 
 @pytest.mark.parametrize("storage", ["table", "exact"])
@@ -85,7 +85,7 @@ def test_the_lossy_table_answers_as_the_map_of_full_keys_where_nothing_is_evicte
     assert table.counters["rays"] == pytest.approx(full.counters["rays"], rel=0.01)
 
 
-# T16: racing threads
+# Racing threads
 
 
 @pytest.mark.stat
@@ -131,7 +131,7 @@ def test_larger_clusters_trace_less_and_err_more() -> None:
 @pytest.mark.slow
 @pytest.mark.stat
 def test_equation_6_errs_less_than_equation_7_at_equal_rays() -> None:
-    """T20: light vertices at random; light patches of Eq. 7 hold one sample of a frame."""
+    """Light vertices at random; light patches of Eq. 7 hold one sample of a frame."""
     eq6 = cached(spp=64, c_e=12)
     eq7 = cached(spp=64, c_e=30, res_rule="eq7")
     reduction = [f.counters["ray_reduction"] for f in (eq6, eq7)]
@@ -155,7 +155,7 @@ def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -
 
 
 def test_a_smaller_table_traces_more_rays() -> None:
-    """T14, down to a table of one slot."""
+    """Down to a table of one slot."""
     rays = [cached(table_bytes=b).counters["rays"] for b in (4, 64 << 10, MIB, 64 * MIB)]
     assert rays == sorted(rays, reverse=True) and rays[0] > 2 * rays[-1]
 

@@ -96,9 +96,11 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     frame.width, frame.height, frame.seed, frame.threads = *SIZE, seed, 1
     integrator = direct(passes=2)
     settings = vc.VisMaps(sampling="guided").estimate(False, _core.PointSet.ZERO_TWO)
-    made = _core.render_given_maps(
-        scene._core, scene.caster(), scene.cameras[0], core_settings(integrator), frame, settings,
-        maps, np.full(3, 1 / 3, np.float32), dilations(maps),
+    core, caster = core_settings(integrator), scene.caster()
+    given = _core.given_maps(settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
+    made = _core.render_frame(
+        scene._core, caster, scene.cameras[0], core, frame, _core.ExactSource(scene._core, caster),
+        maps=given,
     )  # fmt: skip
     return made["layers"]["environment"]
 
@@ -341,7 +343,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"visibility": vc.VisMaps(), "integrator": direct(n_environment=0)}, "n_environment >= 1"),
     ({"visibility": vc.VisMaps(alpha="loo"), "integrator": direct()}, "points must be"),
     ({"visibility": vc.Aqvc(), "integrator": direct()}, "visibility must be"),
-    ({"visibility": vc.Aqvc(), "integrator": vc.Direct(), "use": "correct"}, "use must be"),
+    ({"visibility": vc.Aqvc(), "integrator": vc.Direct(), "use": "repair"}, "use must be"),
     ({"integrator": vc.Direct(passes=2)}, "passes must be 1"),
 ]
 

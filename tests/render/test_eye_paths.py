@@ -306,7 +306,7 @@ def test_sizes_out_of_range_are_refused() -> None:
         ({"threads": 0}, "threads must be"),
         ({"camera": 3}, "camera must be"),
         ({"camera": "none"}, "camera must be"),
-        ({"use": "correct"}, "use must be"),
+        ({"use": "repair"}, "use must be"),
         ({"env": -1.0}, "environment: scale must be"),
     ):
         with pytest.raises(ValueError, match=says):

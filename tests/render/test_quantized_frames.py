@@ -44,12 +44,12 @@ def z_of_mean(values):
     return float(np.mean(values) / max(error, 1e-12))
 
 
-# The exact limit, and what a query costs (T1-T3)
+# The exact limit, and what a query costs
 
 
 @pytest.mark.parametrize("form", q.FORMS)
 def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
-    """T1: point, directional and VPL light, bit for bit."""
+    """Point, directional and VPL light, bit for bit."""
     exact = q.exact(q.lit_box())
     frame = q.render(q.lit_box(), c_e=1e-3, **q.FORMS[form])
     for group in ("point", "directional", "vpl"):
@@ -63,7 +63,7 @@ def test_tiny_clusters_give_the_exact_image_with_one_ray_per_query(form):
 
 @pytest.mark.parametrize("preset", ["paper", "as_printed"])
 def test_the_papers_presets_have_the_exact_limit_for_point_and_directional_light(preset):
-    """T1: surface-keyed VPLs have none, as their light cells do not shrink with C_E."""
+    """Surface-keyed VPLs have none, as their light cells do not shrink with C_E."""
     exact = q.exact(q.lit_box())
     frame = q.render(q.lit_box(), preset=preset, c_e=1e-3)
     for group in ("point", "directional"):
@@ -71,7 +71,7 @@ def test_the_papers_presets_have_the_exact_limit_for_point_and_directional_light
 
 
 def test_without_refinement_rays_do_not_depend_on_the_order():
-    """T2: one ray per distinct key, all at level 0."""
+    """One ray per distinct key, all at level 0."""
     options = {"c_e": 8, "form": "pairs", "storage": "exact", "refinement": "off"}
     counters = [
         q.render(q.lit_box(), order=order, batch=batch, **options).counters
@@ -84,7 +84,7 @@ def test_without_refinement_rays_do_not_depend_on_the_order():
 
 @pytest.mark.parametrize("form", q.FORMS)
 def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
-    """T3: level 0 traces what it traces without refinement."""
+    """Level 0 traces what it traces without refinement."""
     options = {"c_e": 16, **q.FORMS[form]} | ({"batch": 1} if form != "waves" else {})
     plain = q.render(q.lit_box(), refinement="off", **options).counters
     refined = q.render(q.lit_box(), level_rule="log2", level_step=2, **options).counters
@@ -96,7 +96,7 @@ def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
         assert group["rays"] <= group["queries"]
 
 
-# Errors and energy (T6, T7)
+# Errors and energy
 
 
 def rises(table):
@@ -107,7 +107,7 @@ def rises(table):
 @pytest.mark.stat
 @pytest.mark.parametrize("form", ["waves", "pairs"])
 def test_the_error_rises_with_c_e(form):
-    """T6: without refinement, mean of eight grids."""
+    """Without refinement, mean of eight grids."""
     options = {"form": form, "refinement": "off"}
     table = errors(q.scene("slats"), (0.5, 1, 2, 4, 8), 8, **options)
     assert rises(table) and table[-1].mean() > 10 * table[0].mean()
@@ -118,7 +118,7 @@ def test_the_error_rises_with_c_e(form):
 
 @pytest.mark.stat
 def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
-    """T6: C_E = 2^m with m levels."""
+    """C_E = 2^m with m levels."""
     table = errors(q.scene("slats"), (1, 2, 4, 8), 8, level_rule="log2", level_step=2)
     assert rises(table)
 
@@ -129,7 +129,7 @@ def test_refined_errors_rise_with_c_e_where_the_finest_cell_is_fixed():
     "options", [{"form": "waves"}, {"form": "pairs", "order": "random"}], ids=["waves", "pairs"]
 )
 def test_shifted_grids_keep_the_energy_without_refinement(name, options):
-    """T7: mean over 32 grids, |bias| < 3σ; orders are drawn anew with the grid."""
+    """Mean over 32 grids, |bias| < 3σ; orders are drawn anew with the grid."""
     size = LARGE if name == "slats" else q.SIZE
     values = energies(q.scene(name), size=size, c_e=8, refinement="off", **options)
     assert abs(z_of_mean(values)) < 3
@@ -140,7 +140,7 @@ def test_shifted_grids_keep_the_energy_without_refinement(name, options):
 
 @pytest.mark.stat
 def test_one_fixed_order_does_not_average_out_over_grids():
-    """T7's control: the first pixels of a scanline represent every cluster, whatever the grid."""
+    """Control: the first pixels of a scanline represent every cluster, whatever the grid."""
     values = energies(
         q.scene("slits"), size=q.SIZE, c_e=8, refinement="off", form="pairs", order="scanline"
     )
@@ -150,7 +150,7 @@ def test_one_fixed_order_does_not_average_out_over_grids():
 @pytest.mark.stat
 @pytest.mark.parametrize("options", [{"form": "waves"}, {"preset": "paper"}], ids=str)
 def test_refinement_brightens_thin_shadows(options):
-    """T7, a property of Alg. 2: a lone dark cell is noticed, a small shadow missed is not."""
+    """A property of Alg. 2: a lone dark cell is noticed, a small shadow missed is not."""
     values = energies(q.scene("slats"), 8, size=q.SIZE, c_e=8, refinement="on", **options)
     assert z_of_mean(values) > 5
 
@@ -166,7 +166,7 @@ def test_waves_err_like_pairs():
         assert fine != pytest.approx(waves, rel=0.25)
 
 
-# Units and determinism (T8, T15)
+# Units and determinism
 
 ROTATION = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
 
@@ -185,7 +185,7 @@ ROTATION = Rotation.from_euler("xyz", [0.3, 0.5, 0.7]).as_matrix()
     ids=str,
 )
 def test_scale_place_and_direction_do_not_matter(form, transform, slack):
-    """T8: ray reduction and error of the same picture; C_E 10 % off is told apart."""
+    """Ray reduction and error of the same picture; C_E 10 % off is told apart."""
     options = {"c_e": 8, "form": form}
     scene, other = q.scene("slats"), q.moved(q.scene("slats"), **transform)
     frames = [q.render(s, DIRECT, **options) for s in (scene, other)]
@@ -202,7 +202,7 @@ def test_scale_place_and_direction_do_not_matter(form, transform, slack):
 
 @pytest.mark.parametrize("form", q.FORMS)
 def test_any_number_of_threads_gives_the_same_bytes(form):
-    """T15: several tiles, shared and local light, image and counters."""
+    """Several tiles, shared and local light, image and counters."""
     scene = q.lit_box().with_environment(0.5)
     integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=1, n_brdf=1)
     options = {"size": (140, 24), "spp": 16, "c_e": 12, **q.FORMS[form]}
@@ -212,7 +212,7 @@ def test_any_number_of_threads_gives_the_same_bytes(form):
     assert all(frame.counters == frames[0].counters for frame in frames)
 
 
-# Order, environment, walls (T17, T21, T22)
+# Order, environment, walls
 
 
 def shadow_shift(image, exact):
@@ -226,7 +226,7 @@ def shadow_shift(image, exact):
 @pytest.mark.stat
 @pytest.mark.figure
 def test_scan_order_shifts_shadows_to_the_lower_right_and_halton_morton_less():
-    """T17, Fig. 4: mean over eight image sizes, each with its own early pixels, and two grids."""
+    """Mean over eight image sizes, each with its own early pixels, and two grids."""
     scene = q.scene("cube_on_plane")
     exact = q.exact(scene, DIRECT, LARGE).image
     assert shadow_shift(np.roll(exact, 1, axis=1), exact) == pytest.approx([1, 0], abs=0.05)
@@ -263,7 +263,7 @@ def environment_errors(rule):
 
 
 def test_the_derived_environment_rule_converges_with_samples_and_the_printed_does_not():
-    """T21: Eq. 9."""
+    """Eq. 9."""
     derived, printed = environment_errors("derived"), environment_errors("printed")
     assert derived[1] < 0.75 * derived[0] and derived[2] < 0.75 * derived[1]
     assert printed[2] > 0.75 * printed[0] and printed[2] > 4 * derived[2]
@@ -280,7 +280,7 @@ def lit_far_inside_shadow(scene, exact, reach_px, **options):
 
 @pytest.mark.parametrize("form", q.FORMS)
 def test_a_thin_wall_does_not_leak(form):
-    """T22: its front stays black with the light behind; on the floor, light creeps one cell."""
+    """Its front stays black with the light behind; on the floor, light creeps one cell."""
     scene = q.scene("thin_wall")
     exact = q.exact(scene, DIRECT, LARGE)
     front = exact.layers["normal"][..., 2] > 0.9

@@ -197,7 +197,7 @@ def test_samples_of_single_eye_points_share_rays_and_err_less_with_small_c_e():
 
 
 def test_light_cells_leave_an_error_that_falls_with_the_samples():
-    """T1's limit: C_E shrinks eye cells only, so local light is exact for many samples alone."""
+    """C_E shrinks eye cells only, so local light is exact for many samples alone."""
     scene = q.lit_box().with_environment(0.5)
     error = {"area": [], "environment": []}
     for m in (1, 8):

@@ -39,12 +39,15 @@ def forgetful(scene: vc.Scene, integrator: Any, seeds: range) -> npt.NDArray[Any
     frame.width, frame.height, frame.spp, frame.threads = *SIZE, 1, 2
     camera = _core.scene_cameras(scene._core)[0]
     paths = isinstance(integrator, vc.Bdpt)
-    render: Any = _core.render_bdpt_nee_plus_plus if paths else _core.render_nee_plus_plus
+    render: Any = _core.render_bdpt if paths else _core.render_frame
     settings = integrator.core() if paths else core_settings(integrator)
+    caster = scene.caster()
     images = []
     for frame.seed in seeds:
-        got = render(scene._core, scene.caster(), camera, settings, frame, COARSE.core(),
-                     weighted=False)  # fmt: skip
+        source = _core.RouletteSource(
+            scene._core, caster, COARSE.core(), seed=frame.seed, weighted=False
+        )
+        got = render(scene._core, caster, camera, settings, frame, source)
         images.append(got["layers"]["color"])
     return np.stack(images)
 

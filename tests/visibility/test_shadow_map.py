@@ -278,4 +278,4 @@ def test_maps_that_do_not_fit_are_refused_with_the_bytes_they_need() -> None:
     with pytest.raises(ValueError, match=r"max_bytes must be >= 24000000 .* got 1000000"):
         vc.render(scene, vc.Direct(), size=(8, 8), visibility=maps)
     with pytest.raises(ValueError, match="use must be"):
-        vc.render(scene, vc.Direct(), size=(8, 8), visibility=vc.ShadowMap(), use="correct")
+        vc.render(scene, vc.Direct(), size=(8, 8), visibility=vc.ShadowMap(), use="repair")

@@ -399,7 +399,7 @@ ONE = [[0.0, 0.0, 1.0]]
         ({"t_max": 0.0}, "t_max must be > 0, got 0"),
         ({"t_max": np.nan}, "t_max must be > 0, got nan"),
         ({"threads": -1}, r"threads must be a whole number in \[1, 1024\], got -1"),
-        ({"scene": "room"}, "scene must be a Scene, got 'room'"),
+        ({"scene": 5}, "scene must be a Scene, a file or a built-in name, got 5"),
         ({"engine": "gpu"}, 'engine must be "auto", "batch", "embree" or "field"'),
         ({"n_directions": 512}, "n_directions must be one of 1, 3, 9"),
     ],

@@ -6,7 +6,7 @@ namespace viscache {
 /// Light paths that are connected to the camera.
 enum class CameraConnections {
     kBypass,  ///< a ray each, past any cache
-    kKeyed,   ///< through the cache, with the camera as a point (AQVC spec, A27)
+    kKeyed,   ///< through the cache, with the camera as a point
     kOff,     ///< none: the other strategies carry all paths
 };
 

@@ -222,7 +222,7 @@ private:
         out_.pixel.push_back(b.pixel), out_.stream.push_back(b.stream);
     }
 
-    /// D_e = N_S·P_e: eye samples per unit area at the point (AQVC spec, section 5).
+    /// D_e = N_S·P_e: eye samples per unit area at the point.
     float density(const Branch& b, Vec3 ng, float cos_eye) const {
         const float spp = float(t_.frame.spp);
         if (footprint_) {

@@ -79,7 +79,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
             const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
             lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
         }
-        // As geometry factors they are surfaces; the cache may key them as points (AQVC spec, A26)
+        // As geometry factors they are surfaces; the cache may key them as points (vpl_key)
         keep(lights, Semantic::kSurface, LightGroup::kVpl);
     }
     return groups;

@@ -9,7 +9,7 @@
 
 namespace viscache {
 
-/// Where the density of an eye point comes from (AQVC spec, section 5).
+/// Where the density of an eye point comes from.
 enum class PMode {
     kLastVertex,  ///< camera density with the unfolded length of the path
     kFootprint,   ///< ray differentials

@@ -32,7 +32,7 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
                                Control& control, Counters& counters);
 
 /// D_l of VPLs, from the set itself: 4/(π r₄²), r₄ = distance to the fourth nearest with a compatible normal
-/// (AQVC spec, section 5).
+/// estimates the density of light samples at the VPL.
 std::vector<float> vpl_densities(const std::vector<Vpl>& vpls, int threads, Control& control);
 
 }  // namespace viscache

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
@@ -20,6 +22,8 @@ Kind: TypeAlias = Literal["points", "directions", "surfaces", "solid_angle"]
 
 #: Neighbours that say how dense points lie where the caller does not.
 NEIGHBOURS = 8
+#: Points whose neighbours are sought at a time.
+QUERY_POINTS = 1 << 14
 #: Light groups by number (`visibility/counters.h`).
 GROUPS = (
     "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
@@ -54,7 +58,8 @@ def units(values: Any, name: str) -> npt.NDArray[np.float32]:
         raise ValueError(f"{name} must not be zero, row {bad[0]} is {rows[bad[0]]}")
     if np.all(np.abs(lengths - 1) < 1e-4):
         return rows
-    return (rows / lengths[:, None]).astype(np.float32)
+    scaled: npt.NDArray[np.float32] = (rows / lengths[:, None]).astype(np.float32)
+    return scaled
 
 
 def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
@@ -79,7 +84,20 @@ def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.floa
     if k < 1:
         return np.zeros(len(positions), dtype=np.float32)
     places = positions.astype(np.float64)
-    distance = cKDTree(places).query(places, k=[k + 1], workers=-1)[0][:, 0]
+    tree = cKDTree(places)
+
+    def spacing(first: int) -> Array:
+        nearest: Array = tree.query(places[first : first + QUERY_POINTS], k=[k + 1])[0]
+        return nearest[:, 0]
+
+    # Small pieces, so that Ctrl-C ends it soon and leaves no thread behind
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        pieces = [pool.submit(spacing, i) for i in range(0, len(places), QUERY_POINTS)]
+        try:
+            distance = np.concatenate([piece.result() for piece in pieces])
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
     with np.errstate(divide="ignore"):
         density = k / (np.pi * distance**2)
     finite = density[np.isfinite(density)]

@@ -1,6 +1,6 @@
 """C_E from an error target: pilots with the quantized cache, checked on pixels they did not see.
 
-The error of one picture grows with C_E along a curve that is no single power [AQVC spec, 13], so a
+The error of one picture grows with C_E along a curve that is no single power, so a
 few pilots are joined by straight lines in log C_E, log rel_l1, and the line that crosses the target
 is looked at again. Tiles do not know of each other, so some of a large frame's tiles (a 16th, at
 least 24) have the frame's own error; of a small frame whole frames of other seeds serve.

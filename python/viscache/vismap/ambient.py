@@ -16,7 +16,8 @@ from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import checked_threads, is_whole, require
 from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.spelling import spelled
-from viscache.vismap.cache import VisibilityMapCache, checked_size
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.records import checked_size
 
 __all__ = ["AMBIENT", "cached_ambient_occlusion"]
 

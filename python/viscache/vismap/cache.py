@@ -12,18 +12,17 @@ from viscache import _core, sources
 from viscache.progress import Progress, progress_bar
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
-from viscache.settings.checks import checked_points, checked_threads, is_whole, require
+from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.maps import MapSettings, map_settings
 from viscache.settings.rays import Caster, Rays, check_rays
 from viscache.settings.spelling import spelled
 from viscache.vismap import cache_file
 from viscache.vismap.orders import pixel_order
 from viscache.vismap.points import Cloud, Rows, insert_tiles, make_cloud
-from viscache.vismap.records import Floats, Lookup, Records, UpdateReport
+from viscache.vismap.records import Floats, Lookup, Records, UpdateReport, checked_size
 
 __all__ = ["VisibilityMapCache"]
 
-MAX_PIXELS = 1 << 28
 #: Of a start-up that was not needed.
 NOTHING = {"inserted": 0, "duplicates": 0, "rays": 0}
 
@@ -150,7 +149,7 @@ class VisibilityMapCache:
                 ordered = points.take(pixel_order(self.settings.order, width, height))
             found = self._insert(ordered, cores, progress)
             self._core.mark_used(points, self.frame, cores)
-        return self._report(startup, found, width * height, misses, bad_normals)
+        return UpdateReport.of(self.frame, startup, found, width * height, misses, bad_normals)
 
     def insert(
         self,
@@ -228,7 +227,7 @@ class VisibilityMapCache:
             )  # fmt: skip
             for tile in points.tiles(order):
                 self._core.mark_used(tile, self.frame, cores)
-        return self._report(startup, found, len(points), found["unusable"], 0)
+        return UpdateReport.of(self.frame, startup, found, len(points), found["unusable"], 0)
 
     def _cloud(
         self,
@@ -239,28 +238,6 @@ class VisibilityMapCache:
     ) -> Cloud:
         reach, extent = self.settings.d_max, self.scene._core.offset_extent
         return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
-
-    def _report(
-        self,
-        startup: dict[str, int],
-        found: dict[str, int],
-        pixels: int,
-        misses: int,
-        bad_normals: int,
-    ) -> UpdateReport:
-        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
-        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
-        return UpdateReport(
-            frame=self.frame,
-            startup=startup["inserted"],
-            inserted=startup["inserted"] + found["inserted"],
-            duplicates=startup["duplicates"] + found["duplicates"],
-            rays=startup["rays"] + found["rays"],
-            pixels=pixels,
-            misses=misses,
-            bad_normals=bad_normals,
-            **counts,
-        )
 
     def _pixels(
         self, view: _core.Camera, width: int, height: int, at: tuple[float, float], threads: int
@@ -516,13 +493,3 @@ class VisibilityMapCache:
             f"<viscache.VisibilityMapCache: {len(self):,} records of {edge}×{edge}, "
             f"{self.nbytes:,} bytes>"
         )
-
-
-def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Validated size of an image in pixels."""
-    pair = len(size) == 2 and all(is_whole(v) for v in size)
-    require(pair, "size must be (width, height)", size)
-    width, height = (int(v) for v in size)
-    fits = width >= 1 and height >= 1 and width * height <= MAX_PIXELS
-    require(fits, "size must be at least 1×1 and at most 2^28 pixels", size)
-    return width, height

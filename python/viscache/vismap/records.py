@@ -8,7 +8,11 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from viscache.settings.checks import is_whole, require
+
 __all__ = ["Lookup", "Records", "UpdateReport"]
+
+MAX_PIXELS = 1 << 28
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -80,3 +84,32 @@ class UpdateReport:
     """Pixels that see no surface, or points with d_max 0."""
     bad_normals: int
     """Pixels whose triangle has no normal: they use no records and get none."""
+
+    @classmethod
+    def of(
+        cls,
+        frame: int,
+        startup: dict[str, int],
+        found: dict[str, int],
+        pixels: int,
+        misses: int,
+        bad_normals: int,
+    ) -> UpdateReport:
+        """From what the start-up and the insertion counted."""
+        reasons = ("no_candidate", "weight", "difference", "suppressed", "refused")
+        counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
+        both = {name: startup[name] + found[name] for name in ("inserted", "duplicates", "rays")}
+        return cls(
+            frame=frame, startup=startup["inserted"], pixels=pixels, misses=misses,
+            bad_normals=bad_normals, **both, **counts,
+        )  # fmt: skip
+
+
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Validated size of an image in pixels."""
+    pair = len(size) == 2 and all(is_whole(v) for v in size)
+    require(pair, "size must be (width, height)", size)
+    width, height = (int(v) for v in size)
+    fits = width >= 1 and height >= 1 and width * height <= MAX_PIXELS
+    require(fits, "size must be at least 1×1 and at most 2^28 pixels", size)
+    return width, height

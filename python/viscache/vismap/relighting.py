@@ -19,7 +19,8 @@ from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.integrators import Whitted, core_settings
 from viscache.settings.spelling import spelled
-from viscache.vismap.cache import VisibilityMapCache, checked_size
+from viscache.vismap.cache import VisibilityMapCache
+from viscache.vismap.records import checked_size
 
 __all__ = ["Relighting", "reduced", "rotation"]
 
