@@ -13,7 +13,7 @@ from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
 from viscache.combinations import Request, check
 from viscache.frame import Frame
-from viscache.oracles.correct import Correct
+from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.sources import oracle_source, parameters_of
 from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
@@ -268,9 +268,7 @@ def _check_settings(
 
 def _use_in_words(use: Any, visibility: Any) -> Any:
     """How the approximation was used, as frames record it."""
-    if isinstance(use, Correct):
-        return {"name": "correct", **asdict(use)}
-    return use or ("correct" if isinstance(visibility, VisMaps) else "replace")
+    return in_words(use) or ("correct" if isinstance(visibility, VisMaps) else "replace")
 
 
 def _checked_part(part: tuple[int, int]) -> tuple[int, int]:

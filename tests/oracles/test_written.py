@@ -116,6 +116,19 @@ def test_a_sweep_over_its_fields(room: vc.Scene) -> None:
     assert table["rel_l1"].values[0] < table["rel_l1"].values[1]
 
 
+def test_a_sweep_corrects_it(room: vc.Scene, tmp_path: Path) -> None:
+    over, given = {"visibility.cell": [0.4]}, {"visibility": Grid(), "size": SIZE}
+    plain = vc.sweep(room, WHITTED, over=over, directory=tmp_path / "a", **given)
+    exact = vc.sweep(
+        room, WHITTED, over=over, use=vc.Correct(share=1), directory=tmp_path / "b", **given
+    )
+    word = vc.sweep(room, WHITTED, over=over, use="correct", directory=tmp_path / "c", **given)
+    assert plain["rel_l1"].values[0] > 0 == exact["rel_l1"].values[0]
+    assert word["rays"].values[0] > plain["rays"].values[0]
+    with pytest.raises(ValueError, match="use must be"):
+        vc.sweep(room, WHITTED, over=over, use="repair", **given)
+
+
 def test_it_serves_as_control_variate(room: vc.Scene) -> None:
     exact = vc.render(room, WHITTED, size=SIZE)
     right = vc.render(room, WHITTED, size=SIZE, visibility=Grid(cell=0.5), use=vc.Correct(share=1))

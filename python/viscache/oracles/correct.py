@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import setting
 
-__all__ = ["Correct"]
+__all__ = ["Correct", "in_words"]
 
 
 @setting
@@ -44,3 +45,8 @@ class Correct:
     def __post_init__(self) -> None:
         check_types(self)
         require(0 < self.share <= 1, "share must be in (0, 1]", self.share)
+
+
+def in_words(use: Any) -> Any:
+    """How an approximation is used, as frames and sweeps record it: JSON-able."""
+    return {"name": "correct", **asdict(use)} if isinstance(use, Correct) else use

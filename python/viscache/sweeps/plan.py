@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from viscache.oracles.correct import Correct, in_words
 from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
@@ -30,7 +31,7 @@ class Task:
     integrator: Any
     rays: Any
     visibility: Any
-    use: str | None
+    use: str | Correct | None
     camera: str | None
     env: Any
     env_hash: str | None
@@ -178,7 +179,7 @@ def _add(
     task = Task(**merged)
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
-        "spp": task.spp, "seed": seed, "use": task.use, "camera": task.camera,
+        "spp": task.spp, "seed": seed, "use": in_words(task.use), "camera": task.camera,
         "env": task.env_hash,
     }  # fmt: skip
     for role in by_name.ROLES:
@@ -201,7 +202,7 @@ def definition_of(
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
-        "size": list(common["size"]), "spp": common["spp"], "use": common["use"],
+        "size": list(common["size"]), "spp": common["spp"], "use": in_words(common["use"]),
         "camera": common["camera"], "seed": plan.seed, "repeats": plan.repeats,
         "converged": dict(converged) if converged else None, "metrics": plan.metrics,
         "names": plan.names, "dims": plan.dims,

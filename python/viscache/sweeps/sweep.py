@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import sources
+from viscache.oracles.correct import Correct
 from viscache.progress import Progress
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
@@ -56,7 +57,7 @@ def sweep(
     progress: Progress = False,
     threads: int | None = None,
     rays: Any = None,
-    use: str | None = None,
+    use: str | Correct | None = None,
     camera: str | None = None,
     env: Any = None,
 ) -> xarray.Dataset:
@@ -139,7 +140,10 @@ def sweep(
         "scene": scene, "use": use, "camera": camera, "env": env, "threads": threads,
         "size": checked_size(size), "spp": positive("spp", spp),
     }  # fmt: skip
-    require(use in (None, "replace"), 'use must be "replace"', use)
+    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
+        isinstance(use, Correct)
+    )  # fmt: skip
+    require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
     require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     plan = make_plan(
         opened, resolved, common, over=over, repeats=positive("repeats", repeats), seed=int(seed),
