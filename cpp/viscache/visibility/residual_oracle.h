@@ -39,7 +39,10 @@ private:
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
     /// The weight of an answer: the inner oracle's value moved towards the truth by 1/q.
-    float corrected(float value, bool truth) const { return value + (float(truth) - value) * inverse_share_; }
+    /// At q = 1 that is the truth, without rounding.
+    float corrected(float value, bool truth) const {
+        return inverse_share_ == 1 ? float(truth) : value + (float(truth) - value) * inverse_share_;
+    }
     void correct(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                  Counters& counters);
 
