@@ -54,8 +54,13 @@ def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
     """The paper's numbers of samples; an eighth where quick."""
     share = 8 if quick else 1
     each = 128 // share if sky == "mis" else 256 // share
-    return Whitted(**({"n_vpls": 1024 // share} | more), n_area=0, n_environment=each,
-                   n_brdf=each if sky == "mis" else 0, environment=sky)  # fmt: skip
+    return Whitted(
+        **({"n_vpls": 1024 // share} | more),
+        n_area=0,
+        n_environment=each,
+        n_brdf=each if sky == "mis" else 0,
+        environment=sky,
+    )
 
 
 def frame_of(
@@ -93,10 +98,16 @@ def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
         goal = GOAL if key == "rows" and sky == "mis" and not quick else None
         row = ratio_figure(
-            f"apartment, {name}, {key} whole-frame vs exact", samples[key], samples["exact"],
-            goal=goal, rel_l1=error, rel_l1_groups=errors, stages_cpu_s=stages(frames[key]),
-            exact_stages_cpu_s=stages(frames["exact"]), share_rays=ray_shares(frames[key]),
-        )  # fmt: skip
+            f"apartment, {name}, {key} whole-frame vs exact",
+            samples[key],
+            samples["exact"],
+            goal=goal,
+            rel_l1=error,
+            rel_l1_groups=errors,
+            stages_cpu_s=stages(frames[key]),
+            exact_stages_cpu_s=stages(frames["exact"]),
+            share_rays=ray_shares(frames[key]),
+        )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
         outcome.figures.append(row)
@@ -108,9 +119,10 @@ def measure_table(outcome: Outcome, scene: Scene) -> None:
     frames: dict[str, Frame] = {}
     light = integrator("mis", False, n_vpls=0)
     ways: dict[str, Visibility] = {
-        "rows": Aqvc(c_e=10), "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
+        "rows": Aqvc(c_e=10),
+        "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
         "exact": Exact(),
-    }  # fmt: skip
+    }
     for key, by in ways.items():
         frame_of(frames, key, scene, light, by, False)()
     queries = frames["exact"].counters["queries"]

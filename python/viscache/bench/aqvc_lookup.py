@@ -112,6 +112,11 @@ def keys(points: int, outcome: Outcome) -> dict[str, Any]:
     same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))
     outcome.check("keys of 4 levels at once: other hashes", float(not same), 0)
     return figure(
-        "ns/key of 4 levels at once vs one at a time", median(per_key["four"]), "ns",
-        baseline=median(per_key["one"]), ratios=ratios, rel_l1=0.0, clock="cpu",
-    )  # fmt: skip
+        "ns/key of 4 levels at once vs one at a time",
+        median(per_key["four"]),
+        "ns",
+        baseline=median(per_key["one"]),
+        ratios=ratios,
+        rel_l1=0.0,
+        clock="cpu",
+    )

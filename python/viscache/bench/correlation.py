@@ -178,8 +178,12 @@ def _figures(outcome: Outcome, rates: dict[str, list[float]]) -> None:
     against("pairs/s, all words vs numpy", "bins in cache all words", "numpy")
     if "bound" in rates:
         against("pairs/s vs bound", "kernel in cache all words", "bound", GOAL_BOUND_IN)
-        against("pairs/s, out of cache vs bound", "kernel out of cache all words", "bound",
-                GOAL_BOUND_OUT)  # fmt: skip
+        against(
+            "pairs/s, out of cache vs bound",
+            "kernel out of cache all words",
+            "bound",
+            GOAL_BOUND_OUT,
+        )
         against("pairs/s with bins, in cache vs bound", "bins in cache all words", "bound")
     else:
         outcome.skip("bound", "needs AVX-512 with VPOPCNTDQ, and VISCACHE_ISA to leave it on")
@@ -198,9 +202,17 @@ def _on_one_thread(function: Callable[[], Any]) -> Sample:
 
 def _statistics(points: Points, tiles: npt.NDArray[np.int64] | None, skip_dead: bool) -> PairTable:
     return pair_statistics(
-        points.bits, points.n_directions, points.positions, points.normals, points.group,
-        D_EDGES, THETA_EDGES_DEG, tiles=tiles, threads=1, skip_dead=skip_dead,
-    )  # fmt: skip
+        points.bits,
+        points.n_directions,
+        points.positions,
+        points.normals,
+        points.group,
+        D_EDGES,
+        THETA_EDGES_DEG,
+        tiles=tiles,
+        threads=1,
+        skip_dead=skip_dead,
+    )
 
 
 def _some_tiles(points: Points, n_pairs: int) -> npt.NDArray[np.int64]:
@@ -213,9 +225,11 @@ def _numpy_product(n: int) -> Sample:
     threads = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "BLIS_NUM_THREADS")
     done = subprocess.run(
         [sys.executable, "-c", NUMPY_PROGRAM, str(n), str(MAP_SIZE**2)],
-        env={**os.environ, **dict.fromkeys(threads, "1")}, capture_output=True, text=True,
+        env={**os.environ, **dict.fromkeys(threads, "1")},
+        capture_output=True,
+        text=True,
         check=True,
-    )  # fmt: skip
+    )
     report = json.loads(done.stdout)
     return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"])
 
@@ -234,8 +248,12 @@ def _check_answers(outcome: Outcome, points: Points) -> None:
     columns = [_columns(points.bits), _columns(bits)]
     outcome.check("total of n11 unlike numpy's", float(total != int(columns[0] @ columns[1])), 0)
 
-    subset = Points(bits=bits, positions=points.positions[rows], normals=points.normals[rows],
-                    group=np.zeros(len(rows), np.int32))  # fmt: skip
+    subset = Points(
+        bits=bits,
+        positions=points.positions[rows],
+        normals=points.normals[rows],
+        group=np.zeros(len(rows), np.int32),
+    )
     tables = [_statistics(subset, None, skip) for skip in (False, True)]
     i, j = np.triu_indices(len(rows), 1)
     d = np.linalg.norm(subset.positions[i] - subset.positions[j], axis=1)

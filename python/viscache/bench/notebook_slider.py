@@ -45,8 +45,9 @@ class Callback:
         return frame, f"{saved:.1f} queries per ray, error {100 * error:.2f} %"
 
     def frame(self, c_e: float, threads: int | None = None) -> Frame:
-        return render(self.scene, Direct(), visibility=Aqvc(c_e=c_e), size=self.size,
-                      threads=threads)  # fmt: skip
+        return render(
+            self.scene, Direct(), visibility=Aqvc(c_e=c_e), size=self.size, threads=threads
+        )
 
 
 def notebook_slider(quick: bool) -> Outcome:
@@ -58,8 +59,9 @@ def notebook_slider(quick: bool) -> Outcome:
     size, turns = ((120, 68), 1) if quick else ((480, 270), 5)
     callback = Callback(build_scene(QUICK_SCENE if quick else SCENE), size)
     began = time.perf_counter()
-    view = notebook.sliders(callback, c_e=list(C_E), first={"c_e": C_E[-1]},
-                            exposure=callback.exposure)  # fmt: skip
+    view = notebook.sliders(
+        callback, c_e=list(C_E), first={"c_e": C_E[-1]}, exposure=callback.exposure
+    )
     first_ms = 1000 * (time.perf_counter() - began)
     moves: dict[int, list[dict[str, Sample]]] = {c_e: [] for c_e in C_E}
     for turn in range(turns):
@@ -72,10 +74,16 @@ def notebook_slider(quick: bool) -> Outcome:
     rows = [_row(c_e, taken) for c_e, taken in moves.items()]
     worst = max(rows, key=lambda row: row["wall_ms"])
     outcome.figures.append(
-        at_most_figure(f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
-                       worst["wall_ms"], "ms", None if quick else MILLISECONDS_AT_MOST,
-                       c_e=worst["c_e"], first_ms=first_ms, moves=rows)
-    )  # fmt: skip
+        at_most_figure(
+            f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
+            worst["wall_ms"],
+            "ms",
+            None if quick else MILLISECONDS_AT_MOST,
+            c_e=worst["c_e"],
+            first_ms=first_ms,
+            moves=rows,
+        )
+    )
     outcome.notes += [_sentence(row) for row in rows]
     return outcome
 
@@ -109,8 +117,10 @@ def _row(c_e: int, taken: list[dict[str, Sample]]) -> dict[str, Any]:
         return round(float(1000 * statistics.median(getattr(t[stage], clock) for t in taken)), 2)
 
     row: dict[str, Any] = {
-        "c_e": c_e, "wall_ms": median("move", "wall_s"), "cpu_ms": median("move", "cpu_s"),
-    }  # fmt: skip
+        "c_e": c_e,
+        "wall_ms": median("move", "wall_s"),
+        "cpu_ms": median("move", "cpu_s"),
+    }
     for stage in ("render", "metric", "picture"):
         row |= {f"{stage}_ms": median(stage, "wall_s"), f"{stage}_cpu_ms": median(stage, "cpu_s")}
     return row

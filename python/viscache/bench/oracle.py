@@ -51,9 +51,10 @@ def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
     shuffled = np.random.default_rng(1).permutation(len(conn.eyes))
     back = np.argsort(shuffled)
     eyes = EyePoints(
-        conn.eyes.positions[shuffled], conn.eyes.normals[shuffled],
+        conn.eyes.positions[shuffled],
+        conn.eyes.normals[shuffled],
         np.asarray(conn.eyes.density)[shuffled],
-    )  # fmt: skip
+    )
     for name, visibility in {"exact": Exact(), "aqvc": Aqvc(c_e=10)}.items():
         ask, found = conn.oracle(visibility), dict[str, Any]()
 
@@ -77,14 +78,19 @@ def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
         outcome.figures.append(
             ratio_figure(
                 f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
-                samples["arrays"], samples["renderer"], goal=GOAL,
+                samples["arrays"],
+                samples["renderer"],
+                goal=GOAL,
                 work=found["renderer"].counters["queries"],
             )
-        )  # fmt: skip
+        )
         differ = np.bitwise_count(found["arrays"].bits[back] ^ found["renderer"].bits).sum()
         share = float(differ) / max(1, found["renderer"].counters["queries"])
-        outcome.check(f"{name}: other answers than the renderer's tiles", share,
-                      0.0 if name == "exact" else 0.05)  # fmt: skip
+        outcome.check(
+            f"{name}: other answers than the renderer's tiles",
+            share,
+            0.0 if name == "exact" else 0.05,
+        )
 
 
 def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
@@ -106,8 +112,10 @@ def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
     outcome.figures.append(
         ratio_figure(
             f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
-            samples["python"], samples["core"], goal=GOAL,
+            samples["python"],
+            samples["core"],
+            goal=GOAL,
         )
-    )  # fmt: skip
+    )
     same = frames["python"].sha256 == frames["core"].sha256
     outcome.check("frame in Python: other bytes than exact", float(not same), 0)

@@ -88,8 +88,9 @@ def vismap_variance(quick: bool = False) -> Outcome:
         cache = VisibilityMapCache(scene, MapSettings(m=case.m))
         cache.update(case.camera, size=size)
         samples = QUICK_SAMPLES if quick else SAMPLES
-        found = simulate(cache, all_ways(), samples, camera=case.camera, size=size,
-                         **(QUICK if quick else FULL))  # fmt: skip
+        found = simulate(
+            cache, all_ways(), samples, camera=case.camera, size=size, **(QUICK if quick else FULL)
+        )
         add_figures(outcome, case, found, samples, len(cache))
         check_means(outcome, case.name, found)
     equal_time(outcome, quick)
@@ -108,7 +109,9 @@ def all_ways() -> list[Way]:
 def _pairs() -> dict[tuple[str, str], tuple[Way, Way]]:
     """By name and points: product sampling, and the way."""
     sets: tuple[tuple[str, Mapping[str, Way]], ...] = (
-        ("iid", {**WAYS, **IID_ONLY}), ("rqmc", WAYS))  # fmt: skip
+        ("iid", {**WAYS, **IID_ONLY}),
+        ("rqmc", WAYS),
+    )
     return {
         (name, points): (Way(points=points), replace(way, points=points))  # type: ignore[arg-type]
         for points, ways in sets
@@ -125,18 +128,25 @@ def add_figures(
             left = _left(found.estimates[way, n], found.estimates[baseline, n])
             limit = case.goals.get((name, points, n))
             outcome.figures.append(
-                figure(f"{case.name}, {name}, {points}, {n} samples vs product sampling",
-                       left.ratio, "of the variance", baseline=1.0,
-                       ratios=left.gains,
-                       goal=None if limit is None else 1 / limit, records=n_records,
-                       trimmed=left.trimmed, worse_share=left.worse_share)
-            )  # fmt: skip
+                figure(
+                    f"{case.name}, {name}, {points}, {n} samples vs product sampling",
+                    left.ratio,
+                    "of the variance",
+                    baseline=1.0,
+                    ratios=left.gains,
+                    goal=None if limit is None else 1 / limit,
+                    records=n_records,
+                    trimmed=left.trimmed,
+                    worse_share=left.worse_share,
+                )
+            )
 
 
 def _left(ours: npt.NDArray[np.float64], baseline: npt.NDArray[np.float64]) -> VarianceRatio:
     """Replicates (K, P) as renders of one row."""
-    return variance_ratio([row[None, :, None] for row in ours],
-                          [row[None, :, None] for row in baseline])  # fmt: skip
+    return variance_ratio(
+        [row[None, :, None] for row in ours], [row[None, :, None] for row in baseline]
+    )
 
 
 def check_means(outcome: Outcome, name: str, found: PixelEstimates) -> None:

@@ -55,11 +55,17 @@ CASES = (
     Case(name="room-200k", spec="room?triangles=200000", side=256, goal=0.95),
 )
 QUICK_CASES = (
-    Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=64, goal=0.95,
-         n_directions=129),
-    Case(name="spheres-100k", spec="bumpy_spheres?triangles=100000", side=16, goal=0.95,
-         n_directions=129),
-)  # fmt: skip
+    Case(
+        name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=64, goal=0.95, n_directions=129
+    ),
+    Case(
+        name="spheres-100k",
+        spec="bumpy_spheres?triangles=100000",
+        side=16,
+        goal=0.95,
+        n_directions=129,
+    ),
+)
 
 #: The rows of the correlation statistics: 9216 directions over the sphere from side² points.
 ROWS = (
@@ -210,9 +216,15 @@ def _embree(
 ) -> npt.NDArray[np.uint64]:
     by_axis, width, coherent = plan
     return _core.vlf.embree_rows(
-        caster, points, normals, frames,
-        by_axis=by_axis, width=width, coherent=coherent, threads=THREADS,
-    )  # fmt: skip
+        caster,
+        points,
+        normals,
+        frames,
+        by_axis=by_axis,
+        width=width,
+        coherent=coherent,
+        threads=THREADS,
+    )
 
 
 def _best_plan(

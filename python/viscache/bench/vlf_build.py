@@ -78,9 +78,14 @@ def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int)
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
     outcome.figures.append(
-        ratio_figure(f"{label}: build on two threads vs one", samples["two threads"],
-                     samples["one thread"], clock="wall_s", bytes=stats["bytes"])
-    )  # fmt: skip
+        ratio_figure(
+            f"{label}: build on two threads vs one",
+            samples["two threads"],
+            samples["one thread"],
+            clock="wall_s",
+            bytes=stats["bytes"],
+        )
+    )
     outcome.figures.append(
         ratio_figure(f"{label}: build vs embree", samples["one thread"], samples["embree"])
     )
@@ -122,14 +127,21 @@ def _compare_rays(outcome: Outcome, scene: Scene, r: RaySet, field: Any, quick: 
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
             outcome.figures.append(
-                ratio_figure(f"{label} vs embree1", samples[name], samples["embree"], work=len(r),
-                             goal=GUARD if name == "bsp" else None,
-                             **(of_bsp if name == "bsp" else {}))
-            )  # fmt: skip
-            hit = [np.isfinite(a) if a.dtype != bool else a for a in
-                   (answers[name], answers["embree"])]  # fmt: skip
-            outcome.check(f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])),
-                          EDGE_TOLERANCE)  # fmt: skip
+                ratio_figure(
+                    f"{label} vs embree1",
+                    samples[name],
+                    samples["embree"],
+                    work=len(r),
+                    goal=GUARD if name == "bsp" else None,
+                    **(of_bsp if name == "bsp" else {}),
+                )
+            )
+            hit = [
+                np.isfinite(a) if a.dtype != bool else a for a in (answers[name], answers["embree"])
+            ]
+            outcome.check(
+                f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])), EDGE_TOLERANCE
+            )
 
 
 def _trial(tree: Any, r: RaySet) -> float:
