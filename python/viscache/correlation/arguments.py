@@ -134,10 +134,15 @@ def pair_options(
     require(undefined in UNDEFINED, f"undefined must be one of {UNDEFINED}", undefined)
     require(is_whole(min_bits) and min_bits >= 1, "min_bits must be a whole number >= 1", min_bits)
     return PairOptions(
-        n_directions=n_directions, d_cells=bins.d_cells, theta_cells=bins.theta_cells,
-        domain=domain, directions=directions, undefined=undefined, min_bits=int(min_bits),
+        n_directions=n_directions,
+        d_cells=bins.d_cells,
+        theta_cells=bins.theta_cells,
+        domain=domain,
+        directions=directions,
+        undefined=undefined,
+        min_bits=int(min_bits),
         tile=tile_size(points.group, sampled),
-    )  # fmt: skip
+    )
 
 
 def digest(*arrays: npt.NDArray[Any]) -> str:
