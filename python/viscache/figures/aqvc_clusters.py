@@ -46,10 +46,17 @@ class EyeSamples:
         n, nothing = len(self.position), np.zeros((len(self.position), 3), np.float32)
         points = self.position if moved is None else self.position + moved
         keys, _, valid, _ = _core.aqvc.full_keys(
-            settings.core(), ((low + high) / 2).tolist(), radius, points.astype(np.float32),
-            self.normal.astype(np.float32), self.resolutions(settings), 0, nothing, nothing,
+            settings.core(),
+            ((low + high) / 2).tolist(),
+            radius,
+            points.astype(np.float32),
+            self.normal.astype(np.float32),
+            self.resolutions(settings),
+            0,
+            nothing,
+            nothing,
             np.ones(n),
-        )  # fmt: skip
+        )
         assert valid.all()
         return np.asarray(keys[:, :8])
 
@@ -92,8 +99,9 @@ def figure2(
     )
     room = Shot(
         scene=scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
-        integrator=Direct(), size=pixels,
-    )  # fmt: skip
+        integrator=Direct(),
+        size=pixels,
+    )
     inside = eye_samples(room)
     outcome = Outcome()
     for preset, settings in presets(C_E).items():
@@ -136,15 +144,24 @@ def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: Aq
     far = density < np.median(density)
     both = float(cells.count[far].mean() / cells.count[~far].mean())
     return [
-        Row(what=f"{preset}: eye samples per cell of a plane over C_E²",
-            measured=float(whole.count.mean()) / settings.c_e**2, band=bands.SAMPLES_PER_CELL,
-            note=f"{len(whole.count)} cells, those at the picture's edge cut"),
-        Row(what=f"{preset}: samples per cell, the far half over the near half", measured=both,
+        Row(
+            f"{preset}: eye samples per cell of a plane over C_E²",
+            float(whole.count.mean()) / settings.c_e**2,
+            band=bands.SAMPLES_PER_CELL,
+            note=f"{len(whole.count)} cells, those at the picture's edge cut",
+        ),
+        Row(
+            f"{preset}: samples per cell, the far half over the near half",
+            both,
             band=bands.CELLS_FOLLOW_FOOTPRINT,
-            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1"),
-        Row(what=f"{preset}: samples {APART:g} cells apart that share a cell",
-            measured=_share_of_neighbours(above, settings), band=bands.NEIGHBOURS_SHARE),
-    ]  # fmt: skip
+            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
+        ),
+        Row(
+            f"{preset}: samples {APART:g} cells apart that share a cell",
+            _share_of_neighbours(above, settings),
+            band=bands.NEIGHBOURS_SHARE,
+        ),
+    ]
 
 
 def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
@@ -165,11 +182,14 @@ def _normal_rows(preset: str, inside: EyeSamples, settings: Aqvc) -> list[Row]:
     mixed = np.zeros(len(cells.count), bool)
     mixed[cells.number[angle > limit + 0.1]] = True
     return [
-        Row(what=f"{preset}: cells of a room that mix orientations", measured=int(mixed.sum()),
+        Row(
+            f"{preset}: cells of a room that mix orientations",
+            int(mixed.sum()),
             band=bands.MIXED_NORMALS,
             note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow "
-                 f"{limit:.1f}°"),
-    ]  # fmt: skip
+            f"{limit:.1f}°",
+        )
+    ]
 
 
 def greatest_angle_deg(settings: Aqvc) -> float:
@@ -178,9 +198,12 @@ def greatest_angle_deg(settings: Aqvc) -> float:
     n = rng.normal(size=(200_000, 3))
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     keys = EyeSamples(
-        scene=_plane(), position=0 * n, normal=n, density=np.ones(len(n)),
+        scene=_plane(),
+        position=0 * n,
+        normal=n,
+        density=np.ones(len(n)),
         pixel=np.zeros(len(n), np.int64),
-    ).keys(settings)  # fmt: skip
+    ).keys(settings)
     axis = 2.0 * keys[:, 1:4] / settings.core().c_n - 1
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
     return float(np.degrees(np.arccos(np.clip((axis * n).sum(axis=1), -1, 1))).max())

@@ -45,14 +45,19 @@ def figure3(
     for preset, trades in found.items():
         without, refined = trades["off"], trades["on"]
         outcome.rows += [
-            Row(what=f"{preset}: rel_l1 without refinement over that with it",
-                measured=without.rel_l1 / refined.rel_l1, band=bands.REFINEMENT_GAIN[preset],
-                note=f"{without.rel_l1:.4f} to {refined.rel_l1:.4f}"),
-            Row(what=f"{preset}: RR without refinement over that with it",
-                measured=without.ray_reduction / refined.ray_reduction,
+            Row(
+                f"{preset}: rel_l1 without refinement over that with it",
+                without.rel_l1 / refined.rel_l1,
+                band=bands.REFINEMENT_GAIN[preset],
+                note=f"{without.rel_l1:.4f} to {refined.rel_l1:.4f}",
+            ),
+            Row(
+                f"{preset}: RR without refinement over that with it",
+                without.ray_reduction / refined.ray_reduction,
                 band=bands.REFINEMENT_COST,
-                note=f"{without.ray_reduction:.1f} to {refined.ray_reduction:.1f}"),
-        ]  # fmt: skip
+                note=f"{without.ray_reduction:.1f} to {refined.ray_reduction:.1f}",
+            ),
+        ]
     outcome.files.append(_draw_refinement(exact, found, folder / "aqvc-fig3.png"))
     outcome.notes.append(f"C_E {C_E:g}, one sun, {shot.size[0]}x{shot.size[1]}, one sample")
     return outcome
@@ -94,10 +99,17 @@ def figure4(
                 settings = replaced(base, chosen, "visibility")
                 trade = Trade(frame=shot.frame(settings), exact=exact)
                 x, y = shift(shadow(trade.frame), shadow(exact))
-                table.append({
-                    "order": order, "grid": grid, "refinement": refinement, "shift_x": x,
-                    "shift_y": y, "rel_l1": trade.rel_l1, "rays": trade.frame.counters["rays"],
-                })  # fmt: skip
+                table.append(
+                    {
+                        "order": order,
+                        "grid": grid,
+                        "refinement": refinement,
+                        "shift_x": x,
+                        "shift_y": y,
+                        "rel_l1": trade.rel_l1,
+                        "rays": trade.frame.counters["rays"],
+                    }
+                )
                 if refinement == "off":
                     frames.setdefault(order, trade.frame)
     outcome = Outcome(rows=_order_rows(table))
@@ -149,23 +161,41 @@ def _order_rows(table: list[dict[str, Any]]) -> list[Row]:
         x, y = mean(order, "off", "shift_x"), mean(order, "off", "shift_y")
         length[order] = float(np.hypot(x, y))
         for axis, value in (("right", x), ("down", y)):
-            rows.append(Row(what=f"{order}: shift to the {axis}" if axis == "right"
-                            else f"{order}: shift {axis}", measured=value,
-                            band=bands.SCANLINE_SHIFT if order == "scanline" else None,
-                            note="pixels"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{order}: shift to the {axis}"
+                    if axis == "right"
+                    else f"{order}: shift {axis}",
+                    value,
+                    band=bands.SCANLINE_SHIFT if order == "scanline" else None,
+                    note="pixels",
+                )
+            )
     for order in ORDERS[1:]:
-        rows.append(Row(what=f"{order}: length of the shift over that of scanline",
-                        measured=length[order] / length["scanline"],
-                        band=bands.ORDER_CURES))  # fmt: skip
+        rows.append(
+            Row(
+                f"{order}: length of the shift over that of scanline",
+                length[order] / length["scanline"],
+                band=bands.ORDER_CURES,
+            )
+        )
     hurt = mean("scanline", "on", "rel_l1") / mean("hm", "on", "rel_l1")
-    rows.append(Row(what="with refinement, rel_l1 of scanline over that of hm", measured=hurt,
-                    band=bands.SCANLINE_HURTS_REFINEMENT,
-                    note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over "
-                         f"{mean('hm', 'on', 'rel_l1'):.4f}"))  # fmt: skip
+    rows.append(
+        Row(
+            "with refinement, rel_l1 of scanline over that of hm",
+            hurt,
+            band=bands.SCANLINE_HURTS_REFINEMENT,
+            note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over {mean('hm', 'on', 'rel_l1'):.4f}",
+        )
+    )
     for order in ("scanline", "random"):
-        rows.append(Row(what=f"without refinement, rays of {order} over those of hm",
-                        measured=mean(order, "off", "rays") / mean("hm", "off", "rays"),
-                        band=bands.ORDER_KEEPS_RAYS))  # fmt: skip
+        rows.append(
+            Row(
+                f"without refinement, rays of {order} over those of hm",
+                mean(order, "off", "rays") / mean("hm", "off", "rays"),
+                band=bands.ORDER_KEEPS_RAYS,
+            )
+        )
     return rows
 
 

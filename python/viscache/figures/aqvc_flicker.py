@@ -43,11 +43,16 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
             )
             for refinement in ("off", "on")
         }
-        rows.append(Row(what=f"H8 {preset}: temporal variance of the error, refinement over none",
-                        measured=found["on"] / found["off"], band=bands.H8_FLICKER,
-                        note=f"deviation {np.sqrt(found['off']):.3f} to "
-                             f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
-                             f"C_E {C_E:g}"))  # fmt: skip
+        rows.append(
+            Row(
+                f"H8 {preset}: temporal variance of the error, refinement over none",
+                found["on"] / found["off"],
+                band=bands.H8_FLICKER,
+                note=f"deviation {np.sqrt(found['off']):.3f} to "
+                f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
+                f"C_E {C_E:g}",
+            )
+        )
     return rows
 
 

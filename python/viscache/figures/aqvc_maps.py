@@ -62,8 +62,10 @@ def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> l
         if needed <= MEMORY_SHARE * memory:
             kept.append(resolution)
         else:
-            outcome.skip(f"maps of {resolution}x{resolution}",
-                         f"they need {needed / 2**30:.1f} GiB of memory")  # fmt: skip
+            outcome.skip(
+                f"maps of {resolution}x{resolution}",
+                f"they need {needed / 2**30:.1f} GiB of memory",
+            )
     return kept
 
 
@@ -95,16 +97,22 @@ def _view_rows(
     view: str, trades: dict[str, Trade], resolutions: Sequence[int], quick: bool
 ) -> list[Row]:
     rows = [
-        Row(what=f"{view}, {name}: rel_l1", measured=trade.rel_l1,
-            note=f"{seconds(trade):.2f} CPU s, SSIM {trade.ssim:.3f}; " + ", ".join(
-                f"{g} {trade.group_rel_l1(g):.4f}" for g in trade.groups))
+        Row(
+            f"{view}, {name}: rel_l1",
+            trade.rel_l1,
+            note=f"{seconds(trade):.2f} CPU s, SSIM {trade.ssim:.3f}; "
+            + ", ".join(f"{g} {trade.group_rel_l1(g):.4f}" for g in trade.groups),
+        )
         for name, trade in trades.items()
-    ]  # fmt: skip
+    ]
     first, last = trades[_map(resolutions[0])], trades[_map(resolutions[-1])]
     rows.append(
-        Row(what=f"{view}: rel_l1 with the smallest map over the largest",
-            measured=first.rel_l1 / last.rel_l1, band=bands.MAPS_IMPROVE)
-    )  # fmt: skip
+        Row(
+            f"{view}: rel_l1 with the smallest map over the largest",
+            first.rel_l1 / last.rel_l1,
+            band=bands.MAPS_IMPROVE,
+        )
+    )
     for preset in ("default", "paper"):
         rows += _preset_rows(view, preset, trades, resolutions, quick)
     return rows
@@ -119,22 +127,29 @@ def _preset_rows(
     slower = "" if seconds(other) <= seconds(cache) else ", though it takes longer"
     close = view == "close-up" and preset == "default"
     rows = [
-        Row(what=f"{view}, {preset}: rel_l1 at equal time, map over cache",
-            measured=other.rel_l1 / cache.rel_l1,
+        Row(
+            f"{view}, {preset}: rel_l1 at equal time, map over cache",
+            other.rel_l1 / cache.rel_l1,
             band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
-            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}"),
-        Row(what=f"{view}, {preset}: rel_l1, largest map over cache", printed="> 1",
-            measured=trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
+        ),
+        Row(
+            f"{view}, {preset}: rel_l1, largest map over cache",
+            trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+            printed="> 1",
             note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
-                 "no band"),
-    ]  # fmt: skip
+            "no band",
+        ),
+    ]
     if printed.MAPS_RESOLUTION in resolutions:
         rows.append(
-            Row(what=f"{view}, {preset}: time with maps of 1024² over the cache's",
+            Row(
+                f"{view}, {preset}: time with maps of 1024² over the cache's",
+                seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
                 printed=printed.MAPS_SLOWER,
-                measured=seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
-                band=bands.MAPS_SLOWER if preset == "default" else None)
-        )  # fmt: skip
+                band=bands.MAPS_SLOWER if preset == "default" else None,
+            )
+        )
     return rows
 
 

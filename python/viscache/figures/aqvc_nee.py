@@ -42,8 +42,10 @@ def comparison(
     outcome, table, lines = Outcome(), [], {}
     for name, shot in shots(quick, size).items():
         found = same_samples(shot, quick)
-        table += [{"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
-                  for m, t in found.items()]  # fmt: skip
+        table += [
+            {"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
+            for m, t in found.items()
+        ]
         outcome.rows += _same_rows(name, found, quick)
         for kind in ("NEE++", "AQVC"):
             mine = [t for m, t in found.items() if m.startswith(kind)]
@@ -102,22 +104,33 @@ def _same_rows(name: str, found: Mapping[str, Trade], quick: bool) -> list[Row]:
     occluded = full.exact.counters["occluded"] / full.exact.counters["queries"]
     energy = full.frame.image.mean(dtype=float) / full.exact.image.mean(dtype=float) - 1
     rows = [
-        Row(what=f"{name}, NEE++: visibility tests discarded",
-            printed="up to 0.8", measured=discarded(full.frame),
+        Row(
+            f"{name}, NEE++: visibility tests discarded",
+            discarded(full.frame),
+            printed="up to 0.8",
             band=bands.NEE_DISCARDED if name == "delta" and not quick else None,
-            note=f"{occluded:.0%} of them are blocked"),
-        Row(what=f"{name}, NEE++: discarded over blocked",
-            measured=discarded(full.frame) / occluded, band=bands.NEE_WITHIN_BLOCKED),
-        Row(what=f"{name}, NEE++: energy against exact", measured=energy,
-            band=bands.NEE_ENERGY),
-        Row(what=f"{name}: rays of NEE++ over those of the cache, C_E 12",
-            measured=rays_left(full) / rays_left(cache), band=bands.NEE_MORE_RAYS),
-    ]  # fmt: skip
+            note=f"{occluded:.0%} of them are blocked",
+        ),
+        Row(
+            f"{name}, NEE++: discarded over blocked",
+            discarded(full.frame) / occluded,
+            band=bands.NEE_WITHIN_BLOCKED,
+        ),
+        Row(f"{name}, NEE++: energy against exact", energy, band=bands.NEE_ENERGY),
+        Row(
+            f"{name}: rays of NEE++ over those of the cache, C_E 12",
+            rays_left(full) / rays_left(cache),
+            band=bands.NEE_MORE_RAYS,
+        ),
+    ]
     return rows + [
-        Row(what=f"{name}, {method}: rel_l1", measured=trade.rel_l1,
-            note=f"{rays_left(trade):.1%} of the rays, speed-up {trade.speedup:.2f}")
+        Row(
+            f"{name}, {method}: rel_l1",
+            trade.rel_l1,
+            note=f"{rays_left(trade):.1%} of the rays, speed-up {trade.speedup:.2f}",
+        )
         for method, trade in found.items()
-    ]  # fmt: skip
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,11 +173,13 @@ def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
             continue
         full = method == "NEE++ p^1"
         rows.append(
-            Row(what=f"{name}, {method}: squared error at equal samples over the exact frame's",
-                measured=mine.mse / exact.mse,
+            Row(
+                f"{name}, {method}: squared error at equal samples over the exact frame's",
+                mine.mse / exact.mse,
                 band=bands.NEE_ADDS_NOISE if full else None,
-                note=f"at equal time {mine.at_equal_time(exact):.2f}")
-        )  # fmt: skip
+                note=f"at equal time {mine.at_equal_time(exact):.2f}",
+            )
+        )
     return rows
 
 

@@ -36,8 +36,15 @@ class Shot:
     def frame(self, visibility: Visibility | None = None, seed: int = 0) -> Frame:
         """A frame; exact by default. Building the ray caster is not part of its time."""
         self.scene.caster()
-        return render(self.scene, self.integrator, visibility=visibility or Exact(), seed=seed,
-                      size=self.size, spp=self.spp, camera=self.camera)  # fmt: skip
+        return render(
+            self.scene,
+            self.integrator,
+            visibility=visibility or Exact(),
+            seed=seed,
+            size=self.size,
+            spp=self.spp,
+            camera=self.camera,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,11 +112,16 @@ class Trade:
         groups = {f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups}
         reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
         return {
-            "ray_reduction": self.ray_reduction, "speedup": self.speedup, "rel_l1": self.rel_l1,
-            "reflected_rel_l1": self.reflected_rel_l1, "ssim": self.ssim,
-            "exact_cpu_s": self.exact.timings["cpu_s"], "cpu_s": self.frame.timings["cpu_s"],
-            **groups, **reductions,
-        }  # fmt: skip
+            "ray_reduction": self.ray_reduction,
+            "speedup": self.speedup,
+            "rel_l1": self.rel_l1,
+            "reflected_rel_l1": self.reflected_rel_l1,
+            "ssim": self.ssim,
+            "exact_cpu_s": self.exact.timings["cpu_s"],
+            "cpu_s": self.frame.timings["cpu_s"],
+            **groups,
+            **reductions,
+        }
 
 
 def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
@@ -127,10 +139,13 @@ def presets(c_e: float, **given: Any) -> dict[str, Aqvc]:
 def group_rows(label: str, trade: Trade) -> list[Row]:
     """The error of every light group, so that none hides in the total."""
     return [
-        Row(what=f"{label}: rel_l1 of {group} light", measured=trade.group_rel_l1(group),
-            note=f"RR {trade.group_reduction(group):.1f}")
+        Row(
+            f"{label}: rel_l1 of {group} light",
+            trade.group_rel_l1(group),
+            note=f"RR {trade.group_reduction(group):.1f}",
+        )
         for group in trade.groups
-    ]  # fmt: skip
+    ]
 
 
 def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]:

@@ -52,8 +52,12 @@ class Setup:
         """The paper's numbers of samples; an eighth of them where quick."""
         share = 8 if quick else 1
         environment = self.n_environment // share
-        return Whitted(n_vpls=self.n_vpls // share, n_area=self.n_area // share,
-                       n_environment=environment, n_brdf=environment)  # fmt: skip
+        return Whitted(
+            n_vpls=self.n_vpls // share,
+            n_area=self.n_area // share,
+            n_environment=environment,
+            n_brdf=environment,
+        )
 
     def pixels(self, quick: bool, size: tuple[int, int] | None = None) -> tuple[int, int]:
         """The size asked for, or this setup's own."""
@@ -65,8 +69,12 @@ class Setup:
 
     def shot(self, quick: bool, size: tuple[int, int] | None = None, spp: int = 1) -> Shot:
         """Ready to be rendered."""
-        return Shot(scene=self.scene(quick), integrator=self.integrator(quick), spp=spp,
-                    size=self.pixels(quick, size))  # fmt: skip
+        return Shot(
+            scene=self.scene(quick),
+            integrator=self.integrator(quick),
+            spp=spp,
+            size=self.pixels(quick, size),
+        )
 
     def scene(self, quick: bool) -> Scene:
         """The scene; those made last are kept."""

@@ -92,8 +92,12 @@ def run(
     shots: list[tuple[Scene, _core.Camera]], way: str, refinement: str, size: tuple[int, int]
 ) -> Sequence:
     """All frames of a path in one way."""
-    settings = Aqvc(c_e=C_E, paper=PaperForm(form="pairs"), scale_free=True,
-                    refinement="on" if refinement == "on" else "off")  # fmt: skip
+    settings = Aqvc(
+        c_e=C_E,
+        paper=PaperForm(form="pairs"),
+        scale_free=True,
+        refinement="on" if refinement == "on" else "off",
+    )
     table = None
     if way != "dropped":
         repair = way == "repaired"
@@ -102,8 +106,9 @@ def run(
     for scene, view in shots:
         if table is not None:
             table.moved(scene, forget=way == "epochs")
-        made.frames.append(render(scene, Direct(), visibility=settings, size=size, camera=view,
-                                  keep=table))  # fmt: skip
+        made.frames.append(
+            render(scene, Direct(), visibility=settings, size=size, camera=view, keep=table)
+        )
     return made
 
 
@@ -128,8 +133,10 @@ def temporal(
             outcome.rows += _rows(path, label, found, exact, quick)
             table += _table(path, refinement, found, exact)
             curves[label] = found
-    outcome.files += [_draw(curves, folder / "aqvc-temporal.png"),
-                      write_csv(folder / "aqvc-temporal.csv", table)]  # fmt: skip
+    outcome.files += [
+        _draw(curves, folder / "aqvc-temporal.png"),
+        write_csv(folder / "aqvc-temporal.csv", table),
+    ]
     outcome.notes.append(
         f"{pixels[0]}x{pixels[1]}, {len(exact)} frames, the apartment's living room under 24 lamps "
         f"and a sun, C_E {C_E:g}, scale-free cells, one query at a time. Rays that only check are "
@@ -145,35 +152,53 @@ def _rows(
     variance = {way: flicker(s.frames, exact) for way, s in found.items()}
     for way, s in found.items():
         f = variance[way]
-        rows.append(Row(what=f"{label}, {way}: RR over the path", measured=s.ray_reduction))
-        rows.append(Row(what=f"{label}, {way}: deviation of the error over time, of white",
-                        measured=float(np.sqrt(f.error)),
-                        note=f"pictures' variance {f.above:+.2e} above the exact one's "
-                             f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}"))  # fmt: skip
+        rows.append(Row(f"{label}, {way}: RR over the path", s.ray_reduction))
+        rows.append(
+            Row(
+                f"{label}, {way}: deviation of the error over time, of white",
+                float(np.sqrt(f.error)),
+                note=f"pictures' variance {f.above:+.2e} above the exact one's "
+                f"{f.exact:.2e}; rel_l1 {_mean_error(s, exact):.4f}",
+            )
+        )
         if s.total("checked_kept"):
-            rows.append(Row(what=f"{label}, {way}: share of wrong bits from frames before",
-                            measured=s.wrong("kept"),
-                            note=f"of the frame's own {s.wrong('fresh'):.4f}; "
-                                 f"{s.total('checked_kept')} checked"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{label}, {way}: share of wrong bits from frames before",
+                    s.wrong("kept"),
+                    note=f"of the frame's own {s.wrong('fresh'):.4f}; "
+                    f"{s.total('checked_kept')} checked",
+                )
+            )
 
     def banded(what: str, value: float, band: Band) -> None:
-        rows.append(Row(what=f"{label}: {what}", measured=value, band=None if quick else band))
+        rows.append(Row(f"{label}: {what}", value, band=None if quick else band))
 
     kept, dropped = found["kept"], found["dropped"]
     banded("RR kept over dropped", kept.ray_reduction / dropped.ray_reduction, bands.KEPT_REDUCTION)
     ratio = kept.wrong("kept") / kept.wrong("fresh") if kept.wrong("fresh") else float("inf")
-    banded("wrong bits from frames before, over the frame's own", ratio,
-           bands.NOTHING_STALE if path == "camera" else bands.STALE)  # fmt: skip
+    banded(
+        "wrong bits from frames before, over the frame's own",
+        ratio,
+        bands.NOTHING_STALE if path == "camera" else bands.STALE,
+    )
     if path == "camera":
-        banded("variance of the error, kept over dropped",
-               variance["kept"].error / variance["dropped"].error,
-               bands.KEPT_FLICKER)  # fmt: skip
+        banded(
+            "variance of the error, kept over dropped",
+            variance["kept"].error / variance["dropped"].error,
+            bands.KEPT_FLICKER,
+        )
     else:
-        banded("rays with epochs over dropped",
-               found["epochs"].total("rays") / dropped.total("rays"),
-               bands.EPOCHS_FORGET)  # fmt: skip
-        banded("wrong bits from frames before, repaired over kept",
-               found["repaired"].wrong("kept") / kept.wrong("kept"), bands.REPAIR)  # fmt: skip
+        banded(
+            "rays with epochs over dropped",
+            found["epochs"].total("rays") / dropped.total("rays"),
+            bands.EPOCHS_FORGET,
+        )
+        banded(
+            "wrong bits from frames before, repaired over kept",
+            found["repaired"].wrong("kept") / kept.wrong("kept"),
+            bands.REPAIR,
+        )
     return rows
 
 
@@ -189,14 +214,27 @@ def _error(frame: Frame, exact: Frame) -> float:
 def _table(
     path: str, refinement: str, found: Mapping[str, Sequence], exact: list[Frame]
 ) -> list[dict[str, Any]]:
-    names = ("queries", "rays", "reused_kept", "checked_kept", "wrong_kept", "checked_fresh",
-             "wrong_fresh")  # fmt: skip
+    names = (
+        "queries",
+        "rays",
+        "reused_kept",
+        "checked_kept",
+        "wrong_kept",
+        "checked_fresh",
+        "wrong_fresh",
+    )
     return [
-        {"path": path, "refinement": refinement, "table": way, "frame": i,
-         **{name: frame.counters.get(name, 0) for name in names},
-         "rel_l1": _error(frame, exact[i])}
-        for way, s in found.items() for i, frame in enumerate(s.frames)
-    ]  # fmt: skip
+        {
+            "path": path,
+            "refinement": refinement,
+            "table": way,
+            "frame": i,
+            **{name: frame.counters.get(name, 0) for name in names},
+            "rel_l1": _error(frame, exact[i]),
+        }
+        for way, s in found.items()
+        for i, frame in enumerate(s.frames)
+    ]
 
 
 def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
@@ -207,8 +245,7 @@ def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
         for way, s in found.items():
             counters = [f.counters for f in s.frames]
             color = f"C{WAYS.index(way)}"
-            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color,
-                      label=way)  # fmt: skip
+            rays.plot([c["rays"] / c["queries"] for c in counters], lw=1.2, color=color, label=way)
             if way != "dropped":
                 share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
                 wrong.plot(share, lw=1.2, color=color, label=way)

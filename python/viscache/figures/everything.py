@@ -92,12 +92,20 @@ def _reproduced(
         return registry.reproduce(name, folder, quick=quick, size=size, progress=progress)
     except Exception as error:
         result: Result = {
-            "figure": name, "rows": [], "files": [], "holds": False, "skipped": [],
-            "notes": [], "quick": quick, "size": None if size is None else list(size),
-            "provenance": provenance(), "code": code_hash(),
+            "figure": name,
+            "rows": [],
+            "files": [],
+            "holds": False,
+            "skipped": [],
+            "notes": [],
+            "quick": quick,
+            "size": None if size is None else list(size),
+            "provenance": provenance(),
+            "code": code_hash(),
             "seconds": time.perf_counter() - began,
-            "error": f"{type(error).__name__}: {error}", "traceback": traceback.format_exc(),
-        }  # fmt: skip
+            "error": f"{type(error).__name__}: {error}",
+            "traceback": traceback.format_exc(),
+        }
         record = folder / f"{name}.json"
         record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
         return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +24,14 @@ class Band:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """One line of a figure's table."""
 
     what: str
     measured: float | None
     """None where it could not be measured; such a row does not hold its band."""
+    _: KW_ONLY
     printed: float | str | None = None
     """What the paper prints, None where it prints nothing."""
     band: Band | None = None

@@ -42,9 +42,12 @@ def html(summary: Mapping[str, Any]) -> str:
         "<meta name='viewport' content='width=device-width, initial-scale=1'>",
         f"<title>Figures and tables of the papers</title><style>{_STYLE}</style></head><body>",
         "<h1>Figures and tables of the papers</h1>",
-        _head(summary), _failing(summary["failing"]), _contents(results),
-        *(_figure(result) for result in results), "</body></html>",
-    ]  # fmt: skip
+        _head(summary),
+        _failing(summary["failing"]),
+        _contents(results),
+        *(_figure(result) for result in results),
+        "</body></html>",
+    ]
     return "\n".join(parts)
 
 
@@ -121,8 +124,11 @@ def _heading(first: str = "") -> str:
 
 
 def _cells(row: Mapping[str, Any]) -> str:
-    band = "" if row["band"] is None else " … ".join(_number(end, i) for i, end in
-                                                     enumerate(row["band"]))  # fmt: skip
+    band = (
+        ""
+        if row["band"] is None
+        else " … ".join(_number(end, i) for i, end in enumerate(row["band"]))
+    )
     numbers = (_number(row["printed"]), _number(row["measured"]), _number(row["ratio"]), band)
     holds = {None: "<td></td>", True: "<td class='yes'>yes</td>", False: "<td class='no'>no</td>"}
     return (

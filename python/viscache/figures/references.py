@@ -30,9 +30,15 @@ def kept_in(folder: Path, code: str) -> Iterator[None]:
 
 
 def reference(
-    scene: Scene, integrator: Any, *, size: tuple[int, int], spp: int = 1, seed: int = 0,
-    camera: Any = None, progress: bool = False,
-) -> Frame:  # fmt: skip
+    scene: Scene,
+    integrator: Any,
+    *,
+    size: tuple[int, int],
+    spp: int = 1,
+    seed: int = 0,
+    camera: Any = None,
+    progress: bool = False,
+) -> Frame:
     """An exact frame, taken from the folder where it is there; its timings are then of that time.
 
     Not for what is timed.
@@ -43,9 +49,11 @@ def reference(
         return render(scene, integrator, progress=progress, **options)
     folder, code = where
     spec = {
-        "code": code, "scene": scene.content_hash,
-        "integrator": by_name.described("integrator", integrator), **options,
-    }  # fmt: skip
+        "code": code,
+        "scene": scene.content_hash,
+        "integrator": by_name.described("integrator", integrator),
+        **options,
+    }
     key = content_key(spec)
     with Store(folder) as store:
         if store.get(key) is None:

@@ -46,24 +46,39 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
     per_point = cached.counters["rays_per_point"]
     times = [frame.timings["total_s"] for frame in (exact, cached)]
     return [
-        Row(what="mean of the reference", measured=float(_visible(exact).mean()),
-            band=bands.AO_MEAN),
-        Row(what="rays per shading point with the cache", printed=printed.AO_CACHE_RAYS,
-            measured=per_point, note=f"{cached.counters['records']} records"),
-        Row(what="rays per shading point, reference over cache",
-            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS, measured=n_rays / per_point,
-            band=None if quick else bands.AO_RAYS),
-        Row(what="time of the reference [s]", printed=printed.AO_SECONDS, measured=times[0]),
-        Row(what="time with the cache [s]", printed=printed.AO_CACHE_SECONDS, measured=times[1]),
-        Row(what="time, reference over cache",
-            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS, measured=times[0] / times[1],
-            band=None if quick else bands.AO_TIME),
-        Row(what="root mean squared error", measured=float(np.sqrt((error**2).mean())),
-            band=None if quick else bands.AO_RMSE),
-        Row(what="95th percentile of the error", measured=float(np.quantile(error, 0.95))),
-        Row(what="points without a record in reach", measured=float(cached.counters["unserved"]),
-            note="they are black"),
-    ]  # fmt: skip
+        Row("mean of the reference", float(_visible(exact).mean()), band=bands.AO_MEAN),
+        Row(
+            "rays per shading point with the cache",
+            per_point,
+            printed=printed.AO_CACHE_RAYS,
+            note=f"{cached.counters['records']} records",
+        ),
+        Row(
+            "rays per shading point, reference over cache",
+            n_rays / per_point,
+            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS,
+            band=None if quick else bands.AO_RAYS,
+        ),
+        Row("time of the reference [s]", times[0], printed=printed.AO_SECONDS),
+        Row("time with the cache [s]", times[1], printed=printed.AO_CACHE_SECONDS),
+        Row(
+            "time, reference over cache",
+            times[0] / times[1],
+            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS,
+            band=None if quick else bands.AO_TIME,
+        ),
+        Row(
+            "root mean squared error",
+            float(np.sqrt((error**2).mean())),
+            band=None if quick else bands.AO_RMSE,
+        ),
+        Row("95th percentile of the error", float(np.quantile(error, 0.95))),
+        Row(
+            "points without a record in reach",
+            float(cached.counters["unserved"]),
+            note="they are black",
+        ),
+    ]
 
 
 def _visible(frame: Frame) -> Any:

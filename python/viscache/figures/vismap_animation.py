@@ -64,9 +64,12 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome = Outcome()
     size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
     outcome.rows.append(
-        Row(what="records inserted in a second frame in which nothing moves",
-            measured=_inserted_again(size), band=bands.NOTHING_NEW)
-    )  # fmt: skip
+        Row(
+            "records inserted in a second frame in which nothing moves",
+            _inserted_again(size),
+            band=bands.NOTHING_NEW,
+        )
+    )
     frames: list[Frame] = []
     cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
     with progress_bar(progress, unit="frame") as report:
@@ -106,15 +109,29 @@ def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: i
     """Update, estimate, compare the records with exact rays, remove."""
     view, scene = swinging_camera(t), crate_and_garage(t)
     report = cache.update(view, size=size, scene=scene)
-    made = simulate(cache, [PRODUCT, PAPER], [10], camera=view, size=size, n_pixels=pixels,
-                    replicates=32, seed=cache.frame).estimates  # fmt: skip
+    made = simulate(
+        cache,
+        [PRODUCT, PAPER],
+        [10],
+        camera=view,
+        size=size,
+        n_pixels=pixels,
+        replicates=32,
+        seed=cache.frame,
+    ).estimates
     rays, misses = _compare(cache, view, size)
     removed = cache.end_frame()
-    left = variance_ratio([r[None, :, None] for r in made[PAPER, 10]],
-                          [r[None, :, None] for r in made[PRODUCT, 10]])  # fmt: skip
-    return Frame(records=len(cache), inserted=report.inserted, wrong=removed["wrong"],
-                 unused=removed["unused"], miss_share=misses / max(rays, 1),
-                 ratio=left.ratio)  # fmt: skip
+    left = variance_ratio(
+        [r[None, :, None] for r in made[PAPER, 10]], [r[None, :, None] for r in made[PRODUCT, 10]]
+    )
+    return Frame(
+        records=len(cache),
+        inserted=report.inserted,
+        wrong=removed["wrong"],
+        unused=removed["unused"],
+        miss_share=misses / max(rays, 1),
+        ratio=left.ratio,
+    )
 
 
 def _compare(
@@ -150,14 +167,22 @@ def _rows(frames: list[Frame]) -> list[Row]:
     later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
     removed = sum(f.wrong + f.unused for f in frames)
     return [
-        Row(what="largest mean variance ratio of ten frames over that of the first ten",
-            measured=float(later.max() / first), band=bands.RATIO_STAYS,
-            note=f"first ten frames {first:.3f}, product sampling 1"),
-        Row(what="records at the end", measured=frames[-1].records,
-            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed"),
-        Row(what="share of wrong answers, mean of the last ten frames",
-            measured=float(np.mean([f.miss_share for f in frames[-10:]]))),
-    ]  # fmt: skip
+        Row(
+            "largest mean variance ratio of ten frames over that of the first ten",
+            float(later.max() / first),
+            band=bands.RATIO_STAYS,
+            note=f"first ten frames {first:.3f}, product sampling 1",
+        ),
+        Row(
+            "records at the end",
+            frames[-1].records,
+            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
+        ),
+        Row(
+            "share of wrong answers, mean of the last ten frames",
+            float(np.mean([f.miss_share for f in frames[-10:]])),
+        ),
+    ]
 
 
 def _picture(frames: list[Frame]) -> Any:

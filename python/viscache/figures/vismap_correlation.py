@@ -103,8 +103,9 @@ def _measured(
         outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
         return None
     store = None if quick else folder / "blocks"
-    dataset = measure(scene, camera=view.camera, store=store, progress=progress,
-                      **(QUICK if quick else FULL))  # fmt: skip
+    dataset = measure(
+        scene, camera=view.camera, store=store, progress=progress, **(QUICK if quick else FULL)
+    )
     if not quick:
         outcome.files.append(folder / f"{view.name}.nc")
         save_dataset(dataset, outcome.files[-1])
@@ -121,19 +122,27 @@ def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> list[Row]:
     a = ds.attrs
     limits = f"d < {a['slice_d']:g}, theta < {a['slice_theta_deg']:g} deg"
     return [
-        Row(what=f"{name}: mean rho of pairs with {limits}",
-            printed="close to 1" if held else None, measured=float(ds["corner"]),
+        Row(
+            f"{name}: mean rho of pairs with {limits}",
+            float(ds["corner"]),
+            printed="close to 1" if held else None,
             band=bands.CORNER if held else None,
-            note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}"),
-        Row(what=f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
+            note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}",
+        ),
+        Row(
+            f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
+            float(negative.mean()) if negative.size else None,
             printed="rarely" if held else None,
-            measured=float(negative.mean()) if negative.size else None,
-            band=bands.NEGATIVE_SHARE if held else None, note=f"{negative.size} bins"),
-        Row(what=f"{name}: d_max of the spatial map", measured=a["box_d_max"],
-            note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}"),
-        Row(what=f"{name}: theta_max of the spatial map [deg]",
-            measured=a["box_theta_max_deg"]),
-    ]  # fmt: skip
+            band=bands.NEGATIVE_SHARE if held else None,
+            note=f"{negative.size} bins",
+        ),
+        Row(
+            f"{name}: d_max of the spatial map",
+            a["box_d_max"],
+            note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}",
+        ),
+        Row(f"{name}: theta_max of the spatial map [deg]", a["box_theta_max_deg"]),
+    ]
 
 
 def _slice_rows(name: str, ds: xarray.Dataset) -> list[Row]:
@@ -141,27 +150,43 @@ def _slice_rows(name: str, ds: xarray.Dataset) -> list[Row]:
     enough = ds["near_n"].values >= ENOUGH_PAIRS
     theta, sigma = ds["theta_near"].values[enough], ds["near_sigma"].values[enough]
     return [
-        Row(what=f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
-            printed="near linear", measured=straightness(ds), band=bands.LINEAR_IN_THETA),
-        Row(what=f"{name}: share of the fall over d done by the middle",
-            printed="convex", measured=fall_by_the_middle(ds), band=bands.CONVEX_IN_D),
-        Row(what=f"{name}: theta of the largest sigma of the slice [deg]",
-            measured=float(theta[sigma.argmax()]) if theta.size else None,
-            band=bands.LARGEST_SIGMA),
-    ]  # fmt: skip
+        Row(
+            f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
+            straightness(ds),
+            printed="near linear",
+            band=bands.LINEAR_IN_THETA,
+        ),
+        Row(
+            f"{name}: share of the fall over d done by the middle",
+            fall_by_the_middle(ds),
+            printed="convex",
+            band=bands.CONVEX_IN_D,
+        ),
+        Row(
+            f"{name}: theta of the largest sigma of the slice [deg]",
+            float(theta[sigma.argmax()]) if theta.size else None,
+            band=bands.LARGEST_SIGMA,
+        ),
+    ]
 
 
 def _size_rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
     a = ds.attrs
     per_second = a["n_pairs"] / a["pairs_s"] / 1e6 if a["pairs_s"] > 0 else 0.0
-    note = f"{a['n_rays']:.3g} rays, {a['rows_s']:.0f} s; pairs {a['pairs_s']:.0f} s, " \
-           f"{per_second:.0f} M/s"  # fmt: skip
+    note = (
+        f"{a['n_rays']:.3g} rays, {a['rows_s']:.0f} s; pairs {a['pairs_s']:.0f} s, "
+        f"{per_second:.0f} M/s"
+    )
     return [
-        Row(what=f"{name}: pair estimates", printed="1.9e10 to 3.2e10", measured=a["n_pairs"],
-            band=None if quick else bands.ESTIMATES, note=note),
-        Row(what=f"{name}: directions of an estimate", printed=9216.0,
-            measured=float(a["map_size"] ** 2)),
-    ]  # fmt: skip
+        Row(
+            f"{name}: pair estimates",
+            a["n_pairs"],
+            printed="1.9e10 to 3.2e10",
+            band=None if quick else bands.ESTIMATES,
+            note=note,
+        ),
+        Row(f"{name}: directions of an estimate", float(a["map_size"] ** 2), printed=9216.0),
+    ]
 
 
 def _line_rows(ds: xarray.Dataset) -> list[Row]:
@@ -173,25 +198,37 @@ def _line_rows(ds: xarray.Dataset) -> list[Row]:
         return max(1.0, float(np.concatenate([n[a:b] for a, b in ranges]).mean()))
 
     return [
-        Row(what="dynamics: pairs with theta in [0, 1) deg over those nearby",
-            printed="a line", measured=per_degree((0, 1)) / per_degree((2, 7)),
-            band=bands.LINES),
-        Row(what="dynamics: pairs with theta in [89, 91) deg over those nearby",
-            printed="a line", measured=per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
-            band=bands.LINES),
-    ]  # fmt: skip
+        Row(
+            "dynamics: pairs with theta in [0, 1) deg over those nearby",
+            per_degree((0, 1)) / per_degree((2, 7)),
+            printed="a line",
+            band=bands.LINES,
+        ),
+        Row(
+            "dynamics: pairs with theta in [89, 91) deg over those nearby",
+            per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
+            printed="a line",
+            band=bands.LINES,
+        ),
+    ]
 
 
 def _order_rows(found: dict[str, xarray.Dataset]) -> list[Row]:
     """Overall correlation: dynamics above mushrooms above garden1."""
     overall = {name: overall_correlation(ds) for name, ds in found.items()}
     rows = [
-        Row(what=f"{name}: mean rho of pairs with theta < 30 deg", measured=value)
+        Row(f"{name}: mean rho of pairs with theta < 30 deg", value)
         for name, value in overall.items()
     ]
     for more, less in (("dynamics", "mushrooms"), ("mushrooms", "garden1")):
-        rows.append(Row(what=f"overall correlation, {more} over {less}", printed="more than 1",
-                        measured=overall[more] / overall[less], band=bands.ORDER))  # fmt: skip
+        rows.append(
+            Row(
+                f"overall correlation, {more} over {less}",
+                overall[more] / overall[less],
+                printed="more than 1",
+                band=bands.ORDER,
+            )
+        )
     return rows
 
 

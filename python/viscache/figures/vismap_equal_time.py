@@ -58,16 +58,28 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     left = variance_ratio(rivals.maps, rivals.product)
     share = _upsampled(blocked_share(picture.scene, size=COARSE, samples=64), picture.size)
     outcome.rows += [
-        Row(what="CPU seconds of a picture with the cache, its records included",
-            printed=printed.EQUAL_TIME_S, measured=seconds, note=f"{len(cache)} records"),
-        Row(what="samples of product sampling in the same time", printed=theirs,
-            measured=equal, note=f"{ours} with the cache"),
-        Row(what="variance left in equal time", printed=printed.EQUAL_TIME_RATIO,
-            measured=left.ratio, band=None if quick else bands.EQUAL_TIME,
-            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}"),
+        Row(
+            "CPU seconds of a picture with the cache, its records included",
+            seconds,
+            printed=printed.EQUAL_TIME_S,
+            note=f"{len(cache)} records",
+        ),
+        Row(
+            "samples of product sampling in the same time",
+            equal,
+            printed=theirs,
+            note=f"{ours} with the cache",
+        ),
+        Row(
+            "variance left in equal time",
+            left.ratio,
+            printed=printed.EQUAL_TIME_RATIO,
+            band=None if quick else bands.EQUAL_TIME,
+            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}",
+        ),
         *_shadow_rows(picture, rivals, ours, share, renders, quick),
         *_guided_rows(picture, renders),
-    ]  # fmt: skip
+    ]
     titles = (f"with the cache, {ours} samples", f"product sampling, {equal} samples")
     path = folder / "vismap-fig13.png"
     save_figure(_picture(rivals, titles), path, dpi=150)
@@ -85,10 +97,13 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     pixels = _glossy(picture) & (share >= HIDDEN)
     left = variance_ratio(rivals.maps, rivals.product, pixels=pixels)
     outcome.rows.append(
-        Row(what="variance left in hidden glossy pixels, 10 samples", measured=left.ratio,
+        Row(
+            "variance left in hidden glossy pixels, 10 samples",
+            left.ratio,
             band=None if quick else bands.OCCLUDED_CROP,
-            note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels")
-    )  # fmt: skip
+            note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels",
+        )
+    )
     path = folder / "vismap-fig1.png"
     titles = ("with the cache, 10 samples", "product sampling, 10 samples")
     save_figure(_picture(rivals, titles, where=pixels), path, dpi=150)
@@ -120,14 +135,19 @@ def _shadow_rows(
     hidden = variance_ratio(rivals.maps, product, pixels=share >= HIDDEN).ratio
     lit = variance_ratio(rivals.maps, product, pixels=share < LIT).ratio
     return [
-        Row(what=f"variance left at {samples} samples",
+        Row(
+            f"variance left at {samples} samples",
+            variance_ratio(rivals.maps, product).ratio,
             printed=printed.COSTS["garage"][1].variance_ratio,
-            measured=variance_ratio(rivals.maps, product).ratio),
-        Row(what="variance left where light is hidden over that where it is not",
-            printed="less than 1", measured=hidden / lit,
+        ),
+        Row(
+            "variance left where light is hidden over that where it is not",
+            hidden / lit,
+            printed="less than 1",
             band=None if quick else bands.SHADOWS_GAIN_MORE,
-            note=f"{hidden:.3f} and {lit:.3f}"),
-    ]  # fmt: skip
+            note=f"{hidden:.3f} and {lit:.3f}",
+        ),
+    ]
 
 
 def _guided_rows(picture: Picture, renders: int) -> list[Row]:
@@ -139,10 +159,13 @@ def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     rivals = _rivals(picture, maps, samples, equal, renders)
     left = variance_ratio(rivals.maps, rivals.product)
     return [
-        Row(what="guided: variance left in equal time", measured=left.ratio,
+        Row(
+            "guided: variance left in equal time",
+            left.ratio,
             note=f"{left.low:.3f} to {left.high:.3f}; {seconds:.3g} s, {samples} against "
-                 f"{equal} samples"),
-    ]  # fmt: skip
+            f"{equal} samples",
+        )
+    ]
 
 
 def _glossy(picture: Picture) -> Pixels:
@@ -189,6 +212,7 @@ def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = Non
         for row, (y, x) in enumerate(crops, start=1):
             crop = image[y : y + edge, x : x + edge]
             draw_image(axes[row, column], crop, exposure=exposure)
-            axes[0, column].plot([x, x + edge, x + edge, x, x], [y, y, y + edge, y + edge, y],
-                                 color="red", lw=0.8)  # fmt: skip
+            axes[0, column].plot(
+                [x, x + edge, x + edge, x, x], [y, y, y + edge, y + edge, y], color="red", lw=0.8
+            )
     return figure

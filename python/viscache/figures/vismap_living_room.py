@@ -46,9 +46,13 @@ def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:
         base = [picture.product(n, 100 + seed).image for seed in range(renders)]
         for name, maps in ways.items():
             left = variance_ratio([picture.maps(n, maps, s).image for s in range(renders)], base)
-            rows.append(Row(what=f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
-                            measured=left.ratio,
-                            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
-                                 f"z of the means {left.energy_z:.1f}; "
-                                 f"{len(cache)} records"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
+                    left.ratio,
+                    note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
+                    f"z of the means {left.energy_z:.1f}; "
+                    f"{len(cache)} records",
+                )
+            )
     return rows

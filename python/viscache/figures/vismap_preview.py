@@ -42,15 +42,22 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
         scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
     )
     outcome.rows += [
-        Row(what="records", printed=printed.PREVIEW_RECORDS, measured=len(cache)),
-        Row(what="rays traced for lights that are turned", printed="none", measured=rays,
-            band=bands.PREVIEW_RAYS),
-        Row(what="correlation of displayed luminance, preview with reference",
-            printed="good enough", measured=alike(previews[0], reference),
-            band=bands.PREVIEW_LOOKS_ALIKE),
-        Row(what="seconds of a preview", measured=previews[-1].timings["total_s"],
-            note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s"),
-    ]  # fmt: skip
+        Row("records", len(cache), printed=printed.PREVIEW_RECORDS),
+        Row(
+            "rays traced for lights that are turned", rays, printed="none", band=bands.PREVIEW_RAYS
+        ),
+        Row(
+            "correlation of displayed luminance, preview with reference",
+            alike(previews[0], reference),
+            printed="good enough",
+            band=bands.PREVIEW_LOOKS_ALIKE,
+        ),
+        Row(
+            "seconds of a preview",
+            previews[-1].timings["total_s"],
+            note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s",
+        ),
+    ]
     path = folder / "vismap-fig11.png"
     save_figure(_picture(reference, previews), path, dpi=150)
     outcome.files.append(path)

@@ -85,16 +85,24 @@ def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
     start = time.perf_counter()
     report = cache.update(size=size)
     seconds = time.perf_counter() - start
-    made = simulate(cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size,
-                    **(QUICK if quick else FULL)).estimates  # fmt: skip
+    made = simulate(
+        cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size, **(QUICK if quick else FULL)
+    ).estimates
 
     def left(way: Way) -> VarianceRatio:
-        return variance_ratio([r[None, :, None] for r in made[way, SAMPLES]],
-                              [r[None, :, None] for r in made[PRODUCT, SAMPLES]])  # fmt: skip
+        return variance_ratio(
+            [r[None, :, None] for r in made[way, SAMPLES]],
+            [r[None, :, None] for r in made[PRODUCT, SAMPLES]],
+        )
 
-    return Setting(records=len(cache), rays_per_pixel=report.rays / (size[0] * size[1]),
-                   nbytes=cache.nbytes, seconds=seconds, variate=left(VARIATE),
-                   guided=left(GUIDED))  # fmt: skip
+    return Setting(
+        records=len(cache),
+        rays_per_pixel=report.rays / (size[0] * size[1]),
+        nbytes=cache.nbytes,
+        seconds=seconds,
+        variate=left(VARIATE),
+        guided=left(GUIDED),
+    )
 
 
 def _label(value: Mapping[str, Any]) -> str:
@@ -105,19 +113,26 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
     rows = []
     for settings in found.values():
         for label, s in settings.items():
-            note = f"{s.records} records, {s.rays_per_pixel:.3g} rays per pixel, " \
-                   f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided " \
-                   f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"  # fmt: skip
-            rows.append(Row(what=f"{label}: variance left", measured=s.variate.ratio, note=note))
+            note = (
+                f"{s.records} records, {s.rays_per_pixel:.3g} rays per pixel, "
+                f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided "
+                f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"
+            )
+            rows.append(Row(f"{label}: variance left", s.variate.ratio, note=note))
     maps = list(found["m"].values())
     ends = list(found["both thresholds"].values())
     rows += [
-        Row(what="variance left with 64x64 cells over that with 32x32",
-            measured=maps[2].variate.ratio / maps[1].variate.ratio, band=bands.LARGER_MAPS),
-        Row(what="variance left with the tightest thresholds over that with the loosest",
-            measured=ends[-1].variate.ratio / ends[0].variate.ratio,
-            band=bands.MORE_RECORDS_HELP),
-    ]  # fmt: skip
+        Row(
+            "variance left with 64x64 cells over that with 32x32",
+            maps[2].variate.ratio / maps[1].variate.ratio,
+            band=bands.LARGER_MAPS,
+        ),
+        Row(
+            "variance left with the tightest thresholds over that with the loosest",
+            ends[-1].variate.ratio / ends[0].variate.ratio,
+            band=bands.MORE_RECORDS_HELP,
+        ),
+    ]
     return rows
 
 
@@ -128,8 +143,14 @@ def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
         everything: list[tuple[float, float]] = []
         for k, (name, settings) in enumerate(found.items()):
             points = [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
-            axes.plot(*zip(*points, strict=True), "o-", ms=4, lw=0.8, label=name,
-                      color=COLORS[k % len(COLORS)])  # fmt: skip
+            axes.plot(
+                *zip(*points, strict=True),
+                "o-",
+                ms=4,
+                lw=0.8,
+                label=name,
+                color=COLORS[k % len(COLORS)],
+            )
             everything += points
         best = pareto(everything)
         axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")

@@ -59,11 +59,15 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome.files += [
         draw_lines(lines, folder / "vlf-x2.png", x="directions", y="RMSE"),
         _draw_banding(errors["solid angle"], reference, seen, folder),
-        write_csv(folder / "vlf-x2.csv", [
-            {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
-            for w in errors for n in counts
-        ]),
-    ]  # fmt: skip
+        write_csv(
+            folder / "vlf-x2.csv",
+            [
+                {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
+                for w in errors
+                for n in counts
+            ],
+        ),
+    ]
     outcome.notes.append(
         "All points share the directions, so the error is no noise but bands: vlf-x2-bands.png. "
         "Ambient occlusion is the uniform mean over the hemisphere, without the cosine, as in the "
@@ -109,22 +113,33 @@ def _error_rows(
     quick: bool,
 ) -> list[Row]:
     rows = [
-        Row(what=f"RMSE, {n} directions, {w} weights", measured=rmse[w][n],
-            note=f"bias {100 * bias[w][n]:+.2f} %")
-        for n in counts for w in rmse
-    ]  # fmt: skip
+        Row(
+            f"RMSE, {n} directions, {w} weights", rmse[w][n], note=f"bias {100 * bias[w][n]:+.2f} %"
+        )
+        for n in counts
+        for w in rmse
+    ]
     fine = [n for n in counts if n >= 33]
     sizes = {w: float(np.mean([abs(bias[w][n]) for n in fine])) for w in bias}
     weighted = "solid angle"
-    return [*rows,
-        Row(what="RMSE, 513 directions over 33, solid-angle weights",
-            measured=rmse[weighted][513] / rmse[weighted][33],
-            band=None if quick else bands.ERROR_FALLS),
-        Row(what="bias, 513 directions, solid-angle weights", measured=bias[weighted][513],
-            band=None if quick else bands.WEIGHTED_BIAS),
-        Row(what="size of the bias, solid-angle over equal weights",
-            measured=sizes[weighted] / sizes["equal"], band=None if quick else bands.WEIGHTS_PAY),
-    ]  # fmt: skip
+    return [
+        *rows,
+        Row(
+            "RMSE, 513 directions over 33, solid-angle weights",
+            rmse[weighted][513] / rmse[weighted][33],
+            band=None if quick else bands.ERROR_FALLS,
+        ),
+        Row(
+            "bias, 513 directions, solid-angle weights",
+            bias[weighted][513],
+            band=None if quick else bands.WEIGHTED_BIAS,
+        ),
+        Row(
+            "size of the bias, solid-angle over equal weights",
+            sizes[weighted] / sizes["equal"],
+            band=None if quick else bands.WEIGHTS_PAY,
+        ),
+    ]
 
 
 def _draw_banding(
@@ -134,8 +149,9 @@ def _draw_banding(
     folder: Path,
 ) -> Path:
     figure = new_figure(3.0 * (len(errors) + 1), 3.2)
-    pictures = {"reference": reference} | {f"{n} directions": reference + e
-                                           for n, e in errors.items()}  # fmt: skip
+    pictures = {"reference": reference} | {
+        f"{n} directions": reference + e for n, e in errors.items()
+    }
     for column, (title, values) in enumerate(pictures.items()):
         image = np.zeros((*seen.shape, 1))
         image[seen, 0] = values
@@ -158,23 +174,40 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
             seconds, engine = _engines(scene, share, directions, quick)
             gains.append(seconds["embree"] / seconds["batch"])
             chosen.append(min(seconds["embree"], seconds["batch"]) / seconds["auto"])
-            table.append({"scene": spec, "points per triangle": share, "gain": gains[-1],
-                          "auto": engine, "auto over best": chosen[-1]})  # fmt: skip
+            table.append(
+                {
+                    "scene": spec,
+                    "points per triangle": share,
+                    "gain": gains[-1],
+                    "auto": engine,
+                    "auto over best": chosen[-1],
+                }
+            )
             outcome.rows.append(
-                Row(what=f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
-                    measured=gains[-1], band=_share_band(share, shares, quick),
-                    note=f"auto takes {engine}")
-            )  # fmt: skip
+                Row(
+                    f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
+                    gains[-1],
+                    band=_share_band(share, shares, quick),
+                    note=f"auto takes {engine}",
+                )
+            )
         lines[name] = (list(shares), gains)
         outcome.rows.append(
-            Row(what=f"{name}: speed of auto over the faster engine, at its worst",
-                measured=min(chosen), band=None if quick else bands.CHOOSER)
-        )  # fmt: skip
+            Row(
+                f"{name}: speed of auto over the faster engine, at its worst",
+                min(chosen),
+                band=None if quick else bands.CHOOSER,
+            )
+        )
     outcome.files += [
-        draw_lines(lines, folder / "vlf-x4.png", x="points per triangle",
-                   y="speed-up of the batch over Embree"),
+        draw_lines(
+            lines,
+            folder / "vlf-x4.png",
+            x="points per triangle",
+            y="speed-up of the batch over Embree",
+        ),
         write_csv(folder / "vlf-x4.csv", table),
-    ]  # fmt: skip
+    ]
     outcome.notes.append(
         f"{directions} directions, one thread, CPU seconds; Embree by the faster of its orders"
     )

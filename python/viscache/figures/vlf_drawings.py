@@ -36,14 +36,16 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
         extra += sum(not _near(a, b, tile) for tile in listed - touched)
         shares.append(len(touched - dda(a, b)) / len(touched))
     rows = [
-        Row(what="share of touched tiles a DDA misses", measured=float(np.mean(shares)),
-            band=bands.DDA_MISSES, note=f"{len(edges)} random edges, {TILES}x{TILES} tiles"),
-        Row(what="edges with missed tiles, DDA", measured=float(np.mean(np.array(shares) > 0))),
-        Row(what="touched tiles the supercover misses", measured=missed,
-            band=bands.SUPERCOVER_ERRORS),
-        Row(what="tiles it lists that the edge does not touch", measured=extra,
-            band=bands.SUPERCOVER_ERRORS),
-    ]  # fmt: skip
+        Row(
+            "share of touched tiles a DDA misses",
+            float(np.mean(shares)),
+            band=bands.DDA_MISSES,
+            note=f"{len(edges)} random edges, {TILES}x{TILES} tiles",
+        ),
+        Row("edges with missed tiles, DDA", float(np.mean(np.array(shares) > 0))),
+        Row("touched tiles the supercover misses", missed, band=bands.SUPERCOVER_ERRORS),
+        Row("tiles it lists that the edge does not touch", extra, band=bands.SUPERCOVER_ERRORS),
+    ]
     path = folder / "vlf-fig1.png"
     save_figure(_draw_edges(), path)
     return Outcome(rows=rows, files=[path])
@@ -124,12 +126,16 @@ def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Rays over one and several tiles."""
     n = QUICK_CHORDS if quick else CHORDS
     rng = np.random.default_rng(2)
-    rows = [Row(what="tiles of a ray along the axis", measured=_aligned_tiles(rng, n),
-                band=bands.ALIGNED_TILES)]  # fmt: skip
+    rows = [Row("tiles of a ray along the axis", _aligned_tiles(rng, n), band=bands.ALIGNED_TILES)]
     for count, band in bands.CHORD_TILES.items():
-        rows.append(Row(what=f"tiles of a random chord, {count} directions",
-                        measured=_chord_tiles(rng, n, count), band=band,
-                        note="128 tiles, the whole chord"))  # fmt: skip
+        rows.append(
+            Row(
+                f"tiles of a random chord, {count} directions",
+                _chord_tiles(rng, n, count),
+                band=band,
+                note="128 tiles, the whole chord",
+            )
+        )
     path = folder / "vlf-fig2.png"
     save_figure(_draw_rays(leaves=1), path)
     return Outcome(rows=rows, files=[path])
@@ -148,8 +154,9 @@ def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
     frames = vlf.direction_frames(count)[axis].astype(float)
     q, g = (np.einsum("nij,nj->ni", frames, v) for v in (o, e - o))
     walks = zip(q.tolist(), g.tolist(), strict=True)
-    return float(np.mean([len(core.walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0])
-                          for p, d in walks]))  # fmt: skip
+    return float(
+        np.mean([len(core.walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0]) for p, d in walks])
+    )
 
 
 @figure("vlf-fig3", "linear traversal of a tile's leaves")
@@ -164,16 +171,21 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
         _, spans = core.walk_tiles(tuple(o), tuple(d), TILES, 0.0, 1.0)
         for t_in, t_out in spans:
             depths = o[2] + np.array([t_in, t_out]) * d[2]
-            ways = [_leaves(float(depths.min()), float(depths.max()), d[2] > 0, how)
-                    for how in core.LeafWalk]  # fmt: skip
+            ways = [
+                _leaves(float(depths.min()), float(depths.max()), d[2] > 0, how)
+                for how in core.LeafWalk
+            ]
             differ += ways[0] != ways[1]
             visited, there = visited + len(ways[0]), there + 8
     rows = [
-        Row(what="tiles whose leaves the two walks visit differently", measured=differ,
-            band=bands.WALKS_DIFFER, note=f"{n} rays, 8 leaves a tile"),
-        Row(what="share of the leaves that are visited", measured=visited / there,
-            band=bands.GREY_LEAVES),
-    ]  # fmt: skip
+        Row(
+            "tiles whose leaves the two walks visit differently",
+            differ,
+            band=bands.WALKS_DIFFER,
+            note=f"{n} rays, 8 leaves a tile",
+        ),
+        Row("share of the leaves that are visited", visited / there, band=bands.GREY_LEAVES),
+    ]
     path = folder / "vlf-fig3.png"
     save_figure(_draw_rays(leaves=8), path)
     return Outcome(rows=rows, files=[path])
@@ -184,8 +196,11 @@ def _leaves(low: float, high: float, upwards: bool, how: core.LeafWalk) -> list[
 
 
 #: Rays of the drawings, in x and z.
-SHOWN = {"A": ((-0.7, -0.6), (0.35, 0.75)), "B": ((-0.25, 0.7), (0.1, -0.8)),
-         "C": ((0.7, -0.75), (0.7, 0.6))}  # fmt: skip
+SHOWN = {
+    "A": ((-0.7, -0.6), (0.35, 0.75)),
+    "B": ((-0.25, 0.7), (0.1, -0.8)),
+    "C": ((0.7, -0.75), (0.7, 0.6)),
+}
 
 
 def _draw_rays(leaves: int) -> Any:
@@ -204,8 +219,14 @@ def _draw_rays(leaves: int) -> Any:
             for low, height in _visited(o[1] + np.array([t_in, t_out]) * d[1], d[1] > 0, leaves):
                 axes.add_patch(_rectangle((2 * tile / n - 1, low), 2 / n, height, "0.8"))
         axes.annotate("", xy=e, xytext=o, arrowprops={"arrowstyle": "->", "lw": 1.4})
-        axes.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title=f"ray {name}",
-                 xlabel="tiles 1 to 5", ylabel="along the beams")  # fmt: skip
+        axes.set(
+            xlim=(-1, 1),
+            ylim=(-1, 1),
+            aspect="equal",
+            title=f"ray {name}",
+            xlabel="tiles 1 to 5",
+            ylabel="along the beams",
+        )
         axes.set_xticks([]), axes.set_yticks([])
     return figure
 

@@ -59,10 +59,13 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
         axes = figure.add_subplot(1, 2, column + 1)
         draw_image(axes, frame.image, f"{count} triangles")
         outcome.rows.append(
-            Row(what=f"triangles, {'left' if column == 0 else 'right'}", printed=count,
-                measured=scene.triangles,
-                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told")
-        )  # fmt: skip
+            Row(
+                f"triangles, {'left' if column == 0 else 'right'}",
+                scene.triangles,
+                printed=count,
+                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
+            )
+        )
     outcome.files.append(save_figure(figure, folder / "vlf-fig4.png"))
     return outcome
 
@@ -88,8 +91,15 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
         found = in_turns(runs, 1 if quick else 3)
         for name, seconds in found.items():
             times[name].append(1e3 * seconds / len(STATIONS))
-            table.append({"triangles": count, "method": name, "ms": times[name][-1],
-                          "bytes": tuned[name].nbytes, "build_s": tuned[name].build_s})  # fmt: skip
+            table.append(
+                {
+                    "triangles": count,
+                    "method": name,
+                    "ms": times[name][-1],
+                    "bytes": tuned[name].nbytes,
+                    "build_s": tuned[name].build_s,
+                }
+            )
         outcome.rows += _count_rows(count, found, tuned, quick)
     outcome.rows += _growth_rows(counts, times, quick)
     lines = {name: (counts, ms) for name, ms in times.items()}
@@ -121,22 +131,32 @@ def _count_rows(
 ) -> list[Row]:
     gain, ahead = found["CRT"] / found["VLF-RT"], found["VLF-RT"] / found["Embree"]
     return [
-        Row(what=f"{count} triangles: speed-up of VLF-RT over CRT", measured=gain,
+        Row(
+            f"{count} triangles: speed-up of VLF-RT over CRT",
+            gain,
             band=None if quick else bands.RANDOM_SPEEDUP,
-            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}"),
-        Row(what=f"{count} triangles: speed-up of Embree over VLF-RT", measured=ahead,
-            band=None if quick else bands.EMBREE_AHEAD),
-    ]  # fmt: skip
+            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
+        ),
+        Row(
+            f"{count} triangles: speed-up of Embree over VLF-RT",
+            ahead,
+            band=None if quick else bands.EMBREE_AHEAD,
+        ),
+    ]
 
 
 def _growth_rows(counts: Sequence[int], times: dict[str, list[float]], quick: bool) -> list[Row]:
     more = counts[-1] / counts[0]
     rows = []
     for name, ms in times.items():
-        rows.append(Row(what=f"{name}: growth of the time over the growth of the triangles",
-                        measured=ms[-1] / ms[0] / more,
-                        band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
-                        note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame"))  # fmt: skip
+        rows.append(
+            Row(
+                f"{name}: growth of the time over the growth of the triangles",
+                ms[-1] / ms[0] / more,
+                band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
+                note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
+            )
+        )
     return rows
 
 
@@ -149,9 +169,11 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     rooms = {name: _classroom(quick) for name in ("CRT", "VLF-RT", "Embree")}
     views = [scenes.classroom_camera(k) for k in frames]
     trial = camera_rays(views[len(views) // 2], size)
-    tuned = {"CRT": best_bsp(rooms["CRT"], trial, quick),
-             "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
-             "Embree": embree(rooms["Embree"])}  # fmt: skip
+    tuned = {
+        "CRT": best_bsp(rooms["CRT"], trial, quick),
+        "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
+        "Embree": embree(rooms["Embree"]),
+    }
     table = []
     for k, view in zip(frames, views, strict=True):
         rays = camera_rays(view, size)
@@ -194,22 +216,31 @@ def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool
         crt, field, packets = (_ms(table, n, shading) for n in ("CRT", "VLF-RT", "Embree"))
         gain = crt / field
         rows += [
-            Row(what=f"{shading}: speed-up of VLF-RT over CRT, median", measured=_median(gain),
+            Row(
+                f"{shading}: speed-up of VLF-RT over CRT, median",
+                _median(gain),
                 band=None if quick else band,
-                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames"),
-            Row(what=f"{shading}: speed-up of Embree over VLF-RT, median",
-                measured=_median(field / packets), band=None if quick else bands.EMBREE_AHEAD),
-        ]  # fmt: skip
+                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
+            ),
+            Row(
+                f"{shading}: speed-up of Embree over VLF-RT, median",
+                _median(field / packets),
+                band=None if quick else bands.EMBREE_AHEAD,
+            ),
+        ]
     cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
-    rows.append(Row(what="VLF-RT: a Whitted frame over an OpenGL-like one, median",
-                    measured=_median(cost),
-                    band=None if quick else bands.WHITTED_COST))  # fmt: skip
+    rows.append(
+        Row(
+            "VLF-RT: a Whitted frame over an OpenGL-like one, median",
+            _median(cost),
+            band=None if quick else bands.WHITTED_COST,
+        )
+    )
     depths = {"CRT": printed.CLASSROOM_CRT_DEPTH, "VLF-RT": printed.CLASSROOM_FIELD_DEPTH}
     for name, depth in depths.items():
         s: Any = tuned[name].settings
         best = s.max_depth if name == "CRT" else s.bsp_depth
-        rows.append(Row(what=f"{name}: best depth", printed=depth, measured=best,
-                        note=tuned[name].text))  # fmt: skip
+        rows.append(Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text))
     return rows
 
 
@@ -236,16 +267,25 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
     figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
-        "Whitted": frame.image, "OpenGL-like": local_shading(frame, view, lights)
-    }  # fmt: skip
+        "Whitted": frame.image,
+        "OpenGL-like": local_shading(frame, view, lights),
+    }
     for column, (title, image) in enumerate(pictures.items()):
         draw_image(figure.add_subplot(1, 2, column + 1), image, title)
     rows = [
-        Row(what="triangles", printed=printed.CLASSROOM_TRIANGLES, measured=scene.triangles,
-            band=bands.CLASSROOM_TRIANGLES),
-        Row(what="point lights", printed=printed.CLASSROOM_LIGHTS, measured=len(lights),
-            band=bands.CLASSROOM_LIGHTS),
-    ]  # fmt: skip
+        Row(
+            "triangles",
+            scene.triangles,
+            printed=printed.CLASSROOM_TRIANGLES,
+            band=bands.CLASSROOM_TRIANGLES,
+        ),
+        Row(
+            "point lights",
+            len(lights),
+            printed=printed.CLASSROOM_LIGHTS,
+            band=bands.CLASSROOM_LIGHTS,
+        ),
+    ]
     return Outcome(rows=rows, files=[save_figure(figure, folder / "vlf-fig7.png")])
 
 

@@ -37,10 +37,15 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     scene: Scene = scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
     rebuild = cpu_seconds(partial(settings.build, scene._core), 1 if quick else 2)
     outcome = Outcome(
-        rows=[Row(what="CPU seconds of a rebuild", measured=rebuild,
-                  note=f"{scene.triangles} triangles, l {settings.n_directions}, n "
-                       f"{settings.n_tiles}, depth {settings.bsp_depth}")]
-    )  # fmt: skip
+        rows=[
+            Row(
+                "CPU seconds of a rebuild",
+                rebuild,
+                note=f"{scene.triangles} triangles, l {settings.n_directions}, n "
+                f"{settings.n_tiles}, depth {settings.bsp_depth}",
+            )
+        ]
+    )
     table: list[dict[str, Any]] = []
     modes: tuple[Mode, ...] = ("overlay", "in_place")
     for mode in modes:
@@ -50,14 +55,20 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     for r in table:
         banded = r["share"] == 0.01 and not quick
         outcome.rows.append(
-            Row(what=f"{r['mode']}, {r['triangles']} triangles: a rebuild over an update",
-                measured=rebuild / r["seconds"], band=bands.UPDATE_PAYS if banded else None,
-                note=f"{1e3 * r['seconds']:.1f} CPU ms an update, {r['bytes'] / 1e6:.1f} MB")
-        )  # fmt: skip
+            Row(
+                f"{r['mode']}, {r['triangles']} triangles: a rebuild over an update",
+                rebuild / r["seconds"],
+                band=bands.UPDATE_PAYS if banded else None,
+                note=f"{1e3 * r['seconds']:.1f} CPU ms an update, {r['bytes'] / 1e6:.1f} MB",
+            )
+        )
     outcome.rows.append(
-        Row(what="rays answered unlike a field built with the object in its place",
-            measured=max(r["differ"] for r in table), band=bands.UPDATE_DIFFERS)
-    )  # fmt: skip
+        Row(
+            "rays answered unlike a field built with the object in its place",
+            max(r["differ"] for r in table),
+            band=bands.UPDATE_DIFFERS,
+        )
+    )
     lines: dict[str, tuple[list[float], list[float]]] = {}
     for mode in modes:
         points = [(r["triangles"], 1e3 * r["seconds"]) for r in table if r["mode"] == mode]
@@ -91,7 +102,10 @@ def _move(
     nbytes = field.stats["bytes"]
     field.delete(number)
     return {
-        "mode": mode, "share": share, "triangles": len(triangles),
-        "seconds": float(np.median(times)), "bytes": nbytes,
+        "mode": mode,
+        "share": share,
+        "triangles": len(triangles),
+        "seconds": float(np.median(times)),
+        "bytes": nbytes,
         "differ": float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0))),
-    }  # fmt: skip
+    }

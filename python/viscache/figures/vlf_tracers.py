@@ -19,8 +19,17 @@ from viscache.figures import vlf_printed as printed
 from viscache.scene import Scene
 from viscache.settings.rays import Bsp, Embree, Rays, Vlf
 
-__all__ = ["Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
-           "first_hits", "in_turns", "write_csv"]  # fmt: skip
+__all__ = [
+    "Tuned",
+    "best_bsp",
+    "best_field",
+    "camera_rays",
+    "cpu_seconds",
+    "embree",
+    "first_hits",
+    "in_turns",
+    "write_csv",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -94,11 +103,17 @@ def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -
         scene,
         beams,
         (
-            Vlf(n_directions=axes, n_tiles=n, bsp_depth=d, kernel="wald", lazy=lazy,
-                max_bytes=MAX_BYTES)
+            Vlf(
+                n_directions=axes,
+                n_tiles=n,
+                bsp_depth=d,
+                kernel="wald",
+                lazy=lazy,
+                max_bytes=MAX_BYTES,
+            )
             for d in depths
         ),
-    )  # fmt: skip
+    )
 
 
 def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
@@ -122,8 +137,13 @@ def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
     if isinstance(chosen, Vlf) and chosen.lazy:
         beams.trace(caster)
     built = time.process_time() - start
-    return Tuned(settings=chosen, caster=caster, build_s=built, nbytes=caster.stats["bytes"],
-                 grid=tuple(grid))  # fmt: skip
+    return Tuned(
+        settings=chosen,
+        caster=caster,
+        build_s=built,
+        nbytes=caster.stats["bytes"],
+        grid=tuple(grid),
+    )
 
 
 def embree(scene: Scene) -> Tuned:
@@ -132,8 +152,12 @@ def embree(scene: Scene) -> Tuned:
     start = time.process_time()
     caster = settings.build(scene._core)
     # Its bytes cannot be asked for; measured, about 100 a triangle
-    return Tuned(settings=settings, caster=caster, build_s=time.process_time() - start,
-                 nbytes=100 * scene.triangles)  # fmt: skip
+    return Tuned(
+        settings=settings,
+        caster=caster,
+        build_s=time.process_time() - start,
+        nbytes=100 * scene.triangles,
+    )
 
 
 def camera_rays(camera: _core.Camera, size: tuple[int, int]) -> Beams:
