@@ -77,15 +77,23 @@ def mathtext(name: str, unit: bool = True) -> str:
 
 def plain(name: str, unit: bool = True) -> str:
     """Without markup: `C_E [px]`."""
-    return _written(name, unit, lambda base, below, hat:
-                    base + ("\u0302" if hat else "") + (f"_{below}" if below else ""))  # fmt: skip
+    return _written(
+        name,
+        unit,
+        lambda base, below, hat: base + ("\u0302" if hat else "") + (f"_{below}" if below else ""),
+    )
 
 
 def as_html(name: str, unit: bool = True) -> str:
     """Escaped, with italics and indices: `<i>C</i><sub>E</sub> [px]`."""
-    return _written(name, unit, lambda base, below, hat:
-                    f"<i>{base}{_hat(hat)}</i>" + (f"<sub>{below}</sub>" if below else ""),
-                    html.escape)  # fmt: skip
+    return _written(
+        name,
+        unit,
+        lambda base, below, hat: (
+            f"<i>{base}{_hat(hat)}</i>" + (f"<sub>{below}</sub>" if below else "")
+        ),
+        html.escape,
+    )
 
 
 def as_svg(name: str, unit: bool = True) -> str:
@@ -125,8 +133,10 @@ def _written(
     for found in _SYMBOL.finditer(words):
         base = found[2]
         base = _GREEK[base[1:]] if base.startswith("\\") else base
-        parts += [escape(words[at : found.start()]),
-                  symbol(base, found[3] or found[4] or "", bool(found[1]))]  # fmt: skip
+        parts += [
+            escape(words[at : found.start()]),
+            symbol(base, found[3] or found[4] or "", bool(found[1])),
+        ]
         at = found.end()
     parts.append(escape(words[at:]))
     return "".join(parts) + (f" [{escape(its_unit)}]" if unit and its_unit else "")

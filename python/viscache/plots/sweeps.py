@@ -77,21 +77,39 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
         color, marker = looks([setting["values"][n] for n in names[:2]])
         (px, ex), (py, ey) = setting[x], setting[y]
         errors: dict[str, Any] = {"xerr": ex or None, "yerr": ey or None}
-        axes.errorbar(px, py, **errors, fmt=MARKERS[marker], color=color, ms=6, lw=1, capsize=2,
-                      zorder=3)  # fmt: skip
+        axes.errorbar(
+            px, py, **errors, fmt=MARKERS[marker], color=color, ms=6, lw=1, capsize=2, zorder=3
+        )
     front = pareto([(s[x][0], s[y][0]) for s in settings])
-    axes.plot([p[0] for p in front], [p[1] for p in front], color="0.5", lw=1, zorder=1,
-              label="Pareto front")  # fmt: skip
+    axes.plot(
+        [p[0] for p in front],
+        [p[1] for p in front],
+        color="0.5",
+        lw=1,
+        zorder=1,
+        label="Pareto front",
+    )
     if f"exact_{x}" in ds:
-        axes.axvline(float(ds[f"exact_{x}"].mean()), color="0.5", lw=1, ls="--", zorder=1,
-                     label="exact visibility")  # fmt: skip
+        axes.axvline(
+            float(ds[f"exact_{x}"].mean()),
+            color="0.5",
+            lw=1,
+            ls="--",
+            zorder=1,
+            label="exact visibility",
+        )
     for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
         axis.set_label_text(label(name))
         if _spans([s[name][0] for s in settings]):
             _logarithmic(axes, axis)
     for setting in first_of_levels(settings, names, x):
-        axes.annotate(labels.level(setting["values"][names[0]]), (setting[x][0], setting[y][0]),
-                      xytext=(5, 4), textcoords="offset points", fontsize=7)  # fmt: skip
+        axes.annotate(
+            labels.level(setting["values"][names[0]]),
+            (setting[x][0], setting[y][0]),
+            xytext=(5, 4),
+            textcoords="offset points",
+            fontsize=7,
+        )
     _legend(axes, names, levels, looks)
     axes.grid(True, which="major", color="0.9")
     axes.set_axisbelow(True)
@@ -316,5 +334,4 @@ def _legend(
             words = f"{labels.mathtext(name, unit=False)} = {labels.level(value)}{more}"
             handles.append(Line2D([], [], **style, marker=shape, label=words))
     handles += [h for h in axes.get_lines() if not h.get_label().startswith("_")]
-    axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left",
-                bbox_to_anchor=(1, 1))  # fmt: skip
+    axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1, 1))
