@@ -24,16 +24,24 @@ def checked_meshes(value: Any) -> Sequence[Mesh]:
     listed = isinstance(value, (list, tuple)) and all(
         isinstance(mesh, (list, tuple)) and len(mesh) in (2, 3) for mesh in value
     )
-    require(listed, "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
-            " material), where triangles are left out", type(value).__name__)  # fmt: skip
+    require(
+        listed,
+        "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
+        " material), where triangles are left out",
+        type(value).__name__,
+    )
     meshes: Sequence[Mesh] = value
     return meshes
 
 
 def add_mesh(
-    description: SceneDescription, vertices: npt.ArrayLike, triangles: npt.ArrayLike,
-    material: Any, normals: npt.ArrayLike | None = None, name: str = "",
-) -> None:  # fmt: skip
+    description: SceneDescription,
+    vertices: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    material: Any,
+    normals: npt.ArrayLike | None = None,
+    name: str = "",
+) -> None:
     """One mesh with a material of its own: an albedo or a mapping."""
     indices = np.asarray(triangles)
     if indices.size and indices.dtype.kind not in "iu":
@@ -42,9 +50,12 @@ def add_mesh(
         low, high = indices.min(), indices.max()
         raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
     description.add_mesh(
-        vertices, indices.astype(np.uint32), material=_add_material(description, material),
-        normals=normals, name=name,
-    )  # fmt: skip
+        vertices,
+        indices.astype(np.uint32),
+        material=_add_material(description, material),
+        normals=normals,
+        name=name,
+    )
 
 
 def _add_material(description: SceneDescription, material: Any) -> int:

@@ -48,9 +48,12 @@ def visible(
 
 
 def occluded(
-    caster: Any, origins: npt.ArrayLike, directions: npt.ArrayLike,
-    t_max: float | npt.ArrayLike, threads: int | None,
-) -> npt.NDArray[np.bool_]:  # fmt: skip
+    caster: Any,
+    origins: npt.ArrayLike,
+    directions: npt.ArrayLike,
+    t_max: float | npt.ArrayLike,
+    threads: int | None,
+) -> npt.NDArray[np.bool_]:
     """`Scene.occluded`."""
     if np.ndim(t_max) == 0:
         rays, shape = together(origins=origins, directions=directions)
@@ -80,9 +83,12 @@ def hits(
 
 
 def visible_matrix(
-    caster: Caster, points: npt.ArrayLike, targets: npt.ArrayLike, threads: int | None,
+    caster: Caster,
+    points: npt.ArrayLike,
+    targets: npt.ArrayLike,
+    threads: int | None,
     progress: bool | Callable[[int, int], None],
-) -> npt.NDArray[np.uint64]:  # fmt: skip
+) -> npt.NDArray[np.uint64]:
     """`Scene.visible_matrix`."""
     ends = checked_points(points, "points"), checked_points(targets, "targets")
     with progress_bar(progress, unit="tile") as report:
