@@ -49,8 +49,14 @@ class Picture:
         return Direct(environment="product", n_environment=samples, centred=True)
 
     def _frame(self, samples: int, seed: int, visibility: VisMaps | None) -> Frame:
-        return render(self.scene, self._direct(samples), visibility=visibility, camera=self.camera,
-                      size=self.size, seed=seed)  # fmt: skip
+        return render(
+            self.scene,
+            self._direct(samples),
+            visibility=visibility,
+            camera=self.camera,
+            size=self.size,
+            seed=seed,
+        )
 
 
 def paper_maps(cache: VisibilityMapCache | None) -> VisMaps:
