@@ -24,11 +24,18 @@ def keys(points, normals, r, *, semantic=0, far=None, far_normals=None, far_r=No
     """Full keys, places and validity for the given parameters."""
     n = len(points)
     return aqvc.full_keys(
-        aqvc.AqvcParameters(**p), CENTER, RADIUS, points, normals, np.broadcast_to(r, n), semantic,
+        aqvc.AqvcParameters(**p),
+        CENTER,
+        RADIUS,
+        points,
+        normals,
+        np.broadcast_to(r, n),
+        semantic,
         np.zeros((n, 3)) if far is None else far,
         np.zeros((n, 3)) if far_normals is None else far_normals,
-        np.ones(n) if far_r is None else far_r, *d,
-    )  # fmt: skip
+        np.ones(n) if far_r is None else far_r,
+        *d,
+    )
 
 
 @pytest.mark.parametrize("normal_mode", ["round", "floor", "octahedral", "single"])
@@ -38,10 +45,8 @@ def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
     x, n = surface_points()
     y, m = surface_points(seed=2)
     r = np.exp(np.random.default_rng(3).uniform(0, 10, len(x)))
-    got, place, valid, _ = keys(
-        x, n, r, semantic=2, far=y, far_normals=m, far_r=r[::-1], normal_mode=normal_mode,
-        c_n=c_n, c_z=c_z,
-    )  # fmt: skip
+    modes = {"normal_mode": normal_mode, "c_n": c_n, "c_z": c_z}
+    got, place, valid, _ = keys(x, n, r, semantic=2, far=y, far_normals=m, far_r=r[::-1], **modes)
     grid = reference.Grid(CENTER, RADIUS, c_n=c_n, c_z=c_z, mode=normal_mode)
     for i in range(len(x)):
         eye, light = grid.place(x[i], n[i], r[i]), grid.place(y[i], m[i], r[len(x) - 1 - i])
@@ -74,11 +79,8 @@ def test_scale_free_keys_do_not_depend_on_the_scenes_bounding_sphere():
     y, m = surface_points(200, seed=2)
     spheres = ((CENTER, RADIUS), (CENTER + np.float32(1.5), 3.3 * RADIUS))
     for free in (True, False):
-        both = [
-            aqvc.full_keys(aqvc.AqvcParameters(scale_free=free), c, b, x, n, np.full(200, 7.3), 2,
-                           y, m, np.full(200, 2.1))[0]
-            for c, b in spheres
-        ]  # fmt: skip
+        p, near, far = aqvc.AqvcParameters(scale_free=free), np.full(200, 7.3), np.full(200, 2.1)
+        both = [aqvc.full_keys(p, c, b, x, n, near, 2, y, m, far)[0] for c, b in spheres]
         assert (both[0] == both[1]).all() == free
 
 
@@ -186,9 +188,15 @@ def wall_of_no_thickness():
 
 @pytest.mark.parametrize(
     ("mode", "c_n", "leaks"),
-    [("round", 8, False), ("floor", 8, False), ("octahedral", 8, False), ("single", 8, True),
-     ("floor", 1, False), ("octahedral", 1, False)],
-)  # fmt: skip
+    [
+        ("round", 8, False),
+        ("floor", 8, False),
+        ("octahedral", 8, False),
+        ("single", 8, True),
+        ("floor", 1, False),
+        ("octahedral", 1, False),
+    ],
+)
 def test_light_leaks_through_a_thin_wall_where_all_normals_share_a_grid(mode, c_n, leaks):
     """Shares of points of the front whose cell holds a point of the back."""
     x, up, behind = wall_of_no_thickness()

@@ -77,10 +77,16 @@ def test_kept_frames_are_the_same_for_any_number_of_threads() -> None:
     for threads in (1, 2, 3):
         table = vc.AqvcTable(table_bytes=1 << 16, check=0.3)
         frames = [
-            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c), camera=None, threads=threads,
-                  size=TILED["size"])
+            frame(
+                vc.scenes.stairs(),
+                table,
+                vc.Aqvc(c_e=c),
+                camera=None,
+                threads=threads,
+                size=TILED["size"],
+            )
             for c in (8, 6, 8)
-        ]  # fmt: skip
+        ]
         assert frames[1].counters["reused_kept"] > 0
         found.append([(f.sha256, f.counters) for f in frames])
     assert found[0] == found[1] == found[2]
@@ -274,8 +280,14 @@ def test_entries_are_the_same_for_any_number_of_threads() -> None:
     for threads in (1, 3):
         table = vc.AqvcTable(table_bytes=1 << 16)
         for c_e in (8, 6):
-            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c_e), camera=None, threads=threads,
-                  size=TILED["size"])  # fmt: skip
+            frame(
+                vc.scenes.stairs(),
+                table,
+                vc.Aqvc(c_e=c_e),
+                camera=None,
+                threads=threads,
+                size=TILED["size"],
+            )
             table.forget()
         frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=8), camera=None, threads=threads)
         found.append(table.entries())

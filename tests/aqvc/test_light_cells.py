@@ -15,9 +15,15 @@ def cells(semantic, far, normal, density, **options):
     """Columns and clamps from C++."""
     limit = {"limit": options.pop("limit")} if "limit" in options else {}
     column, clamps = _core.aqvc.light_cells(
-        _core.aqvc.AqvcParameters(**options), tiles.CENTER, tiles.RADIUS, semantic=semantic,
-        far=np.float32(far), normal=np.float32(normal), density=density, **limit,
-    )  # fmt: skip
+        _core.aqvc.AqvcParameters(**options),
+        tiles.CENTER,
+        tiles.RADIUS,
+        semantic=semantic,
+        far=np.float32(far),
+        normal=np.float32(normal),
+        density=density,
+        **limit,
+    )
     return column, clamps
 
 

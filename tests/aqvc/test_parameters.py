@@ -113,8 +113,14 @@ def test_a_value_beyond_its_row_is_refused_with_what_must_hold(
 
 def other_value(name: str) -> Any:
     """A value of the parameter that is not its default."""
-    special = {"c_n": 6, "digest_bits": 20, "queue": 64, "table_bytes": 8 << 20,
-               "c_e_groups": {"point": 5.0}, "refinement_groups": {"point": "on"}}  # fmt: skip
+    special = {
+        "c_n": 6,
+        "digest_bits": 20,
+        "queue": 64,
+        "table_bytes": 8 << 20,
+        "c_e_groups": {"point": 5.0},
+        "refinement_groups": {"point": "on"},
+    }
     value = getattr(_core.aqvc.AqvcParameters(), name)
     if name in special:
         return special[name]

@@ -115,8 +115,9 @@ UNDER = np.array([[0.5, 0.5, -1]]), np.array([[0, 0, 1.0]])
 def test_instances_stop_rays() -> None:
     d = vc.SceneDescription()
     vertices, triangles = squares()
-    card = d.add_mesh(vertices - [0.5, 0.5, 0], triangles, material=d.add_material(),
-                      in_world=False)  # fmt: skip
+    card = d.add_mesh(
+        vertices - [0.5, 0.5, 0], triangles, material=d.add_material(), in_world=False
+    )
     d.add_instance([card], np.array([[3.9, 0, 0, 0.5], [0, 3.9, 0, 0.5], [0, 0, 1, 0.0]]))
     rows = trace_rows(vc.Scene.from_description(d), *UNDER, SKY)
     hidden = above(np.float32(UNDER[1]), SKY.directions) & ~unpacked(rows.bits, 24**2)
@@ -140,9 +141,14 @@ def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> N
 
     def traced(order: Any, threads: int, which: Any = slice(None)) -> Any:
         return _core.correlation.visibility_rows(
-            scene._core, scene.caster(), points.positions[which], points.normals[which],
-            SKY.directions, order=order, threads=threads,
-        )  # fmt: skip
+            scene._core,
+            scene.caster(),
+            points.positions[which],
+            points.normals[which],
+            SKY.directions,
+            order=order,
+            threads=threads,
+        )
 
     bits, rays = traced(None, 1)
     for order in (None, *_core.PacketOrder):

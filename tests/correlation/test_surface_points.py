@@ -185,8 +185,9 @@ def test_a_scene_that_is_all_holes_is_refused() -> None:
     d = vc.SceneDescription()
     hole = d.add_image(np.zeros((1, 1, 4), np.float32))
     vertices, triangles = squares()
-    d.add_mesh(vertices, triangles, material=d.add_material(alpha_texture=hole),
-               uvs=vertices[:, :2])  # fmt: skip
+    d.add_mesh(
+        vertices, triangles, material=d.add_material(alpha_texture=hole), uvs=vertices[:, :2]
+    )
     with pytest.raises(ValueError, match="at least 1/1024 of the scene's area must be solid"):
         points(vc.Scene.from_description(d), 100, points="area")
 

@@ -56,10 +56,13 @@ def alike(said: str, printed: str) -> bool:
         return False
     pairs = zip(NUMBER.findall(said), NUMBER.findall(printed), strict=True)
     return all(
-        a == b or ((float(a) >= 10 or "." in a) and abs(float(a) - float(b))
-                   <= TOLERANCE * max(abs(float(a)), abs(float(b))))
+        a == b
+        or (
+            (float(a) >= 10 or "." in a)
+            and abs(float(a) - float(b)) <= TOLERANCE * max(abs(float(a)), abs(float(b)))
+        )
         for a, b in pairs
-    )  # fmt: skip
+    )
 
 
 def run(source: str, name: str) -> int:

@@ -126,9 +126,10 @@ def test_a_light_keeps_its_power_and_turns_with_its_image(image: vc.Relighting) 
 
 def test_an_open_plane_under_an_even_sky_shows_its_albedo() -> None:
     floor = vc.Scene.from_arrays(
-        [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]], [[0, 2, 1], [0, 3, 2]],
+        [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]],
+        [[0, 2, 1], [0, 3, 2]],
         base_color=(0.8, 0.4, 0.2),
-    )  # fmt: skip
+    )
     camera = vc.look_at((0, 3, 1), (0, 0, 0))
     cache = vc.VisibilityMapCache(floor, vc.MapSettings(n_startup=20))
     frame = vc.Relighting(cache, camera=camera, size=(16, 12)).under(1.0)
