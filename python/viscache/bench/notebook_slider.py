@@ -1,4 +1,4 @@
-"""The C_E slider of a notebook: from the move to the picture in the cell's output."""
+"""The C_E slider of a notebook: time from a move to the picture in the cell's output."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ C_E = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
 class Callback:
-    """What that notebook does when the slider moves, with a clock on each stage."""
+    """What the notebook does when the slider moves, with each stage timed."""
 
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
         self.scene, self.size = scene, size
@@ -51,7 +51,7 @@ class Callback:
 
 
 def notebook_slider(quick: bool) -> Outcome:
-    """64 lights of the room at 480×270, 1 sample, on all cores; every C_E, moved to and fro."""
+    """64 lights of the room at 480×270, 1 sample, on all cores; moved to every C_E and back."""
     outcome = Outcome()
     if importlib.util.find_spec("ipywidgets") is None:
         outcome.skip("the C_E slider", "ipywidgets is not installed")
@@ -69,7 +69,7 @@ def notebook_slider(quick: bool) -> Outcome:
             moves[c_e].append(_moved(view, callback, c_e))
     wrong = sum(_differs(view, callback, c_e) for c_e in C_E)
     outcome.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
-    expected = 1 + len(C_E) * (turns + 1)  # a slider tells of moves alone: none may stand still
+    expected = 1 + len(C_E) * (turns + 1)  # a slider reports changes only
     outcome.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
     rows = [_row(c_e, taken) for c_e, taken in moves.items()]
     worst = max(rows, key=lambda row: row["wall_ms"])
@@ -89,7 +89,7 @@ def notebook_slider(quick: bool) -> Outcome:
 
 
 def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, Sample]:
-    """Move the slider; what each stage took, and the whole."""
+    """Move the slider; return the duration of each stage and the total."""
     whole, _ = timed(lambda: setattr(view.widgets["c_e"], "value", c_e))
     stages = dict(callback.stages)
     picture = {
@@ -100,7 +100,7 @@ def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, 
 
 
 def _differs(view: notebook.Sliders, callback: Callback, c_e: int) -> int:
-    """Bytes of the picture that differ from a frame of one thread, tone-mapped."""
+    """Number of bytes of the tone-mapped picture that differ from a single-threaded frame."""
     from PIL import Image
 
     _moved(view, callback, c_e)

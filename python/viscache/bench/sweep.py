@@ -1,4 +1,4 @@
-"""Sweeps: what is spent outside frames and metrics, what a kill costs, and what dask costs."""
+"""Sweeps: the time outside frames and metrics, and the costs of a kill and of dask."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ __all__ = ["sweep"]
 
 SCENE = "room?triangles=200000"
 QUICK_SCENE = "room?triangles=3000"
-#: Of the wall time, outside frames and metrics.
+#: Share of the wall time outside frames and metrics.
 OUTSIDE_AT_MOST = 0.05
 SECONDS_AT_MOST = 900.0
 DASK_AT_MOST = 1.10
 
-#: A sweep that logs every frame it begins: directory, log, scene, points, pixels, VPLs.
+#: A sweep that logs each frame it starts. Arguments: directory, log, scene, points, pixels, VPLs.
 LOGGED = """
 import os, sys
 import viscache as vc
@@ -53,7 +53,7 @@ vc.sweep(scene, vc.Whitted(n_vpls=vpls), over={"c_e": {"log": [2, 32], "n": poin
 
 
 def sweep(quick: bool) -> Outcome:
-    """500 points at 256² on the room, a sweep killed and resumed, and dask beside processes."""
+    """500 points at 256² of the room; a killed and resumed sweep; dask against processes."""
     outcome = Outcome()
     with tempfile.TemporaryDirectory() as folder:
         _large(quick, Path(folder) / "large", outcome)
@@ -63,7 +63,7 @@ def sweep(quick: bool) -> Outcome:
 
 
 def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
-    """Many points in this process, on all cores, frames kept."""
+    """Many points in this process, on all cores; frames are stored."""
     n, edge, vpls = (12, 64, 32) if quick else (125, 256, 256)
     over = {"c_e": {"log": [2, 32], "n": n}, "c_z": [1, 2, 4, 8]}
     began, cpu = time.perf_counter(), time.process_time()
@@ -98,7 +98,7 @@ def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
 
 
 def _killed(quick: bool, folder: Path, outcome: Outcome) -> None:
-    """kill -9 again and again; how many frames are rendered twice per kill."""
+    """Kill a sweep repeatedly (kill -9); count the frames rendered twice per kill."""
     points, edge, vpls, kills = (16, 64, 32, 2) if quick else (60, 128, 128, 5)
     log = folder.with_suffix(".log")
     words = [str(folder), str(log), QUICK_SCENE, str(points), str(edge), str(vpls)]
@@ -129,7 +129,7 @@ def _begun(log: Path) -> int:
 
 
 def _distributed(quick: bool, outcome: Outcome) -> None:
-    """The same points by two dask workers and by a pool of two processes, in turns."""
+    """The same points with two dask workers and with a pool of two processes, in turns."""
     if importlib.util.find_spec("distributed") is None:
         outcome.skip("dask beside processes", "dask.distributed is not installed")
         return
@@ -158,7 +158,7 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
     errors: list[bytes] = []
     with process_pool(2) as pool, _dask_workers(2) as dask:
         assert pool is not None
-        for executor in (pool, dask):  # both workers of each load the scene
+        for executor in (pool, dask):  # both workers of each executor load the scene
             points_of(executor, 8)
         runs: dict[str, Callable[[], Sample]] = {
             "pool": lambda: points_of(pool, points),

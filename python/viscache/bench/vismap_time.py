@@ -1,7 +1,7 @@
-"""The part of `viscache bench vismap-variance` that takes time into account, by rendered pictures.
+"""Variance in equal time, from rendered pictures: a part of `viscache bench vismap-variance`.
 
-Times are seconds of all processors together, with the records made anew for every picture, so that
-pictures must be large enough to share them.
+Times are CPU seconds of all threads and include new records for every picture, so pictures must be
+large enough to share records.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ __all__ = ["equal_time"]
 
 SAMPLES = 30
 GUIDED = VisMaps(sampling="guided")
-#: µs per pixel and core of look-ups, J and records together.
+#: Limit of look-ups, J and records together, in µs per pixel and core.
 MOST_US = 5.0
-#: Seconds in which a cache of 128×96 pixels is to be there.
+#: Limit of the time to build the cache of 128×96 pixels.
 MOST_BUILD_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """A picture, and the gain in equal time that is asked for."""
+    """A picture and the required gain in equal time."""
 
     scene: str
     quick_scene: str
@@ -56,9 +56,9 @@ QUICK_SIZE, QUICK_RENDERS = (24, 18), 2
 
 
 def equal_time(outcome: Outcome, quick: bool) -> None:
-    """Gains in equal time, what look-ups cost, how long a cache takes."""
+    """Gains in equal time, the cost of look-ups, the time to build a cache."""
     for full in CASES:
-        # Small pictures have too few pixels to share their records: no goals
+        # Small pictures have too few pixels to share records, so they have no goals
         case = replace(full, goals={}) if quick else full
         picture = Picture(
             scene=build_scene(case.quick_scene if quick else case.scene),

@@ -1,4 +1,4 @@
-"""`viscache bench vlf-build`: building the visibility field, and single rays beside Embree's."""
+"""`viscache bench vlf-build`: building the visibility field, and its single rays against Embree."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ SCENES = (
 )
 QUICK_SCENES = ("bumpy_spheres?triangles=1500",)
 FIELD, QUICK_FIELD = Vlf(bsp_depth=3, max_bytes=4 << 30), Vlf(n_directions=33, n_tiles=64)
-#: Depths and leaf sizes among which each ray set's fastest BSP is taken.
+#: Depths and leaf sizes of the BSP; each ray set uses the fastest combination.
 DEPTHS, LEAVES = (16, 20, 24), (4, 8, 16)
 TREES = tuple(Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
 QUICK_TREES = (Bsp(kernel="wald"),)
-#: The single-ray tracer of the paper should not be a straw man: this share of Embree ray by ray.
+#: The paper's single-ray tracer must reach this share of Embree's single-ray speed.
 GUARD = 0.25
 EDGE_TOLERANCE = 1e-3
 RAYS, QUICK_RAYS = 100_000, 4_000
 
 
 def vlf_build(quick: bool = False) -> Outcome:
-    """Seconds and bytes of fields, and rays per second of the paper's tracers, one thread."""
+    """Build time and memory of fields; rays per second of the paper's tracers on one thread."""
     outcome = Outcome()
     for spec in QUICK_SCENES if quick else SCENES:
         scene = build_scene(spec)
