@@ -18,7 +18,7 @@ C_E = 16.0
 GRIDS, QUICK_GRIDS = 32, 3
 SIZE, QUICK_SIZE = (480, 320), (120, 80)
 SCENES = ("slats", "slits")
-#: Level waves; Alg. 2 one query at a time in the paper's order, and in orders drawn with the grid.
+#: Level waves; Alg. 2 with single queries, in the paper's order and in an order random per grid.
 FORMS: dict[str, dict[str, Any]] = {
     "waves": {},
     "pairs": {"preset": "paper"},
@@ -31,7 +31,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 
 def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
-    """Rows by scene, form and variant, and the same as a table."""
+    """Rows and a table, by scene, form and variant."""
     rows, table = [], []
     for name in SCENES:
         shot = Shot(
@@ -93,7 +93,7 @@ def _rows(
                 note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
             )
         )
-        # With the paper's order, which grids do not change, representatives favour places
+        # The paper's order is the same for all grids, so it favours the same representatives
         if variant == "no refinement" and form != "pairs":
             rows.append(
                 Row(

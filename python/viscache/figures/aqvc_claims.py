@@ -1,4 +1,4 @@
-"""Numbers in the text of the quantized cache's paper, H1 to H8 of our reading of it."""
+"""Claims in the text of the quantized cache's paper, numbered H1 to H8."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from viscache.settings.visibility import Aqvc, PaperForm
 
 Size = tuple[int, int] | None
 
-#: H1: the two largest C_E of Figure 7, and the error up to which a reduction counts.
+#: H1: the two largest C_E of Figure 7, and the largest error at which a reduction counts.
 H1_C_E, H1_REL_L1 = (24.0, 36.0), 0.03
-#: H2, H5 and H7: an ordinary C_E. H3: one tile of the frame, and slots per key. H4: bytes of table
-#: per eye sample of a tile, the paper's 4 MB for 32×32 of them.
+#: H2, H5 and H7: a typical C_E. H3: one tile for the frame, and slots per key. H4: table bytes per
+#: eye sample of a tile; the paper has 4 MB for 32×32 samples.
 C_E = 14.0
 TILE, QUICK_TILE = (256, 256), (128, 80)
 SLOTS_PER_KEY = (0.1, 1.0, 10.0, 40.0)
 TABLE_BYTES_PER_SAMPLE = 4096
-#: H3: bytes of a thread's table, 4 MB the paper's.
+#: H3: table bytes per thread; the paper has 4 MB.
 KEPT_TABLES = (1 << 16, 1 << 18, 1 << 20, 1 << 22, 1 << 24)
 #: H6: values around the paper's 8, 8 and 1.2.
 PARAMETERS: dict[str, tuple[float, ...]] = {
@@ -45,7 +45,7 @@ SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 @figure("aqvc-claims", "numbers in the text of the quantized cache's paper")
 def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
-    """All of them, in the order of the paper's sections."""
+    """All claims, in the order of the paper's sections."""
     outcome = Outcome()
     for part in (rays_left, shading_share, table_size, collisions, simple_scene):
         outcome.rows += part(quick, size)
@@ -98,7 +98,7 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
 
 
 def shading_share(quick: bool, size: Size) -> list[Row]:
-    """H2: what is not visibility bounds the speed-up."""
+    """H2: the time outside visibility bounds the speed-up."""
     setup = SETUPS["apartment"]
     shot = setup.shot(quick, size)
     exact = shot.frame()
@@ -153,7 +153,7 @@ def table_size(quick: bool, size: Size) -> list[Row]:
 
 
 def kept_tables(shot: Shot) -> list[Row]:
-    """H3 on the CPU: tiles of 32², a table per thread, the paper's 4 MB and others."""
+    """H3 on the CPU: tiles of 32², and tables per thread of the paper's 4 MB and other sizes."""
     frames = {
         size: shot.frame(
             Aqvc(preset="paper", c_e=8, table_bytes=size, paper=PaperForm(storage="paper_tiles"))
@@ -175,7 +175,7 @@ def kept_tables(shot: Shot) -> list[Row]:
 
 
 def collisions(quick: bool, size: Size) -> list[Row]:
-    """H4: rays that a table without loss would not have traced."""
+    """H4: rays that a lossless table would not have traced."""
     rows = []
     for name in ("delta", "apartment"):
         setup = SETUPS[name]
@@ -261,7 +261,7 @@ def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]
 
 
 def frames_per_second(quick: bool, size: Size) -> list[Row]:
-    """H7: interactive with reduced sampling; reported only."""
+    """H7: interactive frame rates with fewer samples; reported without a band."""
     rows = []
     for name in ("apartment", "courtyard", "delta", "conference"):
         setup = SETUPS[name]

@@ -1,4 +1,4 @@
-"""Figures 3 and 4 of the quantized cache's paper: shadows by refinement and by pixel order."""
+"""Figures 3 and 4 of the quantized cache's paper: refinement and pixel order at shadow edges."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.settings.visibility import Aqvc
 
 C_E = 16.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
-#: Orders of pixels, and how many grids and orders are drawn.
+#: Orders of pixels, and the numbers of random grids and orders.
 ORDERS = ("scanline", "hm", "random")
 GRIDS, QUICK_GRIDS = 12, 4
 
@@ -86,7 +86,7 @@ def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], pat
 def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """A cube's shadow by order of the pixels."""
+    """A cube's shadow with each order of the pixels."""
     shot = Shot(scene=scenes.cube_on_plane(), integrator=Direct(), size=size or _size(quick))
     exact = shot.frame()
     table: list[dict[str, Any]] = []
@@ -126,15 +126,15 @@ def figure4(
 
 
 def shadow(frame: Frame) -> Plane:
-    """Luminance of the point lights: (H, W)."""
+    """(H, W): luminance from the point lights."""
     return tonemap.luminance(frame.layers["point"])
 
 
 def shift(image: Plane, reference: Plane) -> tuple[float, float]:
-    """(x, y) in pixels, right and down, by which the reference is best moved onto the image.
+    """The shift (x, y), in pixels right and down, that moves the reference best onto the image.
 
-    Least squares of reference(p − s) − image(p) to first order in s, over all pixels but the
-    border, both smoothed by a Gaussian of 4 pixels; three steps.
+    Least squares of reference(p − s) − image(p), to first order in s, over all pixels except the
+    border. Both images are smoothed by a Gaussian of 4 pixels. Three steps are taken.
     """
     from scipy.ndimage import gaussian_filter
     from scipy.ndimage import shift as moved

@@ -1,4 +1,4 @@
-"""Figure 6 of the quantized cache's paper: geometry too fine for clusters."""
+"""Figure 6 of the quantized cache's paper: geometry that is too fine for clusters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 
-#: C_E without anti-aliasing and with it; the paper's is not told.
+#: C_E without and with anti-aliasing; the paper does not give its value.
 C_E = {False: 16.0, True: 36.0}
 
 
@@ -25,7 +25,7 @@ C_E = {False: 16.0, True: 36.0}
 def figure6(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """The hairball, exact and with three presets, without anti-aliasing and with it."""
+    """The hairball, exact and with three presets, without and with anti-aliasing."""
     setup, outcome = SETUPS["hairball"], Outcome()
     triangles = printed.SCENES["hairball"].triangles
     outcome.rows.append(Row("triangles", setup.scene(quick).triangles, printed=triangles))
@@ -101,7 +101,7 @@ def _rows(label: str, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
 
 
 def draw_trades(trades: Mapping[str, Trade], path: Path) -> Path:
-    """A row per name: exact, cached, amplified difference."""
+    """Per name a row of pictures: exact, cached, amplified difference."""
     figure = new_figure(10.0, 3.2 * len(trades))
     for row, (name, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)

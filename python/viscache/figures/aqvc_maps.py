@@ -1,4 +1,4 @@
-"""Figure 8 of the quantized cache's paper: the cache against shadow maps, under a sun and lamps."""
+"""Figure 8 of the quantized cache's paper: the cache and shadow maps, with a sun and lamps."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.visibility import ShadowMap
 
-#: Texels along an edge; the small ones are for equal time.
+#: Texels per edge; the small maps are for equal time.
 RESOLUTIONS = (64, 128, 256, 512, 1024, 2048, 4096)
 QUICK_RESOLUTIONS = (16, 32, 64, 128)
-#: Maps may take this share of the machine's memory.
+#: Largest share of the machine's memory for maps.
 MEMORY_SHARE = 0.6
 
 
@@ -30,7 +30,7 @@ MEMORY_SHARE = 0.6
 def figure8(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Error and time of both, seen from afar and close up."""
+    """Error and time of both, from a distance and close up."""
     outcome, table = Outcome(), []
     overview = SETUPS["delta"].shot(quick, size)
     place, target, fov_deg = CLOSE_UP
@@ -54,7 +54,7 @@ def figure8(
 
 
 def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> list[int]:
-    """The resolutions whose maps fit into memory; others are named in `outcome.skipped`."""
+    """The resolutions whose maps fit into memory; the others are recorded in `outcome.skipped`."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     kept = []
     for resolution in resolutions:
@@ -70,7 +70,7 @@ def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> l
 
 
 def compare(shot: Shot, resolutions: Sequence[int]) -> dict[str, Trade]:
-    """Frames of the cache, both presets, and of maps, by name."""
+    """Frames by name: of the cache with both presets, and of maps."""
     exact = shot.frame()
     setup, c_e = SETUPS["delta"], printed.MAPS_C_E
     settings: dict[str, Any] = {p: setup.cache(p, c_e) for p in ("default", "paper")}
@@ -88,7 +88,7 @@ def seconds(trade: Trade) -> float:
 
 
 def equal_time(trades: dict[str, Trade], resolutions: Sequence[int], cache: str) -> int:
-    """The largest resolution whose frame takes no longer than the cached one; else the smallest."""
+    """The largest resolution whose frame is no slower than the cached one; else the smallest."""
     within = [r for r in resolutions if seconds(trades[_map(r)]) <= seconds(trades[cache])]
     return max(within, default=min(resolutions))
 
@@ -154,7 +154,7 @@ def _preset_rows(
 
 
 def _draw(found: dict[str, dict[str, Trade]], resolutions: Sequence[int], path: Path) -> Path:
-    """Both views: exact, the cache, the maps; the middle of the picture."""
+    """The middle of the picture for both views: exact, with the cache, with maps."""
     maps = [_map(r) for r in resolutions[-3:]]
     figure = new_figure(12.0, 4.6)
     for row, trades in enumerate(found.values()):

@@ -1,4 +1,4 @@
-"""Figure 5 of the quantized cache's paper: exact and cached pictures, difference amplified."""
+"""Figure 5 of the quantized cache's paper: exact and cached pictures, amplified differences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.settings.integrators import Bdpt
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One picture: samples per pixel in full and quick, and C_E."""
+    """One picture: its C_E, and its samples per pixel in full and quick runs."""
 
     setup: str
     spp: int
@@ -32,7 +32,8 @@ class Panel:
     c_e_note: str
 
 
-#: The paper's samples are 9, 1, 16 and 16. C_E spans C_E/√spp pixels: with fewer samples, less.
+#: The paper's samples are 9, 1, 16 and 16. A cluster spans C_E/√spp pixels, so fewer samples need
+#: a smaller C_E.
 PANELS = (
     Panel("courtyard", 2, 1, printed.SAN_MIGUEL_C_E * (2 / 9) ** 0.5, "36 at 9 samples"),
     Panel("conference", 1, 1, 12.0, "not told"),
@@ -140,7 +141,7 @@ def _rows(
 
 
 def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """One picture above the rising diagonal, the other below it, a thin black line between."""
+    """One picture above the rising diagonal, the other below it, a thin black line between them."""
     height, width = above.shape[:2]
     rows, columns = np.mgrid[0:height, 0:width]
     # Negative above the line from the lower left to the upper right corner
@@ -151,7 +152,7 @@ def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[An
 
 
 def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
-    """Per preset: exact over cached, and the amplified difference."""
+    """Per preset: the exact picture above the cached one, and the amplified difference."""
     figure = new_figure(9.0, 3.0 * len(trades))
     for row, (preset, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)

@@ -1,4 +1,4 @@
-"""Quality choices of the quantized cache beside each other (Sec. 3.3, 3.6 and what came after)."""
+"""Comparison of the quantized cache's quality choices (Sec. 3.3, Sec. 3.6, and later ones)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SIZE, QUICK_SIZE = (640, 400), (120, 75)
 GRIDS, QUICK_GRIDS = 4, 1
 MODES = ("round", "floor", "octahedral", "single")
 COSMIN = (0.01, 0.05, 0.2)
-#: Light kinds by the setup that has them.
+#: Kinds of lights, by setup.
 KINDS = {
     "delta": ("point", "directional"),
     "conference": ("area",),
@@ -59,7 +59,7 @@ def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Out
 
 
 def leaking_cells() -> list[Row]:
-    """A wall a thousandth of a cell thick: how many cells of its front hold its back."""
+    """How many cells on the front of a wall, 1/1000 cell thick, also contain its back."""
     radius, cells = 7.5, 40.0
     rng = np.random.default_rng(1)
     front = rng.uniform(-2, 2, (2000, 3)).astype(np.float32)
@@ -97,7 +97,7 @@ def leaking_cells() -> list[Row]:
 
 
 def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
-    """Rays, RR, rel_l1 and bias, means over grids; given settings replace the preset's."""
+    """Rays, RR, rel_l1 and bias, as means over grids. The given settings replace the preset's."""
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
@@ -121,7 +121,7 @@ def _shot(quick: bool, size: Size) -> Shot:
 
 
 def normals(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
-    """Bins of normals: rays and errors in the apartment, stray light behind a thin wall."""
+    """Bins of normals: rays and errors in the apartment, and stray light behind a thin wall."""
     apartment = _shot(quick, size)
     wall = Shot(scene=scenes.thin_wall(), integrator=Direct(), size=apartment.size)
     found = {m: mean_trade(apartment, quick, normal_mode=m) for m in MODES}
@@ -162,7 +162,7 @@ def _note(found: dict[str, float]) -> str:
 
 
 def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
-    """Offset of the grids, neighbours along the tangent plane."""
+    """Offsets of the grids, and neighbours along the tangent plane."""
     shot = _shot(quick, size)
     base = mean_trade(shot, quick)
     fixed = mean_trade(shot, quick, grid_offset=False)
@@ -190,7 +190,7 @@ def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
 
 
 def cosines(quick: bool, size: Size) -> list[Row]:
-    """The integrators' floor of cos θ in densities."""
+    """The integrators' lower limit of cos θ in densities."""
     shot = _shot(quick, size)
     found = {c: mean_trade(replace(shot, integrator=Whitted(cosmin=c)), quick) for c in COSMIN}
     rows = [Row(f"cosmin {c:g}: rel_l1", f["rel_l1"], note=_note(f)) for c, f in found.items()]
@@ -206,7 +206,7 @@ def cosines(quick: bool, size: Size) -> list[Row]:
 
 
 def light_kinds(quick: bool, size: Size) -> list[Row]:
-    """Refinement on and off by kind of light."""
+    """Refinement on and off, by kind of light."""
     rows = []
     for name, kinds in KINDS.items():
         setup = SETUPS[name]

@@ -24,18 +24,18 @@ from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Whitted
 from viscache.sources import scene_file
 
-#: C_E between the paper's ends; the paper's preset runs at the ends and one between.
+#: C_E over the paper's range. The paper's preset runs at both ends and at one value between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}
 SMOOTH = {False: (4.0, 8.0, 14.0, 24.0), True: (10.0, 20.0, 40.0, 64.0)}
-#: Anti-aliased frames of scenes with many lights have this share of them, per sample.
+#: Divisor of the lights per sample, in anti-aliased frames of scenes with many lights.
 ANTIALIASED_LIGHTS = 4
-#: Scenes made by others, from $VISCACHE_SCENES, and their C_E.
+#: Scenes by other authors, in $VISCACHE_SCENES, and their C_E.
 FILES, FILES_C_E = ("living-room", "classroom", "sponza-dabrovic", "sanmiguel-part"), 10.0
 
 
 @dataclass(kw_only=True, slots=True)
 class Sweep:
-    """Trades of one setup by preset and C_E, with anti-aliasing or without."""
+    """Trades of one setup by preset and C_E, with or without anti-aliasing."""
 
     setup: Setup
     antialiased: bool
@@ -94,7 +94,7 @@ def figure7(
 
 
 def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Sequence[float]]:
-    """C_E per preset: all for the default; the ends and one between for the paper's."""
+    """C_E per preset: all for the default; both ends and one value between for the paper's."""
     values = (DELTA if setup.delta_lights else SMOOTH)[antialiased]
     if quick:
         values = (values[0], values[-1])
@@ -105,7 +105,7 @@ def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Seq
 def make_sweep(
     setup: Setup, scene: Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
 ) -> tuple[Sweep, Shot]:
-    """What to fill, and what to render."""
+    """The sweeps to fill, and the frames to render."""
     spp = 1 if not antialiased else 4 if quick else setup.antialiased
     integrator = setup.integrator(quick)
     if antialiased and setup.n_vpls and not quick:
@@ -205,7 +205,7 @@ def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
 
 
 def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
-    """Scenes made by others beside the stand-ins: no bands."""
+    """Scenes by other authors, beside the stand-ins; without bands."""
     rows = []
     for name in FILES:
         scene = load_file(name, outcome)
@@ -227,7 +227,7 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
 
 
 def load_file(name: str, outcome: Outcome) -> Scene | None:
-    """A scene made by others, under a measured sky where it has no light that we model."""
+    """A scene by another author, with a measured sky if it has no light that viscache models."""
     path = scene_file(name)
     if path is None:
         outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
@@ -252,7 +252,7 @@ def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
 
 
 def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
-    """Three rows: reduction, speed-up, error; anti-aliased on the right."""
+    """Three rows: reduction, speed-up, error. The right column is anti-aliased."""
     figure = new_figure(10.0, 9.0)
     kinds = {"ray_reduction": "RR", "speedup": "speed-up", "rel_l1": "rel_l1"}
     for row, (what, label) in enumerate(kinds.items()):

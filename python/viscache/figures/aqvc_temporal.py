@@ -1,4 +1,4 @@
-"""The quantized cache over frames: a camera's path, a moving ball, tables kept or dropped."""
+"""The quantized cache over frames: a camera path, a moving ball, tables kept or dropped."""
 
 from __future__ import annotations
 
@@ -31,30 +31,30 @@ C_E = 12.0
 FRAMES, QUICK_FRAMES = 32, 4
 SIZE, QUICK_SIZE = (320, 200), (80, 50)
 TRIANGLES, QUICK_TRIANGLES = 100_000, 20_000
-#: A ball crosses the living room between camera and corner.
+#: A ball crosses the living room between the camera and the corner.
 BALL_PATH, BALL_RADIUS = ((-2.6, 1.2, -2.4), (-1.6, 1.2, -0.9)), 0.25
-#: Share of the reused bits that are traced to be counted; that are repaired.
+#: Shares of the reused bits that are traced: for counting, and for repair.
 CHECK, REPAIR = 0.1, 0.1
 WAYS = ("dropped", "kept", "epochs", "repaired")
 
 
 @dataclass(slots=True)
 class Sequence:
-    """Frames of one way over one path."""
+    """The frames of one path, with one way to keep tables."""
 
     frames: list[Frame] = field(default_factory=list)
 
     def total(self, name: str) -> int:
-        """A counter over all frames; 0 where there is none."""
+        """A counter summed over all frames; 0 if absent."""
         return sum(int(f.counters.get(name, 0)) for f in self.frames)
 
     @property
     def ray_reduction(self) -> float:
-        """Queries over rays, those of repair among them."""
+        """Queries per ray, including rays for repair."""
         return self.total("queries") / max(1, self.total("rays"))
 
     def wrong(self, where: str) -> float:
-        """Share of the checked bits that their ray contradicts; NaN where none was checked."""
+        """Share of the checked bits that the ray contradicts; NaN without checked bits."""
         n = self.total(f"checked_{where}")
         return self.total(f"wrong_{where}") / n if n else float("nan")
 
@@ -66,7 +66,7 @@ def _apartment(triangles: int) -> Scene:
 
 @cache
 def with_ball(triangles: int, x: float, y: float, z: float) -> Scene:
-    """The apartment with a ball in its air."""
+    """The apartment with a ball in the air."""
     d = _core.description_of(_apartment(triangles)._core)
     vertices, faces = bumpy_sphere(BALL_RADIUS, 12).mesh(1.0)
     ball = np.asarray(vertices, np.float32) + np.array([x, y, z], np.float32)
@@ -78,7 +78,7 @@ def views(path: str, quick: bool) -> list[tuple[Scene, _core.Camera]]:
     """Scene and camera of every frame: "camera" moves the camera, "ball" the ball."""
     n = QUICK_FRAMES if quick else FRAMES
     triangles = QUICK_TRIANGLES if quick else TRIANGLES
-    # The path is sampled as densely in quick runs: its first frames
+    # Quick runs have the first frames, at the same spacing
     steps = np.linspace(0, 1, FRAMES)[:n]
     along = cameras(FRAMES)[:n]
     if path == "camera":
@@ -91,7 +91,7 @@ def views(path: str, quick: bool) -> list[tuple[Scene, _core.Camera]]:
 def run(
     shots: list[tuple[Scene, _core.Camera]], way: str, refinement: str, size: tuple[int, int]
 ) -> Sequence:
-    """All frames of a path in one way."""
+    """Render all frames of a path in one way."""
     settings = Aqvc(
         c_e=C_E,
         paper=PaperForm(form="pairs"),
@@ -116,7 +116,7 @@ def run(
 def temporal(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Both paths, refinement on and off, tables dropped, kept, forgotten and repaired."""
+    """Both paths, with refinement on and off, and tables dropped, kept, forgotten and repaired."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
     outcome, table = Outcome(), []
     curves: dict[str, Mapping[str, Sequence]] = {}

@@ -1,4 +1,4 @@
-"""One HTML page of all figures: printed, measured, ratio, band, holds, and every picture."""
+"""One HTML page of all figures, with all rows and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from viscache.figures import registry
 
 __all__ = ["html"]
 
-#: A picture file above so many bytes is shrunk to so many pixels across.
+#: Above this many bytes, a picture is reduced to this many pixels in width.
 LARGE_BYTES, WIDTH_PX = 400_000, 1600
 
 _STYLE = """
@@ -35,7 +35,7 @@ img { max-width: 100%; height: auto; margin: 10px 0; background: #fff; }
 
 
 def html(summary: Mapping[str, Any]) -> str:
-    """The page of `reproduce_all`'s summary; nothing in it lies elsewhere."""
+    """The page of `reproduce_all`'s summary; it needs no other files."""
     results = summary["figures"]
     parts = [
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
@@ -140,7 +140,7 @@ def _cells(row: Mapping[str, Any]) -> str:
 
 
 def _number(value: Any, end: int | None = None) -> str:
-    """A number of four digits; an open end of a band is infinite."""
+    """A number with four digits; an open end of a band is infinite."""
     if value is None or value in (math.inf, -math.inf):
         return {None: "", 0: "−∞", 1: "∞"}[end]
     return value if isinstance(value, str) else f"{value:.4g}"
@@ -164,7 +164,7 @@ def _picture(file: str) -> str:
 
 @lru_cache(maxsize=512)
 def _encoded(file: str, changed: int) -> str:
-    """The picture as a data address; `changed` tells versions of a file apart."""
+    """The picture as a data URL; `changed` distinguishes versions of a file."""
     data = Path(file).read_bytes()
     kind = "png"
     if len(data) > LARGE_BYTES:

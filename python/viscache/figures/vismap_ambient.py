@@ -1,4 +1,4 @@
-"""Figure 10 of the visibility-map paper: ambient occlusion by rays, and from records."""
+"""Figure 10 of the visibility-map paper: ambient occlusion from rays and from records."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from viscache.scenes import build
 from viscache.settings.integrators import AmbientOcclusion
 from viscache.vismap import cached_ambient_occlusion
 
-#: Under the open sky, of as many triangles as the paper's scene, in pictures that take minutes.
+#: An outdoor scene with the triangle count of the paper's; its pictures take minutes.
 SCENE, QUICK_SCENE = f"courtyard?triangles={printed.AO_TRIANGLES}", "courtyard?triangles=30000"
 SIZE, QUICK_SIZE = (640, 480), (96, 72)
 QUICK_RAYS = 256
@@ -26,7 +26,7 @@ QUICK_RAYS = 256
 
 @figure("vismap-fig10", "ambient occlusion, reference and cached")
 def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rays and time of both, and the error of the cached picture."""
+    """Rays and time of both, and the cached picture's error."""
     outcome = Outcome()
     scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
     n_rays = QUICK_RAYS if quick else printed.AO_RAYS
@@ -82,8 +82,8 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
 
 
 def _visible(frame: Frame) -> Any:
-    """Ambient visibility (H, W); places of a pixel that see no surface count as 0 in both."""
-    over_hits = "ambient" not in frame.layers  # a cached picture's mean is over surfaces alone
+    """(H, W) ambient visibility; samples of a pixel without a surface count as 0 in both."""
+    over_hits = "ambient" not in frame.layers  # a cached picture's mean covers surfaces only
     return (frame.image * (frame.layers["coverage"] if over_hits else 1.0))[:, :, 0].astype(float)
 
 

@@ -1,7 +1,7 @@
-"""The visibility cache over the frames of an animation: records, misses and variance (ours).
+"""The visibility cache in an animation: records, misses and variance (not in the paper).
 
-The paper shows this in a video. A camera swings through the garage while a crate slides across its
-floor, into the light and out of it.
+The paper shows this in a video. A camera swings through the garage while a crate slides across the
+floor, into the light and out again.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 
-#: Frames, pixels of the pictures and of those that are estimated.
+#: Frames, size of the pictures, and number of estimated pixels.
 FRAMES, SIZE, PIXELS = 60, (320, 240), 64
 QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS = 20, (80, 60), 12
 TRIANGLES = 60_000
@@ -47,7 +47,7 @@ PRODUCT, PAPER = Way(), Way(alpha=1.0)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Frame:
-    """What happened in one frame."""
+    """Results of one frame."""
 
     records: int
     inserted: int
@@ -94,7 +94,7 @@ def crate_and_garage(t: float) -> Scene:
 
 
 def swinging_camera(t: float) -> _core.Camera:
-    """Swings to and fro before the gate, once."""
+    """One swing to and fro before the gate."""
     swing = math.sin(2 * math.pi * t)
     return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
 
@@ -137,7 +137,7 @@ def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: i
 def _compare(
     cache: VisibilityMapCache, view: _core.Camera, size: tuple[int, int]
 ) -> tuple[int, int]:
-    """Count how often the records are wrong about exact light-product rays of random pixels."""
+    """Count how often records contradict exact light-product rays of random pixels."""
     scene = cache.scene
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)

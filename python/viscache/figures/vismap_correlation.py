@@ -1,7 +1,7 @@
 """Figures 3 and 4 of the visibility-map paper: correlation of visibility in four scenes.
 
-The paper's scenes are a garden from two cameras, mushrooms, and boxes that move; ours are modelled
-to the sizes it prints. Two scenes made by others stand beside them, where their files are.
+The paper's scenes are a garden from two cameras, mushrooms, and moving boxes; ours are modelled to
+the sizes it prints. Two scenes by other authors are added if their files exist.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class View:
     camera: int = 0
 
     def find(self) -> str | None:
-        """The scene as `measure` takes it; None where its file is absent."""
+        """The scene for `measure`; None if its file is absent."""
         if is_builtin(self.scene):
             return self.scene
         path = made_by_others(self.scene)
@@ -50,14 +50,14 @@ OTHERS = (
     View("living-room", "living-room/scene.xml"),
     View("sanmiguel-part", "sanmiguel-part/scene.xml"),
 )
-#: As the paper's 1.9·10¹⁰ estimates of 96×96 samples; and in seconds.
+#: Like the paper's 1.9·10¹⁰ estimates of 96×96 samples; and a quick version.
 FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
 @figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The table and both slices of scene (a)."""
+    """Table and both slices of scene (a)."""
     outcome = Outcome()
     view = PAPER[0]
     dataset = _measured(view, folder, quick, progress, outcome)
@@ -75,7 +75,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 @figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Tables and spatial maps of the four scenes, and of two made by others."""
+    """Tables and spatial maps of the four scenes, and of two by other authors."""
     outcome = Outcome()
     found: dict[str, xarray.Dataset] = {}
     for view in (*PAPER, *OTHERS):
@@ -97,7 +97,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _measured(
     view: View, folder: Path, quick: bool, progress: bool, outcome: Outcome
 ) -> xarray.Dataset | None:
-    """Statistics of a view; full runs resume, and keep them beside the picture."""
+    """Statistics of a view; full runs can resume and store them beside the picture."""
     scene = view.find()
     if scene is None:
         outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
@@ -116,7 +116,7 @@ def _measured(
 
 
 def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> list[Row]:
-    """What the paper says of every scene; `held` against it, where it is a scene of the paper."""
+    """What the paper says of every scene; bands apply if `held`, that is for the paper's scenes."""
     enough = (ds["n"] >= ENOUGH_PAIRS).values & (ds["theta_high"].values <= 90.0)
     negative = ds["mean"].values[enough] < 0
     a = ds.attrs
@@ -146,7 +146,7 @@ def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> list[Row]:
 
 
 def _slice_rows(name: str, ds: xarray.Dataset) -> list[Row]:
-    """What the paper shows by its one example, Figure 3."""
+    """What the paper shows with its only example, Figure 3."""
     enough = ds["near_n"].values >= ENOUGH_PAIRS
     theta, sigma = ds["theta_near"].values[enough], ds["near_sigma"].values[enough]
     return [
@@ -190,11 +190,11 @@ def _size_rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
 
 
 def _line_rows(ds: xarray.Dataset) -> list[Row]:
-    """Horizontal lines of the flat scene: pairs of its own angles against those nearby."""
+    """Horizontal lines of the flat scene: pairs at its typical angles over those nearby."""
     n = pairs_of_bins(ds).sum(axis=0)
 
     def per_degree(*ranges: tuple[int, int]) -> float:
-        """Pairs per degree; one at least, where a scene has nothing but lines."""
+        """Pairs per degree; at least one, for scenes with nothing but lines."""
         return max(1.0, float(np.concatenate([n[a:b] for a, b in ranges]).mean()))
 
     return [
@@ -243,10 +243,10 @@ def straightness(ds: xarray.Dataset) -> float | None:
 
 
 def fall_by_the_middle(ds: xarray.Dataset) -> float | None:
-    """Share of the fall of ρ̄ over d of aligned pairs that is done by the middle of the slice.
+    """Share of the fall of ρ̄ over d, of aligned pairs, that is reached at the slice's middle.
 
-    From the first bins that hold 100 pairs to the last eighth; the middle is the eighth around it.
-    Without an open last bin.
+    The slice runs from the first bins with 100 pairs to the last eighth, without an open last bin.
+    Its middle is the eighth around the centre.
     """
     closed = np.isfinite(ds["d_aligned_high"].values)
     d, n = ds["d_aligned"].values[closed], ds["aligned_n"].values[closed]
@@ -268,7 +268,7 @@ def overall_correlation(ds: xarray.Dataset) -> float:
 
 
 def _picture(found: dict[str, xarray.Dataset]) -> Any:
-    """Maps above, tables below, a column per scene."""
+    """Maps above, tables below; one column per scene."""
     columns = len(found)
     figure = new_figure(3.4 * columns, 6.2)
     axes = figure.subplots(2, columns, squeeze=False)

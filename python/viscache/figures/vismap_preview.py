@@ -20,16 +20,16 @@ from viscache.settings.integrators import Direct
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.vismap import Relighting, VisibilityMapCache
 
-#: The reference has four places per pixel with so many samples each.
+#: The reference has four eye samples per pixel with this many light samples each.
 SIZE, SAMPLES = (640, 480), 64
 QUICK_SIZE, QUICK_SAMPLES = (80, 60), 32
-#: The environment is turned about the vertical by these angles.
+#: The environment is rotated about the vertical by these angles.
 TURNS_DEG = (0.0, 45.0, 180.0, 270.0)
 
 
 @figure("vismap-fig11", "the control variate's integral as a preview")
 def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Preview and reference of the garage, and the preview under its light turned, without rays."""
+    """Preview and reference of the garage, and the preview under rotated light, without rays."""
     outcome = Outcome()
     scene, size = VIEWS["garage"].open(quick), QUICK_SIZE if quick else SIZE
     samples = QUICK_SAMPLES if quick else SAMPLES
@@ -65,7 +65,7 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def alike(preview: Frame, reference: Frame) -> float:
-    """Pearson correlation of displayed luminance, of pixels that see nothing but surfaces."""
+    """Pearson correlation of displayed luminance, of pixels that see only surfaces."""
     surface = reference.layers["coverage"][:, :, 0] == 1
     exposure = auto_exposure(reference.image, 95.0)
     shown = [srgb_curve(luminance(f.image) * exposure)[surface] for f in (preview, reference)]

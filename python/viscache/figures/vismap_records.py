@@ -1,4 +1,4 @@
-"""Table 2, Figures 8 and 12 of the visibility-map paper: how many records there are, and where."""
+"""Table 2, Figures 8 and 12 of the visibility-map paper: number and places of records."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Floats = npt.NDArray[np.floating[Any]]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A scene of the paper from its camera, and the M of its maps."""
+    """A scene of the paper with its camera, and the M of its maps."""
 
     scene: str
     quick_scene: str
@@ -44,7 +44,7 @@ class View:
     m: int = 5
 
     def open(self, quick: bool) -> Scene:
-        """The scene; a smaller one for quick runs."""
+        """The scene, smaller for quick runs."""
         made = build(self.quick_scene if quick else self.scene)
         assert isinstance(made, Scene)
         return made
@@ -73,7 +73,7 @@ class Built:
 
     @property
     def added(self) -> Floats:
-        """Positions (N, 3) of the records that a criterion asked for, the start-up's left out."""
+        """(N, 3) positions of the records that a criterion requested, without the start-up's."""
         return np.asarray(self.cache.records().positions[self.report.startup :])
 
 
@@ -85,7 +85,7 @@ def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapS
 
 @figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
 def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records, resolutions and rays per pixel of three scenes, and of two that the paper lacks."""
+    """Records, resolutions and rays per pixel of three scenes, and of two not in the paper."""
     outcome = Outcome()
     size = QUICK if quick else FULL
     for name, view in VIEWS.items():
@@ -149,7 +149,7 @@ def _automatic_row(name: str, built: Built) -> Row:
 
 @figure("vismap-fig8", "positions of the records")
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records by weight alone and by the difference of maps alone."""
+    """Records by weight only, and by the difference of maps only."""
     outcome = Outcome()
     scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
     by_weight = build_cache(scene, 0, size, MapSettings(w_min=0.4, delta_max=1.0))
@@ -193,7 +193,7 @@ def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> 
 
 @figure("vismap-fig12", "records in the garden scene")
 def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records of the garden, and how many more there are than in a simple scene."""
+    """Records of the garden, and their ratio to those of a simple scene."""
     outcome = Outcome()
     size = QUICK_PICTURE if quick else FULL_PICTURE
     built = {}

@@ -1,4 +1,4 @@
-"""Variance, rays, bytes and time over the parameters of the visibility cache (ours)."""
+"""Variance, rays, bytes and time over the visibility cache's parameters (not in the paper)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PRODUCT = Way()
 VARIATE = Way(alpha="previous_pass", passes=6)
 GUIDED = Way(alpha="previous_pass", passes=6, eta=0.25)
 
-#: One parameter at a time, around the preset "medium"; both thresholds together as the presets.
+#: One parameter at a time around the preset "medium"; both thresholds change together, by preset.
 GRID: dict[str, tuple[dict[str, Any], ...]] = {
     "m": tuple({"m": m} for m in (4, 5, 6, 7)),
     "n_best": tuple({"n_best": n} for n in (1, 2, 4, 8)),
@@ -44,7 +44,7 @@ GRID: dict[str, tuple[dict[str, Any], ...]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setting:
-    """What one setting costs and leaves."""
+    """Costs and remaining variance of one setting."""
 
     records: int
     rays_per_pixel: float
@@ -56,7 +56,7 @@ class Setting:
 
 @figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
 def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The grid on the garage, and the settings that no other beats in rays and variance."""
+    """The grid in the garage, and the settings that are Pareto-optimal in rays and variance."""
     scene = build(QUICK_SCENE if quick else SCENE)
     found: dict[str, dict[str, Setting]] = {}
     total = sum(len(values) for values in GRID.values())
@@ -79,7 +79,7 @@ def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
-    """Build a cache and estimate random pixels with it."""
+    """Build a cache, and estimate random pixels with it."""
     size = QUICK_SIZE if quick else SIZE
     cache = VisibilityMapCache(scene, MapSettings(**value))
     start = time.perf_counter()

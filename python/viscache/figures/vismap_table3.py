@@ -1,4 +1,4 @@
-"""Table 3 of the visibility-map paper: variance and overhead over the number of samples."""
+"""Table 3 of the visibility-map paper: variance and overhead by number of samples."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from viscache.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 
-#: Rendered pictures of each kind, their size, and the pixels that are simulated.
+#: Rendered pictures of each kind, their size, and the number of simulated pixels.
 RENDERS, SIZE, PIXELS, REPLICATES = 8, (160, 120), 256, 32
 QUICK_RENDERS, QUICK_SIZE, QUICK_PIXELS, QUICK_REPLICATES = 3, (40, 30), 16, 8
 QUICK_SAMPLES = (10, 30)
@@ -47,7 +47,7 @@ NAMES = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Times:
-    """CPU seconds of pictures over their samples."""
+    """CPU seconds of pictures, by number of samples."""
 
     samples: tuple[int, ...]
     product: tuple[float, ...]
@@ -55,7 +55,7 @@ class Times:
 
     @property
     def overhead(self) -> tuple[float, ...]:
-        """What the cache costs beside product sampling."""
+        """Seconds with the cache less those of product sampling."""
         return tuple(b - a for a, b in zip(self.product, self.maps, strict=True))
 
     def split(self) -> tuple[float, float]:
@@ -66,7 +66,7 @@ class Times:
 
 @figure("vismap-tab3", "variance ratios and overhead over the number of samples")
 def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rendered pictures as the paper's, and single pixels for what it does not print."""
+    """Rendered pictures as in the paper, and simulated pixels for what it does not print."""
     outcome = Outcome()
     samples = QUICK_SAMPLES if quick else printed.SAMPLES
     for name, view in VIEWS.items():
@@ -137,7 +137,7 @@ def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int)
 
 
 def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) -> Times:
-    """Each picture twice, the faster counts; with maps the cache's records are made anew."""
+    """The faster of two runs of each picture; with maps, each run makes the cache's records."""
 
     def seconds(frames: list[Any]) -> float:
         return float(min(frame.timings["cpu_s"] for frame in frames))

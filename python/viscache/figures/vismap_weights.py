@@ -1,4 +1,4 @@
-"""Figure 5 of the visibility-map paper: the weight of a record over distance and angle."""
+"""Figure 5 of the visibility-map paper: a record's weight over distance and angle."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEP = 1e-3
 
 @figure("vismap-fig5", "the weighting function")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """w of Eq. 9 over the limits of the search, from above left and from below right."""
+    """w of Eq. 9 within the limits of the search, seen from above left and from below right."""
     far, tilted = 1.0, math.radians(THETA_MAX_DEG)
     slope = (_weight(STEP, 0.0) - _weight(0.0, 0.0)) / STEP
     outcome = Outcome(

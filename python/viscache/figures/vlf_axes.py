@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: directions of occlusion (X2), the batch's gain (X4)."""
+"""Beyond the visibility field's paper: occlusion directions (X2), the aligned batch's gain (X4)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from viscache.figures.vlf_tracers import first_hits, in_turns, write_csv
 from viscache.scene import Scene
 
 COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
-#: X2: reference rays per point, uniform over the hemisphere, and the points' picture.
+#: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
 REFERENCE, QUICK_REFERENCE = 16_384, 512
 X2_SIZE, QUICK_X2_SIZE = (48, 48), (20, 20)
 X2_TRIANGLES, QUICK_X2_TRIANGLES = 15_000, 3_000
@@ -34,7 +34,7 @@ X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 @figure("vlf-x2", "error of ambient occlusion over the number of directions")
 def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Error of ambient occlusion over the number of directions, equal and solid-angle weights."""
+    """Error of ambient occlusion by number of directions, with equal and solid-angle weights."""
     triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
     scene: Scene = scenes.bumpy_spheres(triangles=triangles)
     size = QUICK_X2_SIZE if quick else X2_SIZE
@@ -79,7 +79,7 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
 def hemisphere_reference(
     scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
 ) -> npt.NDArray[np.float64]:
-    """Share of free directions among `rays` uniform random ones per point."""
+    """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
     extent = np.float32(scene._core.offset_extent)
     size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
@@ -97,7 +97,7 @@ def hemisphere_reference(
 def bits_of(
     scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
 ) -> npt.NDArray[np.bool_]:
-    """(N, l) which directions are free."""
+    """(N, l): which directions are unoccluded."""
     words = vlf.aligned_occlusion(scene, points, normals, count)
     return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
@@ -161,7 +161,7 @@ def _draw_banding(
 
 @figure("vlf-x4", "the aligned batch against Embree over points per triangle")
 def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The aligned batch against Embree over the points per triangle, and what is chosen."""
+    """The aligned batch against Embree, by points per triangle, and the engine chosen by "auto"."""
     outcome, table = Outcome(), []
     lines: dict[str, tuple[list[float], list[float]]] = {}
     directions = QUICK_X4_DIRECTIONS if quick else X4_DIRECTIONS
@@ -223,7 +223,7 @@ def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
 def _engines(
     scene: Scene, share: float, directions: int, quick: bool
 ) -> tuple[dict[str, float], str]:
-    """CPU seconds of each engine for `share` points a triangle, and which one auto took."""
+    """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
     wanted = max(16, round(share * scene.triangles))
     side = math.ceil(math.sqrt(2.5 * wanted))
     points, normals, _ = first_hits(scene, scene.cameras[0], (side, side))

@@ -1,4 +1,4 @@
-"""Figures 1 to 3 of the visibility field's paper: tiles of edges, tiles and leaves of rays."""
+"""Figures 1 to 3 of the visibility field's paper: tiles of edges; tiles and leaves of rays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[Any]
 TILES = 16
 EDGES, QUICK_EDGES = 2000, 300
 CHORDS, QUICK_CHORDS = 2000, 300
-#: How far from an edge a tile may be listed: twice what coverage is grown by.
+#: Largest distance of a listed tile from its edge: twice the growth of the coverage.
 NEAR = 2e-5
 
 
@@ -52,14 +52,14 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def supercover(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles that the field lists for an edge."""
+    """The tiles that the field lists for an edge."""
     corners = np.zeros((1, 3, 3), np.float32)
     corners[0, 0, :2], corners[0, 1:, :2] = a, b
     return {(int(x), int(y)) for _, x, y in core.cover_tiles(corners, TILES)[0]}
 
 
 def dda(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles of a digital differential analyser: one per step along the longer axis."""
+    """The tiles of a digital differential analyser: one per step along the longer axis."""
     p, q = (np.asarray(v, float) * TILES / 2 + TILES / 2 for v in (a, b))
     steps = max(1, int(np.ceil(np.abs(q - p).max())))
     at = p + (q - p) * (np.arange(steps + 1) / steps)[:, None]
@@ -67,19 +67,19 @@ def dda(a: Array, b: Array) -> set[tuple[int, int]]:
 
 
 def touched_tiles(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles whose inside the edge crosses, from its crossings with the tiles' borders."""
+    """The tiles whose interior the edge crosses, from its crossings with tile borders."""
     p, q = np.asarray(a, float), np.asarray(b, float)
     borders = np.linspace(-1, 1, TILES + 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.concatenate([(borders - p[k]) / (q - p)[k] for k in range(2)])
     t = np.unique(np.concatenate([[0, 1], t[(t > 0) & (t < 1)]]))
     middle = p + (t[1:] + t[:-1])[:, None] / 2 * (q - p)
-    keep = np.diff(t) * np.linalg.norm(q - p) > 1e-6  # less: a corner within rounding
+    keep = np.diff(t) * np.linalg.norm(q - p) > 1e-6  # shorter: a corner, within rounding
     return {(int(x), int(y)) for x, y in ((middle[keep] + 1) * TILES / 2).astype(int)}
 
 
 def _near(a: Array, b: Array, tile: tuple[int, int]) -> bool:
-    """Whether the edge meets the tile grown by NEAR."""
+    """Whether the edge intersects the tile grown by NEAR."""
     p, d = np.asarray(a, float), np.asarray(b, float) - np.asarray(a, float)
     low, high = 0.0, 1.0
     for k in range(2):
@@ -123,7 +123,7 @@ def _rectangle(corner: tuple[float, float], width: float, height: float, color: 
 
 @figure("vlf-fig2", "rays over one and several tiles")
 def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rays over one and several tiles."""
+    """Rays that cross one tile, and several."""
     n = QUICK_CHORDS if quick else CHORDS
     rng = np.random.default_rng(2)
     rows = [Row("tiles of a ray along the axis", _aligned_tiles(rng, n), band=bands.ALIGNED_TILES)]
@@ -161,7 +161,7 @@ def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
 
 @figure("vlf-fig3", "linear traversal of a tile's leaves")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Leaves of the tiles that a ray crosses: the linear walk and the stack's."""
+    """Leaves of the tiles that a ray crosses, by the linear walk and the walk with a stack."""
     rng = np.random.default_rng(3)
     n = QUICK_CHORDS if quick else CHORDS
     differ, visited, there = 0, 0, 0
@@ -204,7 +204,7 @@ SHOWN = {
 
 
 def _draw_rays(leaves: int) -> Any:
-    """Each ray with the tiles, or the leaves, that it visits."""
+    """Draw each ray with the tiles, or the leaves, that it visits."""
     n = 5
     figure = new_figure(9.0, 3.4)
     for column, (name, (o, e)) in enumerate(SHOWN.items()):
@@ -232,7 +232,7 @@ def _draw_rays(leaves: int) -> Any:
 
 
 def _visited(depths: Array, upwards: bool, leaves: int) -> list[tuple[float, float]]:
-    """Lower ends and heights of the leaves at some depths of a tile."""
+    """Lower ends and heights of a tile's leaves at the given depths."""
     if leaves == 1:
         return [(-1.0, 2.0)]
     found = _leaves(float(depths.min()), float(depths.max()), upwards, core.LeafWalk.LINEAR)

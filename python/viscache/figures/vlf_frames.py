@@ -31,13 +31,13 @@ from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.rays import Rays
 
-#: Numbers of random triangles, and the most a field is built for in full.
+#: Numbers of random triangles, and the largest for which a full field is built.
 COUNTS = (1_000, 4_000, 9_000, 16_000, 64_000, 250_000, 1_000_000)
 QUICK_COUNTS = (1_000, 4_000)
 EDGE_FACTOR = 1.0
-#: Places on the way into the cube of triangles, looking at its middle.
+#: Places on the way into the cube of triangles; the camera looks at the centre.
 STATIONS = ((1.6, 1.3, 2.0), (1.1, 0.9, 1.4), (0.6, 0.55, 0.9))
-#: Of the walk's 420 frames, every so-many-th.
+#: Interval of the frames taken from the walk's 420.
 STRIDE = 6
 QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
@@ -49,7 +49,7 @@ def _random(count: int) -> Scene:
 
 @figure("vlf-fig4", "the scenes of random triangles")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The scenes of random triangles."""
+    """Pictures of the scenes of random triangles."""
     outcome, figure = Outcome(), new_figure(8.0, 4.2)
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
@@ -72,7 +72,7 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 @figure("vlf-fig5", "frame time over the number of triangles")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Time of primary rays over the number of random triangles."""
+    """Time of primary rays by number of random triangles."""
     size = QUICK_SIZE if quick else printed.RANDOM_SIZE
     counts = QUICK_COUNTS if quick else COUNTS
     outcome, table = Outcome(), []
@@ -165,7 +165,7 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     """A walk through the classroom: CPU time of each frame."""
     frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
-    # A scene each: a scene keeps one caster beside Embree's
+    # One scene per tracer: a scene keeps only one caster besides Embree's
     rooms = {name: _classroom(quick) for name in ("CRT", "VLF-RT", "Embree")}
     views = [scenes.classroom_camera(k) for k in frames]
     trial = camera_rays(views[len(views) // 2], size)
@@ -200,7 +200,7 @@ def _classroom(quick: bool) -> Scene:
 
 
 def _whitted(scene: Scene, rays: Rays, view: _core.Camera, size: tuple[int, int]) -> float:
-    """CPU seconds of a frame without building the caster."""
+    """CPU seconds of a frame, without building the caster."""
     scene.caster(rays)
     frame = render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
     return float(frame.timings["cpu_s"])
@@ -292,7 +292,7 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
 def local_shading(
     frame: Any, view: _core.Camera, lights: list[dict[str, Any]]
 ) -> npt.NDArray[np.float64]:
-    """Local colour under the lights' distance and direction, without a shadow: (H, W, 3)."""
+    """(H, W, 3): local shading by the lights' distances and directions, without shadows."""
     layers = frame.layers
     height, width = layers["depth"].shape[:2]
     along = camera_rays(view, (width, height)).directions.reshape(height, width, 3)

@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: what it costs to move an object (X5)."""
+"""Beyond the visibility field's paper: the cost of moving an object (X5)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.vlf.dynamic import DynamicField
 Mode: TypeAlias = Literal["overlay", "in_place"]
 
 TRIANGLES, QUICK_TRIANGLES = 100_000, 3_000
-#: Triangles of the object that moves, as shares of the scene's: 100 to 10,000.
+#: Triangles of the moving object, as shares of the scene's: 100 to 10,000.
 SHARES, QUICK_SHARES = (0.001, 0.003, 0.01, 0.03, 0.1), (0.01, 0.1)
 FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
 QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
@@ -32,7 +32,7 @@ CHORDS, QUICK_CHORDS = 50_000, 2_000
 
 @figure("vlf-x5", "an object that moves: time of an update against a rebuild")
 def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """CPU time of an update against that of building the field again."""
+    """CPU time of an update against that of rebuilding the field."""
     settings = QUICK_FIELD if quick else FIELD
     scene: Scene = scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
     rebuild = cpu_seconds(partial(settings.build, scene._core), 1 if quick else 2)
@@ -86,7 +86,7 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _move(
     field: DynamicField, scene: Scene, share: float, mode: Mode, quick: bool
 ) -> dict[str, Any]:
-    """Insert an object, take it from stop to stop, compare the last, and delete it."""
+    """Insert an object, move it from stop to stop, compare the last stop, and delete it."""
     vertices, triangles = ball(round(share * scene.triangles), (0.0, 0.5, 0.0))
     number = field.insert(vertices, triangles)
     times = []

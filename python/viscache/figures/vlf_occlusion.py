@@ -32,15 +32,15 @@ from viscache.figures.vlf_tracers import (
 from viscache.scene import Scene
 
 SIZE, QUICK_SIZE = (256, 256), (48, 48)
-#: Points whose rays the tracers of single rays are given; the batch gets all.
+#: Number of points for the single-ray tracers; the batch gets all points.
 POINTS, QUICK_POINTS = 4096, 128
-#: visibility/query.h: how far rays start off a surface, in units in the last place.
+#: Offset of ray origins from a surface, as in visibility/query.h: units in the last place.
 OFFSET = 8 * 2.0**-23
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Place:
-    """A scene, the points its first camera sees, and rays along all axes."""
+    """A scene, the points that its first camera sees, and rays along all axes."""
 
     name: str
     scene: Scene
@@ -50,7 +50,7 @@ class Place:
     n_directions: int
 
     def beams(self, n_points: int) -> tuple[Beams, Beams]:
-        """The rays of some points: point by point, and direction by direction."""
+        """The rays of some points, ordered by point and ordered by direction."""
         pick = np.unique(np.linspace(0, len(self.positions) - 1, n_points).astype(np.int64))
         p, n = self.positions[pick], self.normals[pick]
         extent = np.float32(self.scene._core.offset_extent)

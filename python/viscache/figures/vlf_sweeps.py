@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: its parameters swept (X1), its memory foretold (X3)."""
+"""Beyond the visibility field's paper: sweeps of its parameters (X1), predicted memory (X3)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_c
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 
-#: X1: one parameter at a time around the paper's.
+#: X1: one parameter at a time, around the paper's settings.
 BASE, QUICK_BASE = (
     Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
     Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
@@ -169,7 +169,7 @@ def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
 
 @figure("vlf-x3", "memory of a field, foretold and used")
 def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Bytes and list entries foretold over those counted."""
+    """Predicted bytes and list entries over the counted ones."""
     outcome, table = Outcome(), []
     directions = QUICK_X3_DIRECTIONS if quick else X3_DIRECTIONS
     for spec, n_tiles, depth in QUICK_FIELDS if quick else FIELDS:
