@@ -1,4 +1,4 @@
-"""Figures of a sweep for papers. Each returns a matplotlib Figure and leaves pyplot alone."""
+"""Figures of a sweep for papers. Each function returns a matplotlib Figure, without pyplot."""
 
 from viscache.plots.sweeps import (
     FORMATS,

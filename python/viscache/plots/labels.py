@@ -1,4 +1,4 @@
-"""What axes, tables and reports call a variable: the papers' symbol or words, and the unit."""
+"""Labels of variables in axes, tables and reports: the papers' symbol or words, and the unit."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Callable
 
-#: Name → (words, unit). A symbol stands between dollars: `$C_E$`, `$\\theta_{max}$`, `$\\hat L$`.
+#: Name → (words, unit). A symbol is between dollar signs: `$C_E$`, `$\\theta_{max}$`, `$\\hat L$`.
 LABELS: dict[str, tuple[str, str]] = {
     # The quantized cache
     "c_e": ("$C_E$", "px"),
@@ -108,12 +108,12 @@ def as_svg(name: str, unit: bool = True) -> str:
 
 
 def level(value: object) -> str:
-    """A parameter's value as a point's name has it: five digits that matter."""
+    """A parameter's value with five significant digits, for a point's name."""
     return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def number(value: float) -> str:
-    """A number as an axis shows it: 0.02, 1500, 2M."""
+    """A number as on an axis: 0.02, 1500, 2M."""
     for limit, suffix in ((1e9, "G"), (1e6, "M"), (1e4, "k")):
         if abs(value) >= limit:
             scale = 1e3 if suffix == "k" else limit
@@ -143,7 +143,7 @@ def _written(
 
 
 def _words(name: str) -> tuple[str, str]:
-    """Words and unit; of `integrator.n_vpls` the last part counts."""
+    """Words and unit; for `integrator.n_vpls` only the last part counts."""
     if name in LABELS:
         return LABELS[name]
     for prefix, before in (("converged_", "total"), ("exact_", "exact frame's")):
