@@ -56,7 +56,7 @@ def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
 
 
 def test_scale_free_keys_equal_the_transcription_at_any_size():
-    """Rungs C_R^k of any whole k, coordinates from the origin, folded where they need 64 bits."""
+    """Levels C_R^k for any integer k; coordinates from the origin, folded if they need 64 bits."""
     x, n = surface_points()
     r = np.exp(np.random.default_rng(3).uniform(-12, 20, len(x)))
     got, place, valid, clamps = keys(x, n, r, scale_free=True, c_z=3.0)
@@ -74,7 +74,7 @@ def test_scale_free_keys_equal_the_transcription_at_any_size():
 
 
 def test_scale_free_keys_do_not_depend_on_the_scenes_bounding_sphere():
-    """Both ends of surface keys; ordinary keys do depend on it."""
+    """Both ends of surface keys; other keys do depend on it."""
     x, n = surface_points(200)
     y, m = surface_points(200, seed=2)
     spheres = ((CENTER, RADIUS), (CENTER + np.float32(1.5), 3.3 * RADIUS))
@@ -156,7 +156,7 @@ def test_neighbours_on_a_plane_are_the_cells_one_width_away(offset):
         m = n[i].astype(np.float64)
         moved = x[i] + w * (along - (along @ m) / (ez @ m) * ez)
         agree += grid.place(moved, n[i], r).key == tuple(near[i][1:8])
-    assert agree >= 398  # a coordinate within rounding of a face may fall to either side
+    assert agree >= 398  # a coordinate at a face may round to either side
 
 
 def test_without_tangent_neighbours_the_normal_coordinate_is_kept():
@@ -198,7 +198,7 @@ def wall_of_no_thickness():
     ],
 )
 def test_light_leaks_through_a_thin_wall_where_all_normals_share_a_grid(mode, c_n, leaks):
-    """Shares of points of the front whose cell holds a point of the back."""
+    """Shares of points on the front whose cell contains a point of the back."""
     x, up, behind = wall_of_no_thickness()
     front = keys(x, up, 40.0, normal_mode=mode, c_n=c_n)[0]
     back = keys(behind, -up, 40.0, normal_mode=mode, c_n=c_n)[0]

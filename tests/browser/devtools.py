@@ -79,7 +79,7 @@ class Browser:
         os.close(self._read)
 
     def size(self, width: int, height: int, phone: bool = False, dark: bool = False) -> None:
-        """The window, and what the reader's system prefers."""
+        """Set the window's size and the system's colour scheme."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -98,7 +98,7 @@ class Browser:
         self.wait_for("document.readyState === 'complete'")
 
     def eval(self, expression: str) -> Any:
-        """The value of JavaScript; a promise is awaited."""
+        """The value of a JavaScript expression; a promise is awaited."""
         got = self.call(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )
@@ -107,7 +107,7 @@ class Browser:
         return got["result"].get("value")
 
     def wait_for(self, condition: str) -> None:
-        """Until JavaScript is true."""
+        """Wait until a JavaScript expression is true."""
         end = time.monotonic() + TIMEOUT_S
         while not self.eval(condition):
             assert time.monotonic() < end, f"still not so: {condition}; errors: {self.errors}"
@@ -117,7 +117,7 @@ class Browser:
         return str(self.eval(f"document.getElementById('{element}').textContent"))
 
     def box(self, element: str) -> tuple[float, float, float, float]:
-        """Left, top, width, height of an element, which is scrolled into sight."""
+        """Left, top, width and height of an element, after scrolling to it."""
         bounds = (
             "(e => { e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect();"
             " return [b.left, b.top, b.width, b.height] })"
@@ -128,7 +128,7 @@ class Browser:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
-        """With the left button."""
+        """Drag with the left button."""
         held: dict[str, Any] = {"button": "left", "buttons": 1, "clickCount": 1}
         self.mouse("mousePressed", *begin, **held)
         for share in (0.5, 1.0):
@@ -159,7 +159,7 @@ class Browser:
             return np.asarray(image.convert("RGB"), dtype=int)
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """A command's result; events that come before it are looked at."""
+        """The result of a command; earlier events are processed first."""
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters}
         if self._session:

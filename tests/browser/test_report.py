@@ -143,8 +143,7 @@ def test_everything_that_acts_has_a_name_and_is_reached_by_the_keyboard(
 def test_errors_of_the_script_and_requests_are_noticed(
     browser: Browser, page: Report, tmp_path: Path
 ) -> None:
-    """What the other tests trust: a page that fails or asks the network is told from one that
-    does not."""
+    """The other tests rely on this: errors of the page and network requests are detected."""
     text, last = page.path.read_text("utf-8"), "readFragment(); show();\n"
     assert text.count(last) == 1
     for bad, complaint in (

@@ -1,4 +1,4 @@
-"""The report's difference viewer: what stands on the screen is the radiance in the store."""
+"""The report's difference viewer: the screen shows the radiance of the store."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def wait(tab: Browser, setting: str, kind: str) -> None:
 
 
 def tones(page: Report, image: np.ndarray, ev: float = 0.0) -> np.ndarray:
-    """A picture as Python shows it."""
+    """A picture, tone-mapped in Python."""
     exposure = tonemap.display_exposure(page.reference)
     return tonemap.to_srgb8(image, exposure * 2**ev).astype(int)
 
@@ -60,7 +60,7 @@ def expected(
 
 
 def middles(n: int, zoom: float, centre: float, size: int) -> np.ndarray:
-    """Shares of the stage that lie in the middle of pixels, away from tags and the grip."""
+    """Positions on the stage, as shares, at pixel centres and away from tags and the grip."""
     first, last = (centre - 0.5 / zoom) * size, (centre + 0.5 / zoom) * size
     pixels = np.unique(np.linspace(first + 1, last - 2, n).astype(int)) + 0.5
     shares = (pixels / size - centre) * zoom + 0.5
@@ -234,7 +234,7 @@ def test_the_view_stays_inside_the_picture(tab: Browser, page: Report) -> None:
 def test_an_address_that_changes_is_followed(tab: Browser, page: Report) -> None:
     shown(tab, page, "zoom=4&x=0.3&y=0.6&flip=1&ev=2&map=absolute", kind="absolute")
     tab.eval("location.hash = '#select=s2&wipe=0.8&zoom=2&x=0.3&y=0.4'")
-    wait(tab, "s2", "signed")  # what a link does not say is as at first
+    wait(tab, "s2", "signed")  # values that a link omits keep their defaults
     assert tab.eval("[view.zoom, view.x, view.y, state.wipe, state.flip, state.ev]") == [
         2,
         0.3,

@@ -1,4 +1,4 @@
-"""The API pages show every public name, and docstrings tell of parameters that there are."""
+"""The API pages show every public name, and docstrings describe existing parameters."""
 
 from __future__ import annotations
 

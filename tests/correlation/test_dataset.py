@@ -1,4 +1,4 @@
-"""The dataset: names, units, what follows from it, and the way to a file and back."""
+"""The dataset: names, units, derived quantities, and saving and loading."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_correlation_lengths_lie_where_the_mean_crosses_the_level() -> None:
 
 
 def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_record() -> None:
-    # Evenly spread points: as many pairs per area
+    # Evenly spread points have equally many pairs per area
     n = [[1000], [3000], [5000]]
     ds = made_up([[0.9], [0.6], [0.0]], n)
     left = 1 - np.array([0.9, 0.6, 0.0]) ** 2 - 0.01
@@ -130,7 +130,7 @@ def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_recor
     assert found[2] == pytest.approx((left[0] + 3 * left[1]) / 4)
     assert found[3] == pytest.approx((left[0] + 3 * left[1] + 5 * left[2]) / 9)
     assert np.isnan(found[4])
-    half = ds.assign(pair_share=("d", [1.0, 0.5, 0.5]))  # sampled bins count for all of theirs
+    half = ds.assign(pair_share=("d", [1.0, 0.5, 0.5]))  # sampled bins stand for all of their pairs
     assert predicted_variance_ratio(half, 2 * root)[0] == pytest.approx((left[0] + 6 * left[1]) / 7)
     with pytest.raises(ValueError, match="spacing must be > 0"):
         predicted_variance_ratio(ds, 0.0)
@@ -161,7 +161,7 @@ def test_the_box_is_the_largest_whose_pairs_have_a_mean_of_at_least_the_level() 
     )
     assert high_correlation_box(heavy).mean >= 0.8
     assert (high_correlation_box(heavy).d_max, high_correlation_box(heavy).theta_max_deg) != (2, 20)
-    # Empty bins are no area
+    # Empty bins have no area
     empty = made_up([[1.0, 0.9, 0.0], [0.9, 0.7, 0.0]], [[1000, 0, 0], [1000, 0, 0]])
     assert high_correlation_box(empty).theta_max_deg == 10.0
     low = high_correlation_box(made_up([[0.5, 0.4], [0.3, 0.2]]))

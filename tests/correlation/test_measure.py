@@ -115,7 +115,7 @@ def test_points_of_a_convex_body_correlate_by_angle_alone() -> None:
 
 
 def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line() -> None:
-    """Test 9 of the specification: rays, rows, pairs and bins together."""
+    """Rays, rows, pairs and bins together."""
     sphere = convex_sphere()
     d_edges = [0, 0.5, 1, 1.5, np.inf]
     ds = measure(
@@ -335,7 +335,7 @@ def test_measurements_that_cannot_be_are_refused(change: dict[str, Any], says: s
 
 
 def count_work(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """Counts blocks that are worked on from here on."""
+    """Count the blocks computed from now on."""
     done = {"rows": 0, "pairs": 0}
 
     def traced(*args: Any) -> Any:

@@ -54,7 +54,7 @@ def test_padding_bits_are_zero(map_size: int) -> None:
 
 
 def test_rays_are_the_directions_above_the_planes() -> None:
-    """Test 30: the lower hemisphere is 0 by definition and costs nothing."""
+    """The lower hemisphere is 0 by definition and costs nothing."""
     points, rows = rows_of(clutter(), 500)
     assert rows.n_rays == above(points.normals, SKY.directions).sum()
     assert rows.rays_per_second == rows.n_rays / rows.seconds > 0
@@ -69,7 +69,7 @@ def test_records_of_even_maps_cost_half_their_cells() -> None:
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("where", ["camera", "area"])
 def test_points_of_a_convex_body_see_all_that_lies_above(scale: float, where: Any) -> None:
-    """Test 9, the half of the rows: ρ = 1 − 2θ/π follows from these bits."""
+    """ρ = 1 − 2θ/π follows from these bits."""
     points, rows = rows_of(convex(scale), 2000, where=where)
     seen = unpacked(rows.bits, rows.n_directions)
     np.testing.assert_array_equal(seen, above(points.normals, SKY.directions))

@@ -1,4 +1,4 @@
-"""Points on surfaces: where they should be, as many as asked for, in blocks, for any threads."""
+"""Points on surfaces: right places, requested number, equal for any blocks and threads."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_points_are_uniform_inside_their_pixels() -> None:
 
 
 def test_pixels_are_left_out_at_random() -> None:
-    """What is dropped beyond the wanted number favours no part of the image."""
+    """Points dropped beyond the requested number are uniform over the image."""
     found = points(clutter(), 3000, seed=11)
     rows = found.stratum // found.width
     hits = points(clutter(), 3000, seed=12).stratum // found.width
@@ -168,7 +168,7 @@ def test_shading_normals_are_for_the_angle_alone() -> None:
         np.testing.assert_array_equal(plain.theta_normals, plain.normals)
 
 
-# What is no surface
+# What is not a surface
 
 
 @pytest.mark.parametrize("where", ["camera", "area"])

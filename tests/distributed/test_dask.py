@@ -1,4 +1,4 @@
-"""A dask scheduler and two worker processes on the loopback, for real; one of them is killed."""
+"""A real dask scheduler with two local worker processes, one of which is killed."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from logged import Logged
 
 pytest.importorskip("distributed", reason="dask comes with the test extra")
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # dask's own are not ours
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # warnings of dask itself
 
 SCENE = "room?triangles=3000"
 
@@ -137,7 +137,7 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     begun = [pid for word, pid in lines if word == "begin"]
     ended = [pid for word, pid in lines if word == "end"]
     assert begun.count(killed[0]) > ended.count(killed[0])
-    # What the dead one had under way, and at most what it had not handed over yet, is done again
+    # Only running tasks of the dead worker, and results not handed over, are repeated
     assert 1 <= len(begun) - frames <= 3
     assert len(set(begun)) == 2
     for name in ("rel_l1", "rmse", "rays", "queries"):

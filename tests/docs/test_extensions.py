@@ -1,4 +1,4 @@
-"""What the site's own extensions find. The site itself is built by a stage of CI."""
+"""The site's own Sphinx extensions. A CI stage builds the site itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The documentation does what it says: its code runs, and prints what stands below it."""
+"""The code of the documentation runs and prints the output shown below it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from codebase.repository import paths, text
 from viscache import cli
 from viscache.sweeps.sweep import SweepFile
 
-#: How far a printed number may be off.
+#: Tolerance of printed numbers.
 TOLERANCE = 0.25
 #: Pages that take more than a second or two.
 SLOW = {
@@ -51,7 +51,7 @@ def blocks(source: str) -> Iterator[Block]:
 
 
 def alike(said: str, printed: str) -> bool:
-    """Equal, but for numbers with a decimal point, or from 10 on, which may be off a little."""
+    """Equal text; numbers with a decimal point, or from 10 on, may differ a little."""
     if re.sub(r"\s", "", NUMBER.sub("#", said)) != re.sub(r"\s", "", NUMBER.sub("#", printed)):
         return False
     pairs = zip(NUMBER.findall(said), NUMBER.findall(printed), strict=True)
@@ -66,7 +66,7 @@ def alike(said: str, printed: str) -> bool:
 
 
 def run(source: str, name: str) -> int:
-    """Run a page's Python in one namespace and compare its outputs; how many blocks there were."""
+    """Run a page's Python in one namespace and compare its outputs; return the number of blocks."""
     space: dict[str, object] = {"__name__": "page"}
     printed, ran = "", 0
     for block in blocks(source):

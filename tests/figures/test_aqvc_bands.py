@@ -1,4 +1,4 @@
-"""What the quantized cache's paper prints agrees with itself and lies in the bands."""
+"""Numbers of the quantized cache's paper are consistent and lie in the bands."""
 
 from __future__ import annotations
 

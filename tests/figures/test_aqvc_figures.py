@@ -1,4 +1,4 @@
-"""Figures of the quantized cache: their parts against what they stand for."""
+"""Parts of the quantized cache's figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quality choices of the quantized cache: measures against what they stand for, and small parts."""
+"""Quality choices of the quantized cache: measures with known values, and small parts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`viscache reproduce all`: one page, resumable figure by figure, and a status that tells."""
+"""`viscache reproduce all`: one page, resumable figure by figure, and its exit status."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 
 class Page(HTMLParser):
-    """What a page holds."""
+    """The content of a page."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

@@ -1,7 +1,7 @@
-"""Frames, caches and statistics whose bytes must not change, and how each is made.
+"""Frames, caches and statistics whose bytes must not change.
 
-Rays go through the package's own BSP: Embree's answers within rounding of an edge depend on its
-version and on the instruction set, the BSP's do not.
+Rays use the package's own BSP. Embree's answers at edges depend, by rounding, on its version and on
+the instruction set; the BSP's do not.
 """
 
 import hashlib

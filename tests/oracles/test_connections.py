@@ -1,4 +1,4 @@
-"""The renderer's taps: answers to its own questions make its own frames."""
+"""The renderer's connections: answers to its queries give its frames."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROOM = "room?triangles=3000"
 
 
 def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) -> tuple[Any, Any]:
-    """The frame that answers make, and the renderer's."""
+    """The frame from answers, and the renderer's."""
     use = options.pop("use", None)
     conn = vc.connections(scene, integrator, size=SIZE, **options)
     made = conn.frame(conn.answers(visibility, use=use))

@@ -1,4 +1,4 @@
-"""Caches as modules: arrays of points in, bits out."""
+"""Caches as modules that take arrays of points and return bits."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def bits_of(visible: Any) -> int:
 def test_exact_answers_are_those_of_single_rays(room: vc.Scene, points: vc.EyePoints) -> None:
     ends = lamps(room)
     answer = room.oracle(vc.Exact()).block(points, ends)
-    # Segments without normals start elsewhere by an offset: they differ at grazing angles alone
+    # Segments without normals have another offset; answers differ only at grazing angles
     seen = np.stack(
         [
             room.visible(

@@ -1,4 +1,4 @@
-"""Frames: what goes in comes out, from memory and from disk."""
+"""Frames: values in memory and on disk."""
 
 from __future__ import annotations
 

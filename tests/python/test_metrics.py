@@ -1,4 +1,4 @@
-"""Metrics against numbers worked out by hand and by other people's programs."""
+"""Metrics against numbers calculated by hand and by other programs."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ def test_equation_6_errs_less_than_equation_7_at_equal_rays() -> None:
 
 
 def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -> None:
-    """A27."""
+    """See deviation A27."""
     bypassing = cached(vc.Bdpt(max_depth=4, camera_connections="bypass"))
     keyed = cached(vc.Bdpt(max_depth=4))
     camera = bypassing.counters["groups"]["camera"]
@@ -179,7 +179,7 @@ def test_mirrors_and_glass_lie_between_clusters() -> None:
     assert rel_l1(frame.image, reference.image) < 0.05
 
 
-# What is asked for
+# Arguments
 
 
 def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:

@@ -21,7 +21,7 @@ SIZE = (24, 16)
 
 @pytest.fixture(autouse=True)
 def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing that this process has made before is found again."""
+    """Results that this process made earlier are not reused."""
     monkeypatch.setattr(travelling, "_NEWEST", Newest())
 
 

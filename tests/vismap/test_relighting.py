@@ -74,7 +74,7 @@ def cell_middles(cache: vc.VisibilityMapCache) -> npt.NDArray[np.float32]:
 
 
 def test_a_turned_light_gives_the_sum_over_its_cells_and_no_ray(image: vc.Relighting) -> None:
-    """Test 27 of the reading notes: the ray counter stays, J equals brute force."""
+    """The ray counter stays, and J equals brute force."""
     camera_rays = image._core.camera_rays
     for degrees in (0.0, 37.0, 180.0):
         light = image.light(SKY, rotation_deg=degrees)

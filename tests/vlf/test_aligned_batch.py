@@ -227,7 +227,7 @@ def test_far_from_the_origin_a_convex_body_still_sees_the_sky() -> None:
 
 
 def test_a_triangle_seen_edge_on_is_not_hit() -> None:
-    """Section 9 of the specification: aligned rays pass along a plane."""
+    """Aligned rays that lie in a plane."""
     wall = np.float32([[0, -1, 1], [0, 1, 1], [0, 0, 2], [-3, -3, 5], [3, -3, 5], [0, 3, 5]])
     scene = vc.Scene.from_arrays(wall, np.array([[0, 1, 2]]))
     points, normals = np.float32([[0, 0, 0]]), np.float32([[0, 0, 1]])
