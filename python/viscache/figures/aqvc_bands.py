@@ -227,7 +227,7 @@ COSMIN_ERROR = Band(1.0, 1.1, "expected: no measurable effect in a prototype")
 #: Group errors with refinement over those without, for groups that the default refines.
 REFINED_ERROR = Band(0.0, 1.0, "Sec. 3.6: refinement lowers the error of shadow edges")
 
-#: Bias of the energy without refinement over half the width of its 95 % interval: T7's 3σ.
+#: Bias of the energy without refinement over half the width of its 95 % interval; 3σ.
 PLAIN_BIAS = Band(-1.5, 1.5, "Eq. 12: unbiased over grids and orders")
 
 #: Relative bias with refinement, in Alg. 2 as the paper has it.

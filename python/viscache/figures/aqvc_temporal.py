@@ -250,7 +250,7 @@ def _draw(curves: Mapping[str, Mapping[str, Sequence]], path: Path) -> Path:
                 share = [c["wrong_kept"] / max(1, c["checked_kept"]) for c in counters]
                 wrong.plot(share, lw=1.2, color=color, label=way)
         rays.set_title(label, fontsize=9)
-        rays.set(ylabel="rays over queries", ylim=(0, None))
-        wrong.set(xlabel="frame", ylabel="wrong of kept bits", ylim=(0, None))
+        rays.set(ylabel="rays per query", ylim=(0, None))
+        wrong.set(xlabel="frame", ylabel="share of kept bits that are wrong", ylim=(0, None))
         rays.legend(fontsize=7)
     return save_figure(figure, path)

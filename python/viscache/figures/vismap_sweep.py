@@ -155,7 +155,9 @@ def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
         best = pareto(everything)
         axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")
         axes.set(xscale="log", xlabel="rays for records, per pixel", ylabel="variance left")
-        axes.set_title({"variate": "control variate", "guided": "guided, with it"}[kind])
+        axes.set_title(
+            {"variate": "control variate", "guided": "control variate, guided sampling"}[kind]
+        )
         axes.set_ylim(bottom=0)
     both[1].legend(frameon=False, fontsize=8)
     return figure

@@ -167,7 +167,7 @@ def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
     return save_figure(figure, folder / "vlf-x1.png")
 
 
-@figure("vlf-x3", "memory of a field, foretold and used")
+@figure("vlf-x3", "memory of a field, predicted and used")
 def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
     """Predicted bytes and list entries over the counted ones."""
     outcome, table = Outcome(), []
