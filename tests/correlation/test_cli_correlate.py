@@ -39,7 +39,7 @@ def test_the_file_holds_what_measure_returns(
     assert all(Path(p).is_file() for p in got["plots"])
     assert [Path(p).name for p in got["plots"][:3]] == ["table.pdf", "table.png", "slices.pdf"]
     assert len(got["plots"]) == 6
-    assert cli.main([*words, "--format", "pdf"]) == 2  # without --plots
+    assert cli.main([*words, "--format", "pdf"]) == 2  # without --plot
     assert list((tmp_path / "s").iterdir())
 
 

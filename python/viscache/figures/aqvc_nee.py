@@ -53,7 +53,7 @@ def comparison(
         if not shot.integrator.n_vpls:  # type: ignore[union-attr]
             outcome.rows += _noise_rows(name, noise(shot, quick))
     outcome.files += [
-        draw_lines(lines, folder / "aqvc-nee.png", x="rays over queries", y="rel_l1"),
+        draw_lines(lines, folder / "aqvc-nee.png", x="rays per query", y="rel_l1"),
         write_csv(folder / "aqvc-nee.csv", table),
     ]
     outcome.notes.append(
