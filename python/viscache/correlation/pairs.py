@@ -109,9 +109,9 @@ def pair_statistics(
     n_groups : int, optional
         None: highest group + 1.
     threads : int, optional
-        All cores where None.
+        All cores by default.
     isa : {"portable", "avx2", "avx512"}, optional
-        Variant of the kernels; the best where None. Without effect on the result.
+        Variant of the kernels; the best one by default. It does not change the result.
     skip_dead : bool
         Skip directions that no point of one side sees. Does not change the result.
     progress : bool or callable
@@ -231,9 +231,9 @@ def intersections(
     ----------
     bits_a, bits_b : (NA, W), (NB, W) uint64
     threads : int, optional
-        All cores where None.
+        All cores by default.
     isa : {"portable", "avx2", "avx512"}, optional
-        Variant of the kernels; the best where None. Without effect on the result.
+        Variant of the kernels; the best one by default. It does not change the result.
 
     Returns
     -------

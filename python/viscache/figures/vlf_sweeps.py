@@ -218,8 +218,8 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _draw_memory(table: list[dict[str, Any]], folder: Path) -> Path:
     figure = new_figure(4.6, 4.6)
     axes = figure.add_subplot(1, 1, 1)
-    used, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
-    axes.loglog(used, foretold, "o")
+    used, predicted = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
+    axes.loglog(used, predicted, "o")
     ends = [min(used) / 2, max(used) * 2]
     axes.loglog(ends, ends, "k-", lw=0.6)
     axes.set(xlabel="MB used", ylabel="MB predicted")
