@@ -177,26 +177,11 @@ def measure(
         opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
     )
     geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
-    bins = chosen_bins(
-        found.positions,
-        d_edges,
-        theta_edges_deg,
-        d_max=d_max,
-        slice_d=slice_d,
-        slice_theta_deg=slice_theta_deg,
-        seed=seed,
-    )
+    slices = (slice_d, slice_theta_deg)
+    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
     n_pairs = sampled_pairs(pairs, len(found.positions))
-    options = pair_options(
-        geometry,
-        bins,
-        len(chosen.directions),
-        sampled=n_pairs is not None,
-        domain=domain,
-        undefined=undefined,
-        min_bits=min_bits,
-        directions=chosen,
-    )
+    counted = (geometry, bins, len(chosen.directions), undefined, min_bits)
+    options = pair_options(*counted, sampled=n_pairs is not None, domain=domain, directions=chosen)
     fits = engine in get_args(RowEngine)
     require(fits, 'engine must be "embree", "batch", "field" or "auto"', engine)
     described: dict[str, Any] = {
@@ -335,26 +320,11 @@ def correlate(
     """
     check_seed(seed)
     rows, count, geometry = checked_rows(bits, n_directions, positions, normals, group)
-    bins = chosen_bins(
-        geometry.positions,
-        d_edges,
-        theta_edges_deg,
-        d_max=d_max,
-        slice_d=slice_d,
-        slice_theta_deg=slice_theta_deg,
-        seed=seed,
-    )
+    slices = (slice_d, slice_theta_deg)
+    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
     n_pairs = sampled_pairs(pairs, len(rows))
-    options = pair_options(
-        geometry,
-        bins,
-        count,
-        sampled=n_pairs is not None,
-        domain="sphere",
-        undefined=undefined,
-        min_bits=min_bits,
-        directions=None,
-    )
+    sampled = n_pairs is not None
+    options = pair_options(geometry, bins, count, undefined, min_bits, sampled=sampled)
     rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
     key = content_key({"viscache": VERSION, "rows": rows_digest})
     with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
