@@ -62,7 +62,10 @@ DirectionCells::DirectionCells(const Directions& directions) : count(directions.
     for (std::vector<float>* v : {&x, &y, &z, &weight}) v->resize(words_for(count) * kWordBits);
     for (size_t k = 0; k < count; ++k) {
         const Vec3 w = directions.axes()[k];
-        x[k] = w.x, y[k] = w.y, z[k] = w.z, weight[k] = directions.weights()[k];
+        x[k] = w.x;
+        y[k] = w.y;
+        z[k] = w.z;
+        weight[k] = directions.weights()[k];
     }
 }
 
@@ -79,10 +82,14 @@ namespace {
             const size_t k = first + j;
             const float cosine = cells.x[k] * normal.x + cells.y[k] * normal.y + cells.z[k] * normal.z;
             const float part = std::fabs(cosine) * cells.weight[k];
-            all[j] += part, seen[j] += bits & (1 << j) ? part : 0.f;
+            all[j] += part;
+            seen[j] += bits & (1 << j) ? part : 0.f;
         }
     }
-    for (size_t j = 1; j < kSums; ++j) seen[0] += seen[j], all[0] += all[j];
+    for (size_t j = 1; j < kSums; ++j) {
+        seen[0] += seen[j];
+        all[0] += all[j];
+    }
     return all[0] > 0 ? seen[0] / all[0] : 0.f;
 }
 
@@ -117,7 +124,8 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         const size_t before = out.share.size();
         for (; tile < tiles.size() && run.origin.size() < most; ++tile) {
             out.first.push_back(before + run.origin.size());
-            append(run.origin, points[tile].origin), append(run.normal, points[tile].normal);
+            append(run.origin, points[tile].origin);
+            append(run.normal, points[tile].normal);
         }
         const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
         std::vector<Word> rows(run.origin.size() * words);
@@ -137,7 +145,8 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         for (Word w : rows) counted.occluded -= uint64_t(std::popcount(w));
         counted.queries += run.origin.size() * directions.size();
     }
-    counted.rays = counted.queries, counted.occluded += counted.queries;
+    counted.rays = counted.queries;
+    counted.occluded += counted.queries;
     out.trace_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return out;
 }

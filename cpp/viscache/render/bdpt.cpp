@@ -35,7 +35,9 @@ public:
 
     void run(const SampleTile& work, const FrameResult& frame, ItemResult& out, const Control& control) {
         StageClock clock;
-        out.counters = {}, out.stages = {}, out.splats.clear();
+        out.counters = {};
+        out.stages = {};
+        out.splats.clear();
         tracer_.trace_light(work, light_paths_, out.counters, control);
         tracer_.trace_eye(work, eye_paths_, out.light, out.counters, control);
         clock.lap(out.stages.eye_paths);
@@ -82,10 +84,16 @@ private:
 
 FrameResult empty_result(const BdptContext& c) {
     FrameResult out;
-    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
+    out.width = c.frame.width;
+    out.height = c.frame.height;
+    out.spp = c.frame.spp;
     const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
-        out.albedo.resize(n), out.coverage.resize(n);
+    out.color.resize(n);
+    out.emitted.resize(n);
+    out.depth.resize(n);
+    out.normal.resize(n);
+    out.albedo.resize(n);
+    out.coverage.resize(n);
     auto has = [&](LightGroup g, bool there) {
         if (there) out.groups[size_t(g)].resize(n);
     };
@@ -111,11 +119,14 @@ void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
             for (size_t g = 0; g < item.sums.size(); ++g)
                 if (!item.sums[g].empty()) out.groups[g][to] += item.sums[g][from];
             const FirstHits& first = item.light.first[from];
-            out.coverage[to] += float(first.count), out.depth[to] += first.depth;
-            out.normal[to] += first.normal, out.albedo[to] += first.albedo;
+            out.coverage[to] += float(first.count);
+            out.depth[to] += first.depth;
+            out.normal[to] += first.normal;
+            out.albedo[to] += first.albedo;
         }
     for (const auto& [pixel, value] : item.splats) out.groups[size_t(LightGroup::kCamera)][pixel] += value;
-    out.counters.merge(item.counters), out.stages.merge(item.stages);
+    out.counters.merge(item.counters);
+    out.stages.merge(item.stages);
 }
 
 /// Sums become colours and means.
@@ -125,8 +136,10 @@ void finish(FrameResult& out) {
         for (const auto& group : out.groups)
             if (!group.empty()) out.color[i] += group[i];
         const float hits = out.coverage[i], share = hits > 0 ? 1 / hits : 0.f;
-        out.coverage[i] = hits / float(out.spp), out.depth[i] *= share;
-        out.normal[i] = out.normal[i] * share, out.albedo[i] = out.albedo[i] * share;
+        out.coverage[i] = hits / float(out.spp);
+        out.depth[i] *= share;
+        out.normal[i] = out.normal[i] * share;
+        out.albedo[i] = out.albedo[i] * share;
     }
 }
 

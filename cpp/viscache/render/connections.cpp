@@ -123,7 +123,8 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
     } else {
         // Leave the light's surface on the side of the eye; points have no normal
         q.far_normal = dot(y.surface.ng, j.direction) <= 0 ? y.surface.ng : -y.surface.ng;
-        q.far = y.position, q.ray_end = y.position;
+        q.far = y.position;
+        q.ray_end = y.position;
         if (q.semantic == Semantic::kSurface)
             q.ray_end = spawn(y.position, q.far_normal, c_.scene.offset_extent());
     }
@@ -155,7 +156,8 @@ void Connector::to_camera(const Emission& start, Vertices light) {
     const double weight = path_weight({&camera, 1}, light, densities, rules(start));
     ShadowQuery q;
     q.eye = add_eye_point(y, c_.settings.camera_connections == CameraConnections::kKeyed);
-    q.semantic = Semantic::kPoint, q.group = uint8_t(LightGroup::kCamera);
+    q.semantic = Semantic::kPoint;
+    q.group = uint8_t(LightGroup::kCamera);
     q.far = q.ray_end = camera.position;
     add(q, value * float(weight / c_.frame.spp), *pixel);
 }
@@ -163,7 +165,8 @@ void Connector::to_camera(const Emission& start, Vertices light) {
 /// An eye point of the oracle; without a normal where no cache shall answer.
 uint32_t Connector::add_eye_point(const PathVertex& v, bool keyed) {
     EyeBlock& eyes = out_.eyes;
-    eyes.position.push_back(v.position), eyes.normal.push_back(keyed ? v.surface.ng : Vec3{});
+    eyes.position.push_back(v.position);
+    eyes.normal.push_back(keyed ? v.surface.ng : Vec3{});
     eyes.origin.push_back(spawn(v.position, v.surface.ng, c_.scene.offset_extent()));
     eyes.density.push_back(float(v.density * c_.samples()));
     return uint32_t(eyes.size() - 1);
@@ -171,13 +174,18 @@ uint32_t Connector::add_eye_point(const PathVertex& v, bool keyed) {
 
 /// Whether a value is worth a query; what is not finite is counted.
 bool Connector::brings(Rgb value) {
-    if (!is_finite(value)) return ++counters_.non_finite, false;
+    if (!is_finite(value)) {
+        ++counters_.non_finite;
+        return false;
+    }
     return max_component(value) > 0;
 }
 
 void Connector::add(const ShadowQuery& query, Rgb value, uint32_t pixel) {
     if (!brings(value)) return;
-    out_.queries.push_back(query), out_.contribution.push_back(value), out_.pixel.push_back(pixel);
+    out_.queries.push_back(query);
+    out_.contribution.push_back(value);
+    out_.pixel.push_back(pixel);
 }
 
 }  // namespace viscache

@@ -13,7 +13,12 @@ struct Connections {
     std::vector<ShadowQuery> queries;
     std::vector<Rgb> contribution;  ///< weighted, over the samples per pixel
     std::vector<uint32_t> pixel;    ///< of the tile; of the frame for connections with the camera
-    void clear() { eyes.clear(), queries.clear(), contribution.clear(), pixel.clear(); }
+    void clear() {
+        eyes.clear();
+        queries.clear();
+        contribution.clear();
+        pixel.clear();
+    }
 };
 
 /// Makes the connections of one sample's two paths.

@@ -41,8 +41,11 @@ struct ProductContext {
 struct ProductSeconds {
     double trees = 0, maps = 0, samples = 0, visibility = 0, finish = 0;
     void merge(const ProductSeconds& b) {
-        trees += b.trees, maps += b.maps, samples += b.samples, visibility += b.visibility,
-            finish += b.finish;
+        trees += b.trees;
+        maps += b.maps;
+        samples += b.samples;
+        visibility += b.visibility;
+        finish += b.finish;
     }
 };
 

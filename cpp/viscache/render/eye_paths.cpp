@@ -37,7 +37,8 @@ void transfer(Differential& d, const Ray& ray, float t, Vec3 normal) {
         const Vec3 moved = o + dir * t;
         return dn != 0 ? moved - ray.d * (dot(moved, normal) / dn) : moved;
     };
-    d.origin_x = along(d.origin_x, d.direction_x), d.origin_y = along(d.origin_y, d.direction_y);
+    d.origin_x = along(d.origin_x, d.direction_x);
+    d.origin_y = along(d.origin_y, d.direction_y);
 }
 
 /// Change of the shading normal for a step `dp` on the surface.
@@ -58,7 +59,7 @@ void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float c = dot(ray.d, n), dc = dot(dd, n) + dot(ray.d, dn);
         return dd - (n * dc + dn * c) * 2.f;
     };
-    d.direction_x = reflected(d.origin_x, d.direction_x),
+    d.direction_x = reflected(d.origin_x, d.direction_x);
     d.direction_y = reflected(d.origin_y, d.direction_y);
 }
 
@@ -74,19 +75,24 @@ void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float dc = dot(dd, n) + dot(ray.d, dn);
         return dd * eta - (dn * mu + n * (dmu * dc));
     };
-    d.direction_x = refracted(d.origin_x, d.direction_x),
+    d.direction_x = refracted(d.origin_x, d.direction_x);
     d.direction_y = refracted(d.origin_y, d.direction_y);
 }
 
 }  // namespace
 
 void EyeTile::reset(int w, int h) {
-    width = w, height = h;
+    width = w;
+    height = h;
     block.clear();
     block.tile_width = block.tile_height = 0;
-    shading.clear(), throughput.clear(), pixel.clear(), stream.clear();
+    shading.clear();
+    throughput.clear();
+    pixel.clear();
+    stream.clear();
     const size_t n = size_t(w) * h;
-    emitted.assign(n, {}), first.assign(n, {});
+    emitted.assign(n, {});
+    first.assign(n, {});
 }
 
 namespace {
@@ -118,7 +124,7 @@ private:
     void trace_primary(const Tile& tile, const Control& control) {
         const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
-        out_.block.tile_width = uint32_t(out_.width * grid),
+        out_.block.tile_width = uint32_t(out_.width * grid);
         out_.block.tile_height = uint32_t(out_.height * grid);
         const auto flush = [&] {
             step(branches_, Coherence::kCoherent, control);
@@ -132,7 +138,8 @@ private:
                 const Vec2 jitter = t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(s)];
                 Branch& b = branches_.emplace_back(primary(float(x) + jitter.x, float(y) + jitter.y));
                 b.pixel = uint32_t(py * out_.width + px);
-                b.order_x = uint32_t(px * grid + s % grid), b.order_y = uint32_t(py * grid + s / grid);
+                b.order_x = uint32_t(px * grid + s % grid);
+                b.order_y = uint32_t(py * grid + s / grid);
                 b.stream = (pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
                 if (branches_.size() == kRaysPerCall) flush();
             }
@@ -150,14 +157,16 @@ private:
         b.camera_cos = 1 / norm;
         if (!footprint_) return b;
         auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
-        b.d.direction_x = unit_change(film.step_x()), b.d.direction_y = unit_change(film.step_y());
+        b.d.direction_x = unit_change(film.step_x());
+        b.d.direction_y = unit_change(film.step_y());
         return b;
     }
 
     void step(std::span<Branch> branches, Coherence coherence, const Control& control) {
         control.check();
         const size_t n = branches.size();
-        rays_.resize(n), hits_.resize(n);
+        rays_.resize(n);
+        hits_.resize(n);
         for (size_t i = 0; i < n; ++i) rays_[i] = branches[i].ray;
         t_.caster.intersect(rays_, hits_, coherence);
         for (size_t i = 0; i < n; ++i) arrive(branches[i], hits_[i]);
@@ -178,8 +187,10 @@ private:
             out_.emitted[b.pixel] += b.throughput * s.emission * inverse_spp_;
         if (b.depth == 0) {
             FirstHits& first = out_.first[b.pixel];
-            ++first.count, first.depth += hit.t;
-            first.normal += front ? s.ns : -s.ns, first.albedo += s.base_color;
+            ++first.count;
+            first.depth += hit.t;
+            first.normal += front ? s.ns : -s.ns;
+            first.albedo += s.base_color;
         }
         if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
         if (footprint_) transfer(b.d, b.ray, hit.t, s.ng);
@@ -205,21 +216,28 @@ private:
         if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
         const Vec3 ng = front ? s.ng : -s.ng;
         ShadingPoint sp;
-        sp.ng = ng, sp.ns = front ? s.ns : -s.ns, sp.wo = -b.ray.d;
+        sp.ng = ng;
+        sp.ns = front ? s.ns : -s.ns;
+        sp.wo = -b.ray.d;
         // A shading normal turned away from the eye would make the surface black: bend it back to the
         // geometric one
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
-        sp.base = s.base_color, sp.specular = material.specular, sp.roughness = material.roughness;
-        sp.kind = material.kind, sp.eta = material.eta;
+        sp.base = s.base_color;
+        sp.specular = material.specular;
+        sp.roughness = material.roughness;
+        sp.kind = material.kind;
+        sp.eta = material.eta;
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
         out_.block.origin.push_back(spawn(s.position, ng, t_.scene.offset_extent()));
         out_.block.density.push_back(density(b, ng, cos_eye));
-        out_.block.order_x.push_back(b.order_x), out_.block.order_y.push_back(b.order_y);
+        out_.block.order_x.push_back(b.order_x);
+        out_.block.order_y.push_back(b.order_y);
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);
-        out_.pixel.push_back(b.pixel), out_.stream.push_back(b.stream);
+        out_.pixel.push_back(b.pixel);
+        out_.stream.push_back(b.stream);
     }
 
     /// D_e = N_S·P_e: eye samples per unit area at the point.
@@ -262,7 +280,10 @@ private:
         const Vec3 ng = front ? s.ng : -s.ng;
         Vec3 n = front ? s.ns : -s.ns;
         Vec3 direction = b.ray.d - n * (2 * dot(b.ray.d, n));
-        if (dot(direction, ng) <= 0) n = ng, direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        if (dot(direction, ng) <= 0) {
+            n = ng;
+            direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        }
         Branch reflected = b;
         reflected.throughput = b.throughput * factor;
         if (footprint_) reflect_differential(reflected.d, b.ray, s, n);

@@ -42,7 +42,8 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
     const SceneDescription& d = scene.description();
     auto keep = [&](SharedLights& lights, Semantic semantic, LightGroup group) {
         if (lights.empty()) return;
-        lights.ends.semantic = semantic, lights.ends.group = int(group);
+        lights.ends.semantic = semantic;
+        lights.ends.group = int(group);
         lights.pad();
         groups.push_back(std::move(lights));
     };
@@ -166,15 +167,16 @@ public:
 private:
     void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock,
                     const Control& control) {
-        wanted_.reset(eyes_.size(), lights.ends.count), visible_.reset(eyes_.size(), lights.ends.count);
+        wanted_.reset(eyes_.size(), lights.ends.count);
+        visible_.reset(eyes_.size(), lights.ends.count);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
             if (!is_black(eyes_.shading[i]))
                 counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
-        const TileContributions worth(lights, eyes_);
-        oracle_->weigh(&worth);
+        const TileContributions contributions(lights, eyes_);
+        oracle_->weigh(&contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
         clock.lap(stages.visibility);
@@ -198,7 +200,8 @@ private:
         ProductSeconds s;
         product_->add(tile, eyes_, *oracle_, sums_[size_t(LightGroup::kEnvironment)], last_pass_, counters, s,
                       control);
-        stages.contributions += s.trees + s.maps + s.samples, stages.visibility += s.visibility;
+        stages.contributions += s.trees + s.maps + s.samples;
+        stages.visibility += s.visibility;
         stages.shading += s.finish;
         product.merge(s);
     }
@@ -285,7 +288,8 @@ private:
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
                 if (!out.last_pass.empty()) out.last_pass[to] = last_pass_[from];
-                out.color[to] = color, out.emitted[to] = eyes_.emitted[from];
+                out.color[to] = color;
+                out.emitted[to] = eyes_.emitted[from];
                 write_first_hits(eyes_.first[from], to, out);
             }
     }
@@ -293,8 +297,10 @@ private:
     /// Means over the samples that hit, and their share of all.
     void write_first_hits(const FirstHits& first, size_t to, FrameResult& out) const {
         const float hits = float(first.count), share = first.count ? 1 / hits : 0.f;
-        out.coverage[to] = hits / float(c_.frame.spp), out.depth[to] = first.depth * share;
-        out.normal[to] = first.normal * share, out.albedo[to] = first.albedo * share;
+        out.coverage[to] = hits / float(c_.frame.spp);
+        out.depth[to] = first.depth * share;
+        out.normal[to] = first.normal * share;
+        out.albedo[to] = first.albedo * share;
     }
 
     const FrameContext& c_;
@@ -310,10 +316,16 @@ private:
 
 FrameResult empty_result(const FrameContext& c) {
     FrameResult out;
-    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
+    out.width = c.frame.width;
+    out.height = c.frame.height;
+    out.spp = c.frame.spp;
     const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
-        out.albedo.resize(n), out.coverage.resize(n);
+    out.color.resize(n);
+    out.emitted.resize(n);
+    out.depth.resize(n);
+    out.normal.resize(n);
+    out.albedo.resize(n);
+    out.coverage.resize(n);
     if (c.product && c.integrator.passes > 1) out.last_pass.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
@@ -425,7 +437,8 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         control.total = size_t(integrator.n_ambient);
         shares.emplace(aligned_ambient(context.tracer, tiles, *aligned, frame.threads, control));
         context.shares = &*shares;
-        out.aligned = shares->choice, out.aligned_s = shares->trace_s;
+        out.aligned = shares->choice;
+        out.aligned_s = shares->trace_s;
         counters.merge(shares->counters);
         control.done = 0;
     }
@@ -453,8 +466,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         parallel_for(tiles.size(), out.threads, render_tile);
     if (frame.parts > 1)
         for (const Counters& c : counted) out.tile_sums.push_back({c.lost_throughput, c.expected_false_hits});
-    for (size_t i = 0; i < tiles.size(); ++i)
-        counters.merge(counted[i]), out.stages.merge(stages[i]), out.product.merge(product_stages[i]);
+    for (size_t i = 0; i < tiles.size(); ++i) {
+        counters.merge(counted[i]);
+        out.stages.merge(stages[i]);
+        out.product.merge(product_stages[i]);
+    }
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);
         for (const auto& worker : workers)

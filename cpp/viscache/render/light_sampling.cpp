@@ -8,7 +8,10 @@ LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
     const SceneDescription& d = scene.description();
     std::vector<double> power;
     auto add = [&](LightKind kind, size_t index, double watts) {
-        if (watts > 0) entries_.push_back({kind, index}), power.push_back(watts);
+        if (watts > 0) {
+            entries_.push_back({kind, index});
+            power.push_back(watts);
+        }
     };
     const double disk = M_PI * double(scene.radius()) * scene.radius();
     for (size_t i = 0; i < d.point_lights.size(); ++i)
@@ -91,7 +94,8 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
         case LightKind::kDirectional: {
             const DirectionalLight& l = d.directional_lights[entry.index];
             Emission e = emit_through_scene(l.direction, l.irradiance, rng);
-            e.kind = entry.kind, e.radiance = l.irradiance;
+            e.kind = entry.kind;
+            e.radiance = l.irradiance;
             return e;
         }
         case LightKind::kTriangle: {
@@ -109,7 +113,9 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
         case LightKind::kEnvironment: {
             const auto sample = scene_.environment()->sample(rng.next2());
             Emission e = emit_through_scene(sample.wi, sample.radiance / sample.pdf, rng);
-            e.kind = entry.kind, e.radiance = sample.radiance, e.pdf_point = sample.pdf;
+            e.kind = entry.kind;
+            e.radiance = sample.radiance;
+            e.pdf_point = sample.pdf;
             return e;
         }
     }

@@ -15,8 +15,10 @@ struct WeightedSamples {
         contribution;  ///< throughput · f · cos · L / (pdf · samples); RGB = fraction for ambient
     /// Starts anew, for a light group and what its samples are.
     void begin(Semantic semantic, LightGroup group) {
-        at.clear(), contribution.clear();
-        at.semantic = semantic, at.group = int(group);
+        at.clear();
+        contribution.clear();
+        at.semantic = semantic;
+        at.group = int(group);
     }
     /// Keeps the sample when it brings something; non-finite contributions are dropped and counted.
     bool add(Vec3 to, Rgb value, float density, float light_density, Counters& counters);

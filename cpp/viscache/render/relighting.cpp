@@ -77,7 +77,10 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             Rgb colour = w.eyes.throughput[i];
             const bool coloured = sp.kind == MaterialKind::kGlossy;
             // A diffuse surface keeps its colour apart: one value per cell is enough
-            if (!coloured) colour = colour * sp.base, sp.base = {1, 1, 1};
+            if (!coloured) {
+                colour = colour * sp.base;
+                sp.base = {1, 1, 1};
+            }
             const SurfaceReflection reflection(sp);
             if (reflection.black() || !(max_component(colour) > 0)) continue;
             const BlendedMaps found = w.maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
@@ -92,10 +95,14 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             part.points.push_back({uint32_t(pixel), first_block, uint32_t(part.block.size()) - first_block,
                                    first_value, coloured, colour});
         }
-        part.block.shrink_to_fit(), part.value.shrink_to_fit();
+        part.block.shrink_to_fit();
+        part.value.shrink_to_fit();
         control.done.fetch_add(1);
     });
-    for (size_t t = 0; t < tiles.size(); ++t) counters_.merge(counted[t]), unserved_ += unserved[t];
+    for (size_t t = 0; t < tiles.size(); ++t) {
+        counters_.merge(counted[t]);
+        unserved_ += unserved[t];
+    }
 }
 
 /// Calls visit(first cell, values of the block in up to three channels).

@@ -29,7 +29,10 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
         return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta};
     }
     Vec3 direction = n * (2 * dot(from, n)) - from;
-    if (dot(direction, ng) <= 0) n = ng, direction = n * (2 * dot(from, n)) - from;
+    if (dot(direction, ng) <= 0) {
+        n = ng;
+        direction = n * (2 * dot(from, n)) - from;
+    }
     return SpecularEvent{normalize(direction), n, fresnel, 1};
 }
 
@@ -42,7 +45,9 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
     if (through) event = specular_event(v, from, true);
     if (!event || !(event->probability > 0)) return std::nullopt;
     Scatter s;
-    s.specular = true, s.direction = event->direction, s.pdf = event->probability;
+    s.specular = true;
+    s.direction = event->direction;
+    s.pdf = event->probability;
     s.side = through ? -v.surface.ng : v.surface.ng;
     // Bent normals can make the way back another one
     const auto back = specular_event(v, s.direction, through);
@@ -62,7 +67,9 @@ std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, R
     const auto drawn = sample_bsdf(sp, u_lobe, rng.next2());
     if (!drawn || !(drawn->pdf > 0)) return std::nullopt;
     Scatter s;
-    s.direction = drawn->wi, s.side = sp.ng, s.pdf = double(drawn->pdf);
+    s.direction = drawn->wi;
+    s.side = sp.ng;
+    s.pdf = double(drawn->pdf);
     s.pdf_back = scatter_pdf(v, drawn->wi, sp.wo);
     s.factor = drawn->weight;
     if (transport == Transport::kImportance)

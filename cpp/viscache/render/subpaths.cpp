@@ -34,8 +34,11 @@ void SubpathTracer::trace_light(const SampleTile& work, Subpaths& out, Counters&
         out.start[p] = *e;
         PathVertex& y = out.append(p);
         y.infinite = is_infinite(e->kind);
-        y.position = e->point, y.surface.ng = e->normal;
-        y.forward = e->pdf_point, y.density = e->pdf_point, y.beta = e->radiance / float(e->pdf_point);
+        y.position = e->point;
+        y.surface.ng = e->normal;
+        y.forward = e->pdf_point;
+        y.density = e->pdf_point;
+        y.beta = e->radiance / float(e->pdf_point);
         walkers_.push_back({.path = p,
                             .stream = stream,
                             .ray = e->ray,
@@ -53,7 +56,8 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
     start(work);
     const size_t longest = size_t(c_.settings.max_depth) + 1;
     out.reset(places_.size(), longest);
-    light.emitted.assign(places_.size(), {}), light.first.assign(places_.size(), {});
+    light.emitted.assign(places_.size(), {});
+    light.first.assign(places_.size(), {});
     for (uint32_t p = 0; p < places_.size(); ++p) {
         const auto [px, py] = places_[p];
         const uint64_t stream = stream_of(work, p), pixel = stream / uint64_t(c_.frame.spp);
@@ -62,7 +66,8 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
             c_.film.direction(float(work.tile.x0 + px) + jitter.x, float(work.tile.y0 + py) + jitter.y);
         const double pdf = c_.film_pdf(1 / double(length(raw)));
         PathVertex& z = out.append(p);
-        z.position = c_.film.camera.origin, z.forward = 1;
+        z.position = c_.film.camera.origin;
+        z.forward = 1;
         walkers_.push_back({.path = p,
                             .stream = stream,
                             .ray = {z.position, 0, normalize(raw), kInfinity},
@@ -78,7 +83,8 @@ void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLi
                          Counters& counters, const Control& control) {
     for (size_t edge = 0; edge < edges && !walkers_.empty(); ++edge) {
         control.check();
-        rays_.clear(), next_.clear();
+        rays_.clear();
+        next_.clear();
         for (const Walker& w : walkers_) rays_.push_back(w.ray);
         hits_.assign(rays_.size(), {});
         // Primary rays alone stay together
@@ -106,7 +112,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     const SurfacePoint s = c_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
     const bool front = dot(s.ng, w.ray.d) <= 0;
     if (light) {
-        if (out.count[w.path] == 1) note_first_hit(w, hit, s, *light);
+        if (out.count[w.path] == 1) add_first_hit(w, hit, s, *light);
         if (max_component(s.emission) > 0 && (front || s.emits_two_sided))
             hit_light(w, hit, s, out, *light, counters);
     }
@@ -117,8 +123,11 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     PathVertex& v = out.append(w.path);
     v = vertex_at(w, hit, s);
     w.distance += hit.t;
-    v.surface.base = s.base_color, v.surface.specular = material.specular;
-    v.surface.roughness = material.roughness, v.surface.kind = material.kind, v.surface.eta = material.eta;
+    v.surface.base = s.base_color;
+    v.surface.specular = material.specular;
+    v.surface.roughness = material.roughness;
+    v.surface.kind = material.kind;
+    v.surface.eta = material.eta;
     v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
     return true;
 }
@@ -128,7 +137,9 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
     PathVertex v;
     v.front = dot(s.ng, w.ray.d) <= 0;
     v.position = s.position;
-    v.surface.ng = v.front ? s.ng : -s.ng, v.surface.ns = v.front ? s.ns : -s.ns, v.surface.wo = -w.ray.d;
+    v.surface.ng = v.front ? s.ng : -s.ng;
+    v.surface.ns = v.front ? s.ns : -s.ns;
+    v.surface.wo = -w.ray.d;
     v.beta = w.beta;
     const double cosine = std::fabs(double(dot(v.surface.ng, w.ray.d))), t = double(hit.t);
     v.forward = w.parallel ? w.pdf * cosine : w.pdf * cosine / (t * t);
@@ -146,11 +157,16 @@ bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> 
     const auto s = scatter(v, transport, rng);
     if (!s) return false;
     before.reverse = to_area(s->pdf_back, v, before);
-    w.beta = w.beta * s->factor, w.pdf = s->pdf, w.parallel = false;
-    if (s->specular)
+    w.beta = w.beta * s->factor;
+    w.pdf = s->pdf;
+    w.parallel = false;
+    if (s->specular) {
         w.spread *= s->pdf;
-    else
-        w.spread = s->pdf, w.parallel_spread = false, w.distance = 0;
+    } else {
+        w.spread = s->pdf;
+        w.parallel_spread = false;
+        w.distance = 0;
+    }
     w.ray = {spawn(v.position, s->side, c_.scene.offset_extent()), 0, s->direction, kInfinity};
     return is_finite(w.beta) && max_component(w.beta) > 0;
 }
@@ -160,7 +176,9 @@ void SubpathTracer::hit_environment(const Walker& w, Subpaths& out, EyeLight& li
     const Rgb radiance = c_.scene.environment()->eval(w.ray.d);
     if (!(max_component(radiance) > 0)) return;
     PathVertex emitter;
-    emitter.infinite = true, emitter.beta = w.beta, emitter.forward = w.pdf;
+    emitter.infinite = true;
+    emitter.beta = w.beta;
+    emitter.forward = w.pdf;
     const PathVertex& before = out.of(w.path).back();
     const double pdf_before = c_.lights.pdf_parallel() * std::fabs(double(dot(before.surface.ng, w.ray.d)));
     add_emitted(w, emitter, c_.lights.pdf_environment(w.ray.d), pdf_before, radiance, out, light, counters,
@@ -194,11 +212,13 @@ void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, doub
         ++counters.non_finite;
 }
 
-void SubpathTracer::note_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,
-                                   EyeLight& light) const {
+void SubpathTracer::add_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,
+                                  EyeLight& light) const {
     FirstHits& first = light.first[pixel_of(w.path)];
-    ++first.count, first.depth += hit.t;
-    first.normal += dot(s.ng, w.ray.d) <= 0 ? s.ns : -s.ns, first.albedo += s.base_color;
+    ++first.count;
+    first.depth += hit.t;
+    first.normal += dot(s.ng, w.ray.d) <= 0 ? s.ns : -s.ns;
+    first.albedo += s.base_color;
 }
 
 }  // namespace viscache

@@ -46,7 +46,10 @@ struct Subpaths {
     std::vector<Emission> start;  ///< of light paths
 
     void reset(size_t paths, size_t longest) {
-        stride = longest, vertex.resize(paths * longest), count.assign(paths, 0), start.resize(paths);
+        stride = longest;
+        vertex.resize(paths * longest);
+        count.assign(paths, 0);
+        start.resize(paths);
     }
     std::span<PathVertex> of(size_t path) { return {&vertex[path * stride], count[path]}; }
     std::span<const PathVertex> of(size_t path) const { return {&vertex[path * stride], count[path]}; }
@@ -93,7 +96,7 @@ private:
     void hit_environment(const Walker& w, Subpaths& out, EyeLight& light, Counters& counters) const;
     void hit_light(const Walker& w, const Hit& hit, const SurfacePoint& s, Subpaths& out, EyeLight& light,
                    Counters& counters) const;
-    void note_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s, EyeLight& light) const;
+    void add_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s, EyeLight& light) const;
     uint32_t pixel_of(uint32_t path) const {
         return uint32_t(places_[path].second) * uint32_t(width_) + places_[path].first;
     }

@@ -42,8 +42,10 @@ inline std::vector<std::pair<uint16_t, uint16_t>> morton_pixels(int width, int h
     pixels.reserve(size_t(width) * height);
     for (uint64_t code = 0; code < uint64_t(side) * side; ++code) {
         uint32_t x = 0, y = 0;
-        for (int bit = 0; bit < 16; ++bit)
-            x |= uint32_t(code >> (2 * bit) & 1) << bit, y |= uint32_t(code >> (2 * bit + 1) & 1) << bit;
+        for (int bit = 0; bit < 16; ++bit) {
+            x |= uint32_t(code >> (2 * bit) & 1) << bit;
+            y |= uint32_t(code >> (2 * bit + 1) & 1) << bit;
+        }
         if (int(x) < width && int(y) < height) pixels.emplace_back(uint16_t(x), uint16_t(y));
     }
     return pixels;

@@ -42,7 +42,10 @@ bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux
 /// that would lead below the surface.
 bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
     Vec3 n = l.ns, direction = n * (2 * dot(l.wi, n)) - l.wi;
-    if (dot(direction, l.ng) <= 0) n = l.ng, direction = n * (2 * dot(l.wi, n)) - l.wi;
+    if (dot(direction, l.ng) <= 0) {
+        n = l.ng;
+        direction = n * (2 * dot(l.wi, n)) - l.wi;
+    }
     return leave(photon, l, l.ng, normalize(direction),
                  photon.flux * factor * adjoint(n, l.ng, l.wi, direction), extent);
 }
@@ -61,8 +64,12 @@ bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
 /// glossy lobe is not carried by VPLs: they reflect diffusely what it leaves.
 bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
     ShadingPoint sp;
-    sp.kind = l.material.kind, sp.ng = l.ng, sp.ns = l.ns, sp.wo = l.wi;
-    sp.base = l.s.base_color, sp.specular = l.material.specular;
+    sp.kind = l.material.kind;
+    sp.ng = l.ng;
+    sp.ns = l.ns;
+    sp.wo = l.wi;
+    sp.base = l.s.base_color;
+    sp.specular = l.material.specular;
     const Rgb albedo = diffuse_albedo(sp);
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
     if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
@@ -179,7 +186,9 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
     std::vector<float> what;
     std::vector<uint8_t> blocked;
     for (size_t e = 0; e < eyes.size(); ++e) {
-        rays.clear(), who.clear(), what.clear();
+        rays.clear();
+        who.clear();
+        what.clear();
         for (size_t i = first; i < last; ++i) {
             const Vpl& v = candidates[i];
             const Vec3 d = v.position - eyes[e].position;
@@ -189,7 +198,8 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
             if (!std::isfinite(g)) continue;
             rays.push_back(segment_to_point(spawn(eyes[e].position, eyes[e].ng, extent),
                                             spawn(v.position, v.normal, extent), extent));
-            who.push_back(i), what.push_back(g);
+            who.push_back(i);
+            what.push_back(g);
         }
         blocked.resize(rays.size());
         caster.occluded(rays, blocked);
@@ -233,8 +243,10 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
     const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,
                                  judge_bound * judge_bound, frame.threads, control, counters);
     double total_value = 0, total_flux = 0;
-    for (size_t i = 0; i < candidates.size(); ++i)
-        total_value += value[i], total_flux += luminance(candidates[i].flux);
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        total_value += value[i];
+        total_flux += luminance(candidates[i].flux);
+    }
     if (!(total_flux > 0)) return {};
     // Systematic resampling: one random offset, `wanted` equal steps through the cumulative probability
     std::vector<Vpl> kept;
@@ -246,7 +258,10 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
         const double q = total_value > 0 ? (1 - kFloor) * value[i] / total_value + kFloor * by_flux : by_flux;
         cumulative += q * double(wanted);
         size_t picks = 0;
-        while (next < wanted && double(next) + offset < cumulative) ++picks, ++next;
+        while (next < wanted && double(next) + offset < cumulative) {
+            ++picks;
+            ++next;
+        }
         if (!picks) continue;
         Vpl v = candidates[i];
         v.flux = v.flux * float(double(picks) / (q * double(wanted)));

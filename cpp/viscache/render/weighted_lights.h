@@ -19,7 +19,8 @@ public:
         if (weights.data() == last_) return *scaled_;
         last_ = weights.data();
         for (size_t k = 0; k < lights_.ends.count; ++k) {
-            scaled_->r[k] = lights_.r[k] * weights[k], scaled_->g[k] = lights_.g[k] * weights[k],
+            scaled_->r[k] = lights_.r[k] * weights[k];
+            scaled_->g[k] = lights_.g[k] * weights[k];
             scaled_->b[k] = lights_.b[k] * weights[k];
         }
         return *scaled_;
