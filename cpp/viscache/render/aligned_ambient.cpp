@@ -9,7 +9,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kWordsPerRun = size_t{9} << 21;  // of rows kept at a time: 150 MB
+constexpr size_t kWordsPerRun = size_t{9} << 21;  // rows that are kept at a time, in words
 
 struct Points {
     std::vector<Vec3> origin, normal;
@@ -22,7 +22,7 @@ std::vector<Points> eye_points(const EyePathTracer& tracer, std::span<const Tile
     std::vector<EyeTile> eyes(size_t(resolve_threads(threads)));
     parallel_for(tiles.size(), threads, [&](size_t i, int worker) {
         control.check();
-        Counters unused;  // the tiles are traced again where they are shaded
+        Counters unused;  // shading traces the tiles again and counts there
         EyeTile& tile = eyes[size_t(worker)];
         tracer.trace(tiles[i], tile, unused, control);
         found[i] = {tile.block.origin, tile.block.normal};
@@ -34,7 +34,7 @@ void append(std::vector<Vec3>& to, const std::vector<Vec3>& from) {
     to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Rows of some points by the engine asked for or chosen.
+/// Traces the rows of some points with the engine that was asked for or chosen.
 EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const AlignedInput& input,
                    std::span<Word> rows, int threads, Control& control) {
     EngineChoice choice;
@@ -71,10 +71,10 @@ DirectionCells::DirectionCells(const Directions& directions) : count(directions.
 
 namespace {
 
-/// `free_share`, compiled per instruction set below: the same operations in the same order.
+/// Body of `free_share`. It is compiled once per instruction set, with the same operations in the same order.
 [[gnu::always_inline]] inline float sum_shares(const DirectionCells& cells, Vec3 normal,
                                                std::span<const Word> row) {
-    constexpr size_t kSums = 16;  // side by side, for the compiler's vectors
+    constexpr size_t kSums = 16;  // independent sums, which the compiler vectorises
     float seen[kSums] = {}, all[kSums] = {};
     for (size_t first = 0; first < cells.count; first += kSums) {
         const auto bits = int32_t(row[first / kWordBits] >> (first % kWordBits) & 0xffff);

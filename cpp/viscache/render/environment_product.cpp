@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kSamplesPerBatch = 8192;
 constexpr size_t kMostEyes = 256, kMostKeptEyes = 64;
 
-/// Wall seconds at little cost; CPU time is split by their shares.
+/// Wall clock, which is cheap to read. The CPU time of a batch is split in proportion to it.
 double tick() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -157,7 +157,7 @@ constexpr size_t kPilotPixels = 1024, kPilotSamples = 16, kPilotChunk = 32;
 constexpr double kGuidedBelow = 0.9;
 constexpr uint64_t kPilotPass = ~uint64_t{0};
 
-/// Sums over pilot pixels, in squared radiance: under product density (0) and the guided one (1).
+/// Sums over the pilot pixels in squared radiance: for the product density (0) and the guided density (1).
 struct PilotSums {
     double variance[2]{}, covariance[2]{}, variance_w[2]{};
     void merge(const PilotSums& b) {
@@ -167,7 +167,8 @@ struct PilotSums {
             variance_w[k] += b.variance_w[k];
         }
     }
-    /// Product samples of one point tell of both densities: E_p[y²] = E_IS[y² D^(−1)] for y over p.
+    /// Adds the product samples of one point. They estimate both densities: E_p[y²] = E_IS[y² D^(−1)] for y
+    /// over p.
     void add(const PointMoments& point, std::span<const DirectionSample> samples,
              std::span<const uint8_t> visible, std::span<const double> d) {
         AlphaSums sums;
@@ -195,7 +196,7 @@ struct PilotSums {
     }
 };
 
-/// One thread's trial.
+/// Runs the pilot on one thread.
 class Pilot {
 public:
     Pilot(const ProductContext& c, const EyePathTracer& tracer, std::unique_ptr<VisibilityOracle> oracle)
@@ -261,7 +262,7 @@ Forecast forecast(const ProductContext& c, const EyePathTracer& tracer, OracleSo
         auto& pilot = pilots[size_t(worker)];
         if (!pilot) pilot = std::make_unique<Pilot>(c, tracer, source.make());
         for (size_t i = chunk * kPilotChunk; i < std::min(tried, (chunk + 1) * kPilotChunk); ++i) {
-            // One pixel of every equal part of the frame, at random
+            // One random pixel from each of equal parts of the frame
             Rng rng(c.seed, Purpose::kProduct, i, kPilotPass - 1);
             const size_t from = i * pixels / tried, to = (i + 1) * pixels / tried;
             const size_t pixel = from + std::min(to - from - 1, size_t(rng.next() * float(to - from)));

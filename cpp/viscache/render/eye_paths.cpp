@@ -8,15 +8,15 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kRaysPerCall = 512;  // what they take, some 100 KB, is reused; a multiple of 16
-constexpr float kWeak = 3e-3f;        // branches that count for less play Russian roulette
+constexpr size_t kRaysPerCall = 512;  // small enough that the buffers stay in the cache; a multiple of 16
+constexpr float kWeak = 3e-3f;        // weaker branches play Russian roulette
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
 struct Differential {
     Vec3 origin_x, origin_y, direction_x, direction_y;
 };
 
-/// One branch of an eye path on its way.
+/// One branch of an eye path that is still followed.
 struct Branch {
     Ray ray;
     Rgb throughput{1, 1, 1};
@@ -25,7 +25,8 @@ struct Branch {
     uint64_t stream;
     float distance = 0;  ///< unfolded length so far
     float camera_cos;    ///< cosine of the primary ray to the optical axis
-    float index2 = 1;    ///< squared index of the medium over the camera's: undoes the radiance's compression
+    float index2 = 1;    ///< squared index of refraction relative to the camera's medium; undoes the
+                         ///< compression of radiance
     int depth = 0;
     Differential d;
 };
@@ -43,7 +44,7 @@ void transfer(Differential& d, const Ray& ray, float t, Vec3 normal) {
 
 /// Change of the shading normal for a step `dp` on the surface.
 Vec3 normal_change(const SurfacePoint& s, Vec3 dp) {
-    // Barycentric change: least squares in the triangle's edges
+    // Change of the barycentric coordinates: least squares along the triangle's edges
     const float aa = length2(s.edge1), ab = dot(s.edge1, s.edge2), bb = length2(s.edge2);
     const float det = aa * bb - ab * ab;
     if (!(det > 0)) return {};
@@ -63,7 +64,7 @@ void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s
     d.direction_y = reflected(d.origin_y, d.direction_y);
 }
 
-/// Refraction from relative index eta = n_i/n_t; n on the incoming side.
+/// Refraction with relative index eta = n_i/n_t; n points to the incoming side.
 void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta,
                           Vec3 transmitted) {
     const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
@@ -97,7 +98,7 @@ void EyeTile::reset(int w, int h) {
 
 namespace {
 
-/// Works through the branches of one tile.
+/// Traces all branches of one tile.
 class TilePaths {
 public:
     TilePaths(const EyePathTracer& tracer, EyeTile& out, Counters& counters)
@@ -109,7 +110,7 @@ public:
 
     void run(const Tile& tile, const Control& control) {
         trace_primary(tile, control);
-        // What mirrors and glass sent on
+        // Rays that mirrors and glass have spawned
         while (!next_.empty()) {
             std::swap(branches_, next_);
             next_.clear();
@@ -120,7 +121,7 @@ public:
     }
 
 private:
-    /// All samples of the tile's pixels, along its Morton curve.
+    /// Traces all samples of the tile, pixel by pixel along its Morton curve.
     void trace_primary(const Tile& tile, const Control& control) {
         const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
@@ -147,7 +148,7 @@ private:
         flush();
     }
 
-    /// The branch that starts at a place of the film.
+    /// The primary ray through a position on the film.
     Branch primary(float x, float y) const {
         const FilmCamera& film = t_.film;
         const Vec3 raw = film.direction(x, y);
@@ -196,7 +197,7 @@ private:
         if (footprint_) transfer(b.d, b.ray, hit.t, s.ng);
         b.distance += hit.t;
         const Material& material = t_.scene.materials()[size_t(s.material)];
-        if (t_.integrator.ambient) {  // geometry alone decides: mirrors and glass are surfaces like others
+        if (t_.integrator.ambient) {  // only geometry matters: mirrors and glass count as surfaces
             store(b, s, material, front);
             return;
         }
@@ -210,7 +211,7 @@ private:
         }
     }
 
-    /// Keeps a point of a diffuse or glossy surface as an eye point.
+    /// Stores a point on a diffuse or glossy surface as an eye point.
     void store(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
         if (!front && !material.two_sided && !t_.integrator.ambient) return;
         if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
@@ -219,8 +220,8 @@ private:
         sp.ng = ng;
         sp.ns = front ? s.ns : -s.ns;
         sp.wo = -b.ray.d;
-        // A shading normal turned away from the eye would make the surface black: bend it back to the
-        // geometric one
+        // A shading normal that faces away from the eye would make the surface black: use the geometric
+        // normal
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
         sp.base = s.base_color;
         sp.specular = material.specular;
@@ -252,10 +253,10 @@ private:
         return spp * cos_eye / (t_.film.pixel_area() * c * c * c * b.distance * b.distance);
     }
 
-    /// How much of the pixel's light a branch can bring, whatever medium it is in.
+    /// Largest share of the pixel's light that a branch can carry, in any medium.
     static float strength(const Branch& b) { return luminance(b.throughput) * b.index2; }
 
-    /// Russian roulette for weak branches: few go on, with the weight that keeps the expectation.
+    /// Russian roulette for weak branches. Survivors get the weight that keeps the expectation.
     bool survives(Branch& branch) const {
         const float s = strength(branch);
         if (s >= kWeak) return true;
@@ -265,7 +266,7 @@ private:
         return true;
     }
 
-    /// Sends a branch with its new throughput, medium and differentials off the surface.
+    /// Continues a branch from the surface with its new throughput, medium and differentials.
     void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
         if (branch.depth >= t_.integrator.max_depth) return lose(branch);
         branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
@@ -290,15 +291,15 @@ private:
         follow(reflected, s, ng, direction, 0);
     }
 
-    /// Both branches of glass.
+    /// Follows the reflected and the refracted branch of glass.
     void split(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
         const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
-        const float cos_i = dot(s.ns, -b.ray.d);  // sign tells the side
+        const float cos_i = dot(s.ns, -b.ray.d);  // the sign tells the side
         const float fresnel = fresnel_dielectric(cos_i, material.eta);
         reflect(b, s, front, Rgb{fresnel, fresnel, fresnel});
         if (fresnel >= 1) return;
-        const float eta = front ? 1 / material.eta : material.eta;  // incoming over transmitted index
-        // Radiance is compressed by the change of index (it cancels where the path leaves the glass again)
+        const float eta = front ? 1 / material.eta : material.eta;  // incoming index over the other
+        // The change of index compresses radiance. This cancels where the path leaves the glass again
         Branch through = b;
         through.throughput = b.throughput * ((1 - fresnel) * eta * eta);
         through.index2 = b.index2 / (eta * eta);
@@ -312,7 +313,7 @@ private:
     EyeTile& out_;
     Counters& counters_;
     const float inverse_spp_;
-    const bool footprint_;  ///< differentials are followed
+    const bool footprint_;  ///< ray differentials are traced
     std::vector<Branch> branches_, next_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;

@@ -14,16 +14,16 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileSamples = 128;           // edge of a tile in eye samples
-constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
+constexpr int kTileSamples = 128;           // edge of a tile, in eye samples
+constexpr int kTileSamplesFewLights = 256;  // for frames whose shared groups have at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
-constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
-constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
+constexpr size_t kEyesPerBatch = 256;       // largest number of eye points per batch of local samples
+constexpr size_t kPairsPerBatch = 1 << 16;  // bounds the queries of a batch
+constexpr size_t kRowsPerCheck = 256;       // eye points between checks for an interrupt
 
 }  // namespace
 
-/// The frame's own virtual point lights.
+/// Traces and resamples the virtual point lights of the frame.
 static std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
                                   const IntegratorSettings& integrator, const FrameSettings& frame,
                                   Control& control, Counters& counters) {
@@ -73,14 +73,14 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
         lights.bound2 = bound * bound;
-        // Lights near each other follow each other: their rays meet the same triangles
+        // Nearby lights are stored together, because their rays meet the same triangles
         std::vector<Vec3> places;
         for (const Vpl& v : vpls) places.push_back(v.position);
         for (const uint32_t i : morton_order(places)) {
             const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
             lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
         }
-        // As geometry factors they are surfaces; the cache may key them as points (vpl_key)
+        // The geometry factor treats VPLs as surfaces. The cache can key them as points (vpl_key)
         keep(lights, Semantic::kSurface, LightGroup::kVpl);
     }
     return groups;
@@ -88,7 +88,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
 
 namespace {
 
-/// Everything of a frame that all tiles share.
+/// Data of a frame that all tiles share.
 struct FrameContext {
     const Scene& scene;
     const RayCaster& caster;
@@ -96,11 +96,11 @@ struct FrameContext {
     const FrameSettings& frame;
     EyePathTracer tracer;
     std::vector<SharedLights> shared;
-    const ProductContext* product = nullptr;  ///< of the environment; nullptr: other ways, or none
-    const AmbientShares* shares = nullptr;    ///< of shared directions
+    const ProductContext* product = nullptr;  ///< product sampling of the environment; nullptr: not used
+    const AmbientShares* shares = nullptr;    ///< for shared directions
 };
 
-/// What a tile's eye points would receive from a group of shared lights.
+/// Unoccluded contributions of a group of shared lights to the eye points of a tile.
 class TileContributions : public Contributions {
 public:
     TileContributions(const SharedLights& lights, const EyeTile& eyes) : lights_(lights), eyes_(eyes) {}
@@ -131,7 +131,7 @@ private:
     mutable std::vector<float> scratch_;
 };
 
-/// One thread's work on tiles; buffers are kept between them.
+/// Renders tiles on one thread. Its buffers are reused.
 class TileWorker {
 public:
     TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
@@ -230,7 +230,8 @@ private:
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
     }
 
-    /// Runs of eye points in the oracle's order: make their samples (at most `samples` each), ask, add up.
+    /// Goes through batches of eye points in the oracle's order: makes their samples (at most `samples` per
+    /// eye point), queries visibility, adds the contributions.
     template <class MakeSamples>
     void add_batches(Semantic semantic, LightGroup group, int samples, Counters& counters,
                      StageSeconds& stages, StageClock& clock, const Control& control,
@@ -257,7 +258,7 @@ private:
         }
     }
 
-    /// Adds the visible samples' contributions to their pixels.
+    /// Adds the contributions of visible samples to their pixels.
     void add_seen(std::vector<Rgb>& sum) const {
         const std::span<const float> weights = oracle_->pair_weights();
         size_t row = 0;
@@ -268,7 +269,7 @@ private:
         });
     }
 
-    /// Ambient occlusion by shared directions; `first`: number of the tile's first eye point.
+    /// Ambient occlusion along shared directions. `first`: index of the first eye point of the tile.
     void add_shares(size_t first) {
         std::vector<Rgb>& sum = sums_[size_t(LightGroup::kAmbient)];
         for (size_t i = 0; i < eyes_.size(); ++i)
@@ -294,7 +295,7 @@ private:
             }
     }
 
-    /// Means over the samples that hit, and their share of all.
+    /// Writes means over the samples that hit, and the share of such samples.
     void write_first_hits(const FirstHits& first, size_t to, FrameResult& out) const {
         const float hits = float(first.count), share = first.count ? 1 / hits : 0.f;
         out.coverage[to] = hits / float(c_.frame.spp);
@@ -335,7 +336,7 @@ FrameResult empty_result(const FrameContext& c) {
     return out;
 }
 
-/// Runs the trial where something depends on it, and takes what it says into the context.
+/// Runs the pilot if a setting depends on it, and stores its result in the context.
 void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleSource& source,
                    Counters& counters, const Control& control, FrameResult& out) {
     VisMapSettings& s = product.settings;
@@ -348,7 +349,7 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleS
     out.pilot_s = wall_seconds() - start;
 }
 
-/// What a source may ask of a frame of tiles.
+/// What a source can ask about a frame of tiles.
 class TilesStart final : public FrameStart {
 public:
     TilesStart(const FrameContext& context, const Camera& camera, FrameResult& out)
@@ -430,7 +431,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     if (dealt) out.tile_edge_px = dealt;
     const auto tiles =
         tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
-    if (frame.part > 0) counters = out.counters = {};  // the first part counts what all of them do
+    if (frame.part > 0) counters = out.counters = {};  // the first part counts the work that all parts repeat
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;
     if (integrator.ambient && integrator.ambient_aligned) {
@@ -444,7 +445,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     }
     control.total = tiles.size();
 
-    // Tiles write disjoint pixels; counters are merged in tile order
+    // Tiles write disjoint pixels. Counters are merged in the order of the tiles
     std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());

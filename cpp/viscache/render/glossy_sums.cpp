@@ -7,7 +7,7 @@ namespace {
 
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
-/// Unit directions to the sixteen columns from k on, and what multiplies f·cos.
+/// Unit directions to the sixteen columns from k on, and the factor of f·cos.
 template <Semantic kSemantic>
 VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z,
                          float* scale) {
@@ -47,7 +47,7 @@ VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const Lob
             aim<kSemantic>(s, eye.position, k, x, y, z, scale);
             glossy16(lobe, x, y, z, f);
             for (uint32_t i = 0; i < 16; ++i) {
-                // Columns without a bit may hold anything
+                // Columns whose bit is not set may hold any value
                 const bool seen = mask >> i & 1;
                 const float fr = seen ? f.r[i] * scale[i] : 0.f, fg = seen ? f.g[i] * scale[i] : 0.f,
                             fb = seen ? f.b[i] * scale[i] : 0.f;

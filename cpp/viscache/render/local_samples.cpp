@@ -33,9 +33,9 @@ ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float 
 
 namespace {
 
-/// Randomised low-discrepancy samples keyed by one eye point and purpose: a (0,2)-sequence for positions, and
-/// beside it one number each for choices, in a shuffled order: else choice and position would go hand in
-/// hand.
+/// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
+/// number per sample for choices. The choices are shuffled, because they would be correlated with the
+/// positions otherwise.
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
     EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
@@ -80,23 +80,24 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
 
 namespace {
 
-/// Directions of one eye point with what is known of them, in arrays for SIMD.
+/// Directions of one eye point and their data, as arrays for SIMD.
 struct SkyBatch {
     static constexpr size_t kSize = HemisphereBatch::kSize;
     alignas(64) float x[kSize], y[kSize], z[kSize];
-    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos and its density
+    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos, and the density of the BRDF
     Rgb radiance[kSize];
     float pdf_light[kSize];
 };
 
-/// Both techniques share f·cos·L / Σ_t n_t p_t (balance heuristic).
+/// Samples of both techniques have the value f·cos·L / Σ_t n_t p_t (balance heuristic).
 struct SkySampler {
     const EnvironmentMap& env;
     const LobeConstants lobe;
     Rgb throughput;
     float n_light, n_brdf;
 
-    /// Keeps what brings something of the first n of the batch, whose directions and light are known.
+    /// Adds those of the first n samples of the batch that contribute. Their directions and light must be
+    /// set.
     void add(SkyBatch& s, size_t n, WeightedSamples& out, Counters& counters) const {
         const size_t whole = (n + 15) / 16 * 16;
         for (size_t i = n; i < whole; ++i) {
@@ -122,7 +123,7 @@ struct SkySampler {
     }
 };
 
-/// Directions by the environment's radiance.
+/// Adds directions drawn by the radiance of the environment.
 void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int n, SkyBatch& batch,
                        WeightedSamples& out, Counters& counters) {
     Vec2 points[SkyBatch::kSize];
@@ -148,7 +149,7 @@ void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int
     }
 }
 
-/// Directions by the BRDF.
+/// Adds directions drawn by the BRDF.
 void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const EyeSamples& numbers, int n,
                       SkyBatch& batch, WeightedSamples& out, Counters& counters) {
     const HemisphereSequence cosines{numbers.sx, numbers.sy, frame_around(sp.ns), true};

@@ -21,13 +21,13 @@ void blend(const BlendedMaps& maps, std::vector<float>& visible) {
 
 }  // namespace
 
-/// One thread's buffers.
+/// Buffers of one thread.
 struct Relighting::Worker {
     EyeTile eyes;
     MapReader maps;
     std::vector<float> visible;
 
-    /// Adds the blocks of one eye point; `colours`: 1 or 3.
+    /// Adds the blocks of one eye point. `colours` is 1 or 3.
     void add(const Reflection& reflection, int m, int colours, Part& part) const {
         RgbBlock quarters;
         for (size_t first = 0; first < visible.size(); first += kBlock) {
@@ -76,7 +76,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             ShadingPoint sp = w.eyes.shading[i];
             Rgb colour = w.eyes.throughput[i];
             const bool coloured = sp.kind == MaterialKind::kGlossy;
-            // A diffuse surface keeps its colour apart: one value per cell is enough
+            // The colour of a diffuse surface is stored once, so that one value per cell is enough
             if (!coloured) {
                 colour = colour * sp.base;
                 sp.base = {1, 1, 1};
@@ -120,7 +120,7 @@ void Relighting::image(const CellLight& light, std::span<std::array<double, 3>> 
                  *blue = light.channel[2].data();
     parallel_for(parts_.size(), threads, [&](size_t t, int) {
         for (const Point& p : parts_[t].points) {
-            // Lanes that are added up last keep the order of sums, and the loop in SIMD
+            // Separate lanes, added at the end: the order of sums is fixed and the loop uses SIMD
             double lanes[3][kBlock]{};
             if (p.blocks > 0)
                 for_each_value(parts_[t], p,

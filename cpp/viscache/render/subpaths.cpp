@@ -12,7 +12,7 @@ void SubpathTracer::start(const SampleTile& work) {
     walkers_.clear();
 }
 
-/// Number of the sample in the frame.
+/// Key of the random numbers of a sample, unique in the frame.
 uint64_t SubpathTracer::stream_of(const SampleTile& work, uint32_t path) const {
     const auto [x, y] = places_[path];
     const uint64_t pixel = uint64_t(work.tile.y0 + y) * uint64_t(c_.film.width) + uint64_t(work.tile.x0 + x);
@@ -22,7 +22,7 @@ uint64_t SubpathTracer::stream_of(const SampleTile& work, uint32_t path) const {
 void SubpathTracer::trace_light(const SampleTile& work, Subpaths& out, Counters& counters,
                                 const Control& control) {
     start(work);
-    // With the camera as last vertex the light makes one vertex per edge, else one less
+    // A path that ends at the camera has one light vertex per edge; other paths have one less
     const size_t longest = size_t(c_.settings.max_depth - (c_.to_camera() ? 0 : 1));
     out.reset(places_.size(), std::max<size_t>(1, longest));
     if (c_.lights.empty() || longest == 0) return;
@@ -78,7 +78,7 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
     walk(Transport::kRadiance, longest - 1, out, &light, counters, control);
 }
 
-/// Follows all walkers for so many edges.
+/// Follows all walkers for at most `edges` edges.
 void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLight* light,
                          Counters& counters, const Control& control) {
     for (size_t edge = 0; edge < edges && !walkers_.empty(); ++edge) {
@@ -87,7 +87,7 @@ void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLi
         next_.clear();
         for (const Walker& w : walkers_) rays_.push_back(w.ray);
         hits_.assign(rays_.size(), {});
-        // Primary rays alone stay together
+        // Only primary rays are coherent
         const bool primary = transport == Transport::kRadiance && edge == 0;
         c_.caster.intersect(rays_, hits_, primary ? Coherence::kCoherent : Coherence::kIncoherent);
         (light ? counters.camera_rays : counters.light_rays) += rays_.size();
@@ -101,7 +101,7 @@ void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLi
     }
 }
 
-/// Adds the vertex that was hit; false where the sub-path ends without one.
+/// Adds the vertex that was hit. False if the sub-path ends without one.
 bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* light,
                            Counters& counters) const {
     if (!hit.valid()) {
@@ -132,7 +132,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     return true;
 }
 
-/// Position, normals and densities of the vertex at the end of the walker's ray.
+/// The vertex at the end of the ray of a walker: position, normals, densities.
 PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const SurfacePoint& s) const {
     PathVertex v;
     v.front = dot(s.ng, w.ray.d) <= 0;
@@ -148,7 +148,7 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
     return v;
 }
 
-/// Scatters at the last vertex; false where the sub-path ends.
+/// Scatters at the last vertex. False if the sub-path ends.
 bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> path) const {
     const PathVertex& v = path.back();
     PathVertex& before = path[path.size() - 2];
@@ -190,15 +190,15 @@ void SubpathTracer::hit_light(const Walker& w, const Hit& hit, const SurfacePoin
     const PathVertex emitter = vertex_at(w, hit, s);
     const PathVertex& before = out.of(w.path).back();
     const double emitted = std::fabs(double(dot(s.ng, w.ray.d))) / M_PI * (s.emits_two_sided ? 0.5 : 1.0);
-    // Sphere lights are traced tessellated and sampled as spheres: found by chance only where nothing else
-    // finds them
+    // Sphere lights are traced as meshes and sampled as spheres. Hits by chance count only where no other
+    // strategy finds the light
     const bool sphere = c_.scene.sphere_light_of(hit.mesh) >= 0;
     add_emitted(w, emitter, c_.lights.pdf_point(s.emission, s.emits_two_sided),
                 to_area(emitted, emitter, before), s.emission, out, light, counters,
                 {c_.to_camera(), !sphere});
 }
 
-/// Adds what a light brings that the eye path has hit by itself.
+/// Adds the light of an emitter that the eye path has hit.
 void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, double pdf_point,
                                 double pdf_before, Rgb radiance, Subpaths& out, EyeLight& light,
                                 Counters& counters, StrategyRules rules) const {
