@@ -27,9 +27,8 @@ struct EyeTile {
     EyeBlock block;
     std::vector<ShadingPoint> shading;
     std::vector<Rgb> throughput;
-    std::vector<uint32_t> pixel;  ///< index into the tile's pixels, row-major
-    std::vector<uint64_t>
-        stream;  ///< random-number key: unique in the frame, independent of tiles and threads
+    std::vector<uint32_t> pixel;   ///< index into the tile's pixels, row-major
+    std::vector<uint64_t> stream;  ///< random-number key: unique in the frame, free of tiles and threads
 
     // Per pixel of the tile, row-major
     int width = 0, height = 0;

@@ -15,7 +15,7 @@ namespace viscache {
 struct SharedLights {
     FarEnds ends;
     std::vector<float> r, g,
-        b;             ///< intensity, irradiance or reflected flux density (VPL); padded with zeros
+        b;             ///< intensity, irradiance or reflected flux density; padded with zeros
     float bound2 = 0;  ///< for VPLs: added to d² in the geometry term; 0 = unbounded
     bool empty() const { return ends.count == 0; }
 
