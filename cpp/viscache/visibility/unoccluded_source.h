@@ -1,7 +1,8 @@
 #pragma once
-// Everything sees everything: light without shadows, and no rays.
+// An oracle for which all far ends are visible: light without shadows, and no rays.
 #include <algorithm>
 
+#include "viscache/visibility/exact.h"
 #include "viscache/visibility/local_samples.h"
 #include "viscache/visibility/oracle_source.h"
 
