@@ -51,7 +51,9 @@ py::tuple full_keys(const AqvcParameters& p, std::array<float, 3> center, double
         const FullKey key = grid.full_key(placed.cell, far_key);
         std::copy(key.begin(), key.end(), keys.mutable_data(i, 0));
         double* f = place.mutable_data(i, 0);
-        f[0] = placed.fx, f[1] = placed.fy, f[2] = placed.fz;
+        f[0] = placed.fx;
+        f[1] = placed.fy;
+        f[2] = placed.fz;
         valid.mutable_at(i) = anchor.valid && has_far;
     }
     return py::make_tuple(keys, place, valid,
@@ -63,7 +65,9 @@ py::dict order(std::vector<uint32_t> x, std::vector<uint32_t> y, uint32_t width,
     if (x.size() != y.size()) throw py::value_error("x and y must have equal lengths");
     EyeBlock eyes;
     eyes.position.resize(x.size());
-    eyes.order_x = std::move(x), eyes.order_y = std::move(y), eyes.tile_width = width,
+    eyes.order_x = std::move(x);
+    eyes.order_y = std::move(y);
+    eyes.tile_width = width;
     eyes.tile_height = height;
     TileOrder order;
     OrderMaker().make(eyes, p, order);
@@ -126,7 +130,8 @@ void bind_aqvc_keys(py::module_& m) {
             py::array_t<int32_t> slot(r.size());
             for (py::ssize_t i = 0; i < r.size(); ++i) {
                 const Rung& rung = ladder.rung(r.data()[i], clamps);
-                resolution.mutable_at(i) = rung.resolution, slot.mutable_at(i) = rung.slot;
+                resolution.mutable_at(i) = rung.resolution;
+                slot.mutable_at(i) = rung.slot;
             }
             return py::make_tuple(
                 resolution, slot,
@@ -143,7 +148,8 @@ void bind_aqvc_keys(py::module_& m) {
             py::array_t<double> uv({w.shape(0), py::ssize_t(2)});
             for (py::ssize_t i = 0; i < w.shape(0); ++i) {
                 const auto [u, v] = octahedral_square<double>(rows3(w, "w")[i]);
-                uv.mutable_at(i, 0) = u, uv.mutable_at(i, 1) = v;
+                uv.mutable_at(i, 0) = u;
+                uv.mutable_at(i, 1) = v;
             }
             return uv;
         },
@@ -155,7 +161,8 @@ void bind_aqvc_keys(py::module_& m) {
             const FullKey* rows = key_rows(keys);
             for (py::ssize_t i = 0; i < keys.shape(0); ++i) {
                 const KeyHash h = hash_key(rows[i], scheme_named(scheme));
-                out.mutable_at(i, 0) = h.kappa, out.mutable_at(i, 1) = h.digest;
+                out.mutable_at(i, 0) = h.kappa;
+                out.mutable_at(i, 1) = h.digest;
             }
             return out;
         },

@@ -19,7 +19,7 @@ EyeBlock eye_block(const py::dict& d, float extent) {
     if (d.contains("order_x")) {
         eyes.order_x = d["order_x"].cast<std::vector<uint32_t>>();
         eyes.order_y = d["order_y"].cast<std::vector<uint32_t>>();
-        eyes.tile_width = d["tile_width"].cast<uint32_t>(),
+        eyes.tile_width = d["tile_width"].cast<uint32_t>();
         eyes.tile_height = d["tile_height"].cast<uint32_t>();
     }
     if (eyes.normal.size() != eyes.size() || eyes.density.size() != eyes.size())
@@ -43,9 +43,15 @@ FarEnds far_ends(const py::dict& d, float extent) {
         v->resize((l.count + 511) / 512 * 512);
     for (size_t k = 0; k < l.count; ++k) {
         const Vec3 end = l.semantic == Semantic::kSurface ? spawn(far[k], normal[k], extent) : far[k];
-        l.x[k] = far[k].x, l.y[k] = far[k].y, l.z[k] = far[k].z;
-        l.nx[k] = normal[k].x, l.ny[k] = normal[k].y, l.nz[k] = normal[k].z;
-        l.tx[k] = end.x, l.ty[k] = end.y, l.tz[k] = end.z;
+        l.x[k] = far[k].x;
+        l.y[k] = far[k].y;
+        l.z[k] = far[k].z;
+        l.nx[k] = normal[k].x;
+        l.ny[k] = normal[k].y;
+        l.nz[k] = normal[k].z;
+        l.tx[k] = end.x;
+        l.ty[k] = end.y;
+        l.tz[k] = end.z;
     }
     return l;
 }
@@ -59,9 +65,12 @@ py::dict counters_dict(const Counters& c) {
                "nil_neighbours"_a = c.nil_neighbours, "evictions"_a = c.evictions, "bypassed"_a = c.bypassed,
                "boundary_queries"_a = c.boundary_queries, "cells"_a = c.cells,
                "expected_false_hits"_a = c.expected_false_hits);
-    d["leftover_rays"] = c.leftover_rays, d["clamped_low"] = c.clamped_low,
+    d["leftover_rays"] = c.leftover_rays;
+    d["clamped_low"] = c.clamped_low;
     d["clamped_high"] = c.clamped_high;
-    d["clamped_nan"] = c.clamped_nan, d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
+    d["clamped_nan"] = c.clamped_nan;
+    d["table_writes"] = c.table_writes;
+    d["table_slots"] = c.table_slots;
     d["rays_per_level"] = std::vector<uint64_t>(c.rays_per_level.begin(), c.rays_per_level.end());
     return d;
 }
@@ -76,7 +85,10 @@ public:
     void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
         const std::span<const float> f(f_.data(eye), size_t(f_.shape(1)));
         float sum = 0, positive = 0;
-        for (const float v : f) sum += v, positive += v > 0;
+        for (const float v : f) {
+            sum += v;
+            positive += v > 0;
+        }
         const float mean = sum / std::max(positive, 1.f);
         for (size_t i = 0; i < rows.size(); ++i)
             for (size_t k = 0; k < f.size(); ++k) {
@@ -156,12 +168,15 @@ public:
                       const std::vector<float>& light_density) {
         const auto y = vec3s(far, "far"), n = vec3s(normal, "normal");
         LocalSamples s;
-        s.semantic = Semantic(semantic), s.group = group;
+        s.semantic = Semantic(semantic);
+        s.group = group;
         for (size_t i = 0; i < eye.size(); ++i) {
             if (eye[i] >= eyes_.size()) throw py::value_error("eye must be an eye point of the tile");
             s.add(y.at(i), density.at(i), light_density.at(i));
-            if (!s.is_direction())
-                s.normal.push_back(n.at(i)), s.ray_end.push_back(spawn(y[i], n[i], extent_));
+            if (!s.is_direction()) {
+                s.normal.push_back(n.at(i));
+                s.ray_end.push_back(spawn(y[i], n[i], extent_));
+            }
             if (i + 1 == eye.size() || eye[i + 1] != eye[i]) s.close(eye[i]);
         }
         std::vector<Word> visible(words_for(s.size()));
@@ -197,7 +212,8 @@ private:
 };
 
 AnalyticCaster analytic_caster(const FloatArray& boxes, const FloatArray& spheres) {
-    require_rows(boxes, 6, "boxes"), require_rows(spheres, 4, "spheres");
+    require_rows(boxes, 6, "boxes");
+    require_rows(spheres, 4, "spheres");
     std::vector<AnalyticCaster::Box> b;
     std::vector<AnalyticCaster::Sphere> s;
     for (py::ssize_t i = 0; i < boxes.shape(0); ++i)

@@ -21,7 +21,10 @@ py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, doub
     s.semantic = Semantic(semantic);
     for (size_t i = 0; i < y.size(); ++i) {
         s.add(y[i], density.at(i), density.at(i));
-        if (!s.is_direction()) s.normal.push_back(n.at(i)), s.ray_end.push_back(y[i]);
+        if (!s.is_direction()) {
+            s.normal.push_back(n.at(i));
+            s.ray_end.push_back(y[i]);
+        }
     }
     const CellGrid grid(p, vec3(center), radius);
     LightCells cells;
@@ -36,7 +39,11 @@ py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, doub
 py::tuple octahedral(const FloatArray& w, const std::optional<std::string>& isa) {
     const auto d = vec3s(w, "w");
     std::vector<float> x, y, z;
-    for (const Vec3& v : d) x.push_back(v.x), y.push_back(v.y), z.push_back(v.z);
+    for (const Vec3& v : d) {
+        x.push_back(v.x);
+        y.push_back(v.y);
+        z.push_back(v.z);
+    }
     py::array_t<double> u(d.size()), v(d.size());
     octahedral_batch(x, y, z, {u.mutable_data(), d.size()}, {v.mutable_data(), d.size()}, isa_of(isa));
     return py::make_tuple(u, v);

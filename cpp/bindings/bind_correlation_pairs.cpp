@@ -43,12 +43,17 @@ struct RowsArgument {
             if (size != n)
                 throw py::value_error(std::string(name) + " must have one row per row of bits, " +
                                       std::to_string(n) + ", got " + std::to_string(size));
-        rows.bits = bits.data(), rows.words = size_t(bits.shape(1)), rows.n_directions = n_directions;
+        rows.bits = bits.data();
+        rows.words = size_t(bits.shape(1));
+        rows.n_directions = n_directions;
         rows.position = {rows3(position, "positions"), size_t(n)};
         rows.normal = {rows3(normal, "normals"), size_t(n)};
         rows.direction = {rows3(direction, "directions"), size_t(direction.shape(0))};
-        rows.group = {group.data(), size_t(n)}, rows.n_groups = n_groups;
-        rows.domain = domain_of(domain), rows.min_bits = min_bits, rows.one_if_both = one_if_both;
+        rows.group = {group.data(), size_t(n)};
+        rows.n_groups = n_groups;
+        rows.domain = domain_of(domain);
+        rows.min_bits = min_bits;
+        rows.one_if_both = one_if_both;
     }
     WordArray bits;
     FloatArray position, normal, direction;
@@ -64,10 +69,10 @@ py::array_t<int64_t> taken(std::vector<int64_t>& v, const PairTable& t) {
 }
 
 py::dict dict_of(PairTable& t) {
-    py::dict d;
-    d["n"] = taken(t.n, t), d["n_undefined"] = taken(t.n_undefined, t), d["sum_q"] = taken(t.sum_q, t);
-    d["sum_q2_high"] = taken(t.sum_q2_high, t), d["sum_q2_low"] = taken(t.sum_q2_low, t);
-    return d;
+    using namespace py::literals;
+    return py::dict("n"_a = taken(t.n, t), "n_undefined"_a = taken(t.n_undefined, t),
+                    "sum_q"_a = taken(t.sum_q, t), "sum_q2_high"_a = taken(t.sum_q2_high, t),
+                    "sum_q2_low"_a = taken(t.sum_q2_low, t));
 }
 
 PairWork work_of(int threads, const std::optional<std::string>& isa, bool skip_dead = true) {
@@ -120,7 +125,8 @@ py::array_t<float> spatial_map_array(const RowsArgument& a, double d_max, double
 
 /// Both arrays have rows of the same number of words, at most as many as the kernel takes.
 void require_alike(const WordArray& a, const WordArray& b) {
-    require_bits(a, "bits_a"), require_bits(b, "bits_b");
+    require_bits(a, "bits_a");
+    require_bits(b, "bits_b");
     if (a.shape(1) != b.shape(1))
         throw py::value_error("bits_a and bits_b must have rows of the same length, got " + shape_text(a) +
                               " and " + shape_text(b));

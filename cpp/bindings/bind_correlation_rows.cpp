@@ -21,13 +21,11 @@ py::array_t<T> array_of(const std::vector<T>& v) {
 }
 
 py::dict points_dict(const SurfacePoints& p) {
-    py::dict d;
-    d["position"] = from_vec3s(p.position), d["normal"] = from_vec3s(p.normal);
-    d["shading_normal"] = from_vec3s(p.shading_normal);
-    d["group"] = array_of(p.group), d["stratum"] = array_of(p.stratum);
-    d["width"] = p.width, d["height"] = p.height;
-    d["bad_normals"] = p.bad_normals, d["misses"] = p.misses;
-    return d;
+    using namespace py::literals;
+    return py::dict("position"_a = from_vec3s(p.position), "normal"_a = from_vec3s(p.normal),
+                    "shading_normal"_a = from_vec3s(p.shading_normal), "group"_a = array_of(p.group),
+                    "stratum"_a = array_of(p.stratum), "width"_a = p.width, "height"_a = p.height,
+                    "bad_normals"_a = p.bad_normals, "misses"_a = p.misses);
 }
 
 py::dict camera_points(const Scene& scene, const RayCaster& caster, const Camera& camera, size_t n,

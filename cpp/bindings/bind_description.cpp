@@ -21,8 +21,11 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
              const std::optional<FloatArray>& normals, const std::optional<FloatArray>& uvs, Float3 emission,
              bool emits_two_sided, bool in_world, const std::string& name) {
     Mesh mesh;
-    mesh.name = name, mesh.material = material, mesh.emission = vec3(emission);
-    mesh.emits_two_sided = emits_two_sided, mesh.in_world = in_world;
+    mesh.name = name;
+    mesh.material = material;
+    mesh.emission = vec3(emission);
+    mesh.emits_two_sided = emits_two_sided;
+    mesh.in_world = in_world;
     mesh.vertices = vec3s(vertices, "vertices");
     require_rows(triangles, 3, "triangles");
     const auto* t = reinterpret_cast<const Vec3u*>(triangles.data());
@@ -44,7 +47,9 @@ int add_image(SceneDescription& d, const FloatArray& pixels) {
 
 void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     Image &image = d.images.at(index), given = image_from(pixels);
-    image.width = given.width, image.height = given.height, image.channels = given.channels;
+    image.width = given.width;
+    image.height = given.height;
+    image.channels = given.channels;
     image.pixels = std::move(given.pixels);
 }
 
@@ -159,7 +164,10 @@ void bind_description(py::module_& m) {
             [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
                int height, bool horizontal, const std::string& name) {
                 Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
-                c.width = width, c.height = height, c.fov_is_horizontal = horizontal, c.name = name;
+                c.width = width;
+                c.height = height;
+                c.fov_is_horizontal = horizontal;
+                c.name = name;
                 d.cameras.push_back(c);
             },
             py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},

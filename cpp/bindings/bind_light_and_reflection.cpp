@@ -50,7 +50,8 @@ void bind_environment(py::module_& s) {
                 std::vector<Vec3> radiance, wi;
                 const auto pdf = map_rows<Vec2>(u, "u", [&](Vec2 v) {
                     const auto sample = e.sample(v);
-                    wi.push_back(sample.wi), radiance.push_back(sample.radiance);
+                    wi.push_back(sample.wi);
+                    radiance.push_back(sample.radiance);
                     return sample.pdf;
                 });
                 return std::tuple(from_vec3s(wi), from_vec3s(radiance), pdf);
@@ -98,7 +99,8 @@ void bind_shading_point(py::module_& s, py::module_& t) {
             std::vector<Vec3> wi, weight;
             const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
                 const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
-                wi.push_back(sample ? sample->wi : Vec3{}), weight.push_back(sample ? sample->weight : Rgb{});
+                wi.push_back(sample ? sample->wi : Vec3{});
+                weight.push_back(sample ? sample->weight : Rgb{});
                 return sample ? sample->pdf : 0.f;
             });
             return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);

@@ -85,7 +85,8 @@ void bind_distribution(py::module_& t) {
                     if (!(u.data()[i] >= 0 && u.data()[i] < 1))
                         throw py::value_error("u must be in [0, 1), got " + std::to_string(u.data()[i]));
                     const auto pick = d.sample(u.data()[i]);
-                    index.mutable_at(i) = int64_t(pick.index), pmf.mutable_at(i) = pick.pmf;
+                    index.mutable_at(i) = int64_t(pick.index);
+                    pmf.mutable_at(i) = pick.pmf;
                     rest.mutable_at(i) = pick.u;
                 }
                 return std::tuple(index, pmf, rest);

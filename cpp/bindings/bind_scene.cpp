@@ -38,14 +38,18 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
                 tracers[size_t(worker)].block(first, last - first);
         },
         chunk);
-    if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
+    if (!usable) {
+        require_usable(o, "origins");
+        require_usable(d, "directions");
+    }
     return result;
 }
 
 /// One plan for all rays: the bare loop.
 py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                 float t_max, int width, bool coherent, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
     const size_t n = size_t(o.shape(0));
@@ -64,7 +68,8 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
 /// One ray a call; distances only.
 py::array_t<float> bare_intersect(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                   int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");

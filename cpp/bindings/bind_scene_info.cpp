@@ -15,11 +15,11 @@ py::dict mesh_dict(const Scene& scene, size_t index) {
         throw py::index_error("mesh must be in [0, " + std::to_string(scene.described_meshes()) + "), got " +
                               std::to_string(index));
     const Mesh& mesh = scene.meshes()[index];
-    py::dict d;
-    d["name"] = mesh.name, d["vertices"] = from_vec3s(mesh.vertices);
-    d["triangles"] = from_triangles(mesh.triangles), d["normals"] = from_vec3s(mesh.normals);
-    d["material"] = mesh.material, d["emission"] = array3(mesh.emission), d["in_world"] = mesh.in_world;
-    return d;
+    using namespace py::literals;
+    return py::dict("name"_a = mesh.name, "vertices"_a = from_vec3s(mesh.vertices),
+                    "triangles"_a = from_triangles(mesh.triangles), "normals"_a = from_vec3s(mesh.normals),
+                    "material"_a = mesh.material, "emission"_a = array3(mesh.emission),
+                    "in_world"_a = mesh.in_world);
 }
 
 }  // namespace
@@ -63,7 +63,8 @@ void bind_scene_info(py::module_& m) {
         "description_of",
         [](const Scene& s) {
             SceneDescription d = s.description();
-            d.meshes.resize(s.described_meshes()), d.materials.resize(s.described_materials());
+            d.meshes.resize(s.described_meshes());
+            d.materials.resize(s.described_materials());
             return d;
         },
         py::arg("scene"), "A copy that can be changed.");

@@ -27,8 +27,12 @@ py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& setting
         Receivers16 r;
         for (size_t i = 0; i < 16; ++i) {
             const size_t at = std::min(first + i, p.size() - 1);
-            r.x[i] = p[at].x, r.y[i] = p[at].y, r.z[i] = p[at].z;
-            r.nx[i] = n[at].x, r.ny[i] = n[at].y, r.nz[i] = n[at].z;
+            r.x[i] = p[at].x;
+            r.y[i] = p[at].y;
+            r.z[i] = p[at].z;
+            r.nx[i] = n[at].x;
+            r.ny[i] = n[at].y;
+            r.nz[i] = n[at].z;
         }
         const uint16_t bits = maps.lit16(light.ends, 0, r);
         for (size_t i = first; i < std::min(first + 16, p.size()); ++i)

@@ -31,7 +31,8 @@ py::dict flat_dict(const Scene& scene) {
         std::memcpy(corners.mutable_data(), flat.triangles.data(),
                     flat.triangles.size() * sizeof(FlatTriangle));
     py::dict d;
-    d["corners"] = corners, d["degenerate"] = flat.degenerate;
+    d["corners"] = corners;
+    d["degenerate"] = flat.degenerate;
     d["mesh"] = ids_of(flat, [](const TriangleSource& s) { return s.mesh; });
     d["triangle"] = ids_of(flat, [](const TriangleSource& s) { return s.triangle; });
     d["instance"] = ids_of(flat, [](const TriangleSource& s) { return s.instance; });
@@ -58,7 +59,9 @@ py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, con
                 : intersect_watertight({pa[i], pb[i], pc[i], 0, {}}, ShearedRay(ray), t_max, hit);
         const float nan = std::numeric_limits<float>::quiet_NaN();
         float* row = rows.mutable_data(i, 0);
-        row[0] = found ? hit.t : nan, row[1] = found ? hit.u : nan, row[2] = found ? hit.v : nan;
+        row[0] = found ? hit.t : nan;
+        row[1] = found ? hit.u : nan;
+        row[2] = found ? hit.v : nan;
     }
     return rows;
 }

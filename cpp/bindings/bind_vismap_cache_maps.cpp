@@ -61,7 +61,8 @@ py::array_t<Word> dilated(const WordArray& bits, int m, int level) {
 py::array_t<float> map_differences(const WordArray& a, const WordArray& b, int m,
                                    const std::optional<std::string>& isa) {
     const auto words = py::ssize_t(map_words(checked_m(m)));
-    require_rows(a, words, "a"), require_rows(b, words, "b");
+    require_rows(a, words, "a");
+    require_rows(b, words, "b");
     if (a.shape(0) != b.shape(0))
         throw py::value_error("a and b must have equal numbers of rows, got " + shape_text(a) + " and " +
                               shape_text(b));

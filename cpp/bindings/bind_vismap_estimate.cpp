@@ -54,8 +54,13 @@ py::dict samples_of(const BoundPoint& p, const DoubleArray& u) {
         if (!(x >= 0 && x < 1 && y >= 0 && y < 1)) throw py::value_error("u must be in [0, 1)");
         const DirectionSample s = p.draw({x, y});
         texel.mutable_at(i) = p.row_major(s.texel);
-        for (int c = 0; c < 3; ++c) f.mutable_at(i, c) = s.f[size_t(c)], g.mutable_at(i, c) = s.g[size_t(c)];
-        z.mutable_at(i) = s.z, w.mutable_at(i) = s.w, d.mutable_at(i) = s.d;
+        for (int c = 0; c < 3; ++c) {
+            f.mutable_at(i, c) = s.f[size_t(c)];
+            g.mutable_at(i, c) = s.g[size_t(c)];
+        }
+        z.mutable_at(i) = s.z;
+        w.mutable_at(i) = s.w;
+        d.mutable_at(i) = s.d;
     }
     return py::dict(py::arg("texel") = texel, py::arg("f") = f, py::arg("g") = g, py::arg("z") = z,
                     py::arg("w") = w, py::arg("d") = d);
@@ -84,9 +89,12 @@ py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, cons
             std::vector<uint8_t> seen;
             for (size_t pass = 0; pass < sizes.size(); ++pass) {
                 const PointStream stream(set, seed, Purpose::kProduct, r, pass);
-                samples.resize(size_t(sizes[pass])), seen.resize(samples.size());
-                for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i)
-                    samples[i] = p.draw(stream.at(uint32_t(i))), seen[i] = v[p.row_major(samples[i].texel)];
+                samples.resize(size_t(sizes[pass]));
+                seen.resize(samples.size());
+                for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i) {
+                    samples[i] = p.draw(stream.at(uint32_t(i)));
+                    seen[i] = v[p.row_major(samples[i].texel)];
+                }
                 const Rgbd e = p.point.dark()
                                    ? Rgbd{}
                                    : finish_pass(p.point.moments(), samples, seen, {mode, value}, earlier);

@@ -66,7 +66,9 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
                  Control& control) { counts = batch.rows(call.input, rows, threads, control, variant); },
              progress);
     py::dict d;
-    d["nodes"] = counts.nodes, d["pairs"] = counts.pairs, d["tests"] = counts.tests;
+    d["nodes"] = counts.nodes;
+    d["pairs"] = counts.pairs;
+    d["tests"] = counts.tests;
     d["exact"] = counts.exact;
     return py::make_tuple(call.bits, d);
 }

@@ -9,12 +9,11 @@ namespace viscache::bindings {
 namespace {
 
 py::dict stats_dict(const FieldStats& s) {
-    py::dict d;
-    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["subfields"] = s.subfields;
-    d["built"] = s.built, d["given_up"] = s.given_up;
-    d["tiles"] = s.tiles, d["empty_tiles"] = s.empty_tiles, d["leaves"] = s.leaves;
-    d["references"] = s.references, d["bytes"] = s.bytes;
-    return d;
+    using namespace py::literals;
+    return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "subfields"_a = s.subfields,
+                    "built"_a = s.built, "given_up"_a = s.given_up, "tiles"_a = s.tiles,
+                    "empty_tiles"_a = s.empty_tiles, "leaves"_a = s.leaves, "references"_a = s.references,
+                    "bytes"_a = s.bytes);
 }
 
 std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
@@ -50,13 +49,16 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
         for (int l = 0; l < bsp.leaves; ++l) {
             const auto leaf = f->leaf(tile, l);
             ids.insert(ids.end(), leaf.begin(), leaf.end());
-            first_id.push_back(uint32_t(ids.size())), borders.push_back(bsp.border(l));
+            first_id.push_back(uint32_t(ids.size()));
+            borders.push_back(bsp.border(l));
         }
         first_leaf.push_back(uint32_t(first_id.size() - 1));
         ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
     }
     py::dict d;
-    d["first_leaf"] = copied(first_leaf), d["first_id"] = copied(first_id), d["ids"] = copied(ids);
+    d["first_leaf"] = copied(first_leaf);
+    d["first_id"] = copied(first_id);
+    d["ids"] = copied(ids);
     d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
     d["borders"] = copied(borders);
     return d;
@@ -65,8 +67,10 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
 /// Nearest hits by way of the k-th nearest axis, or any hits; and the steps on the way.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
-    require_usable(o, "origins"), require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions"), require_same_rows(o, directions, "origins and axes");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    require_same_rows(o, directions, "origins and axes");
     const size_t n = size_t(o.shape(0));
     const FloatArray near = distances(t_min, n), far = distances(t_max, n);
     py::array_t<float> t{py::ssize_t(n)};

@@ -22,9 +22,11 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
     std::vector<float> depths;
     for (py::ssize_t i = 0; i < corners.shape(0); ++i) {
         ProjectedTriangle t;
-        for (py::ssize_t k = 0; k < 3; ++k)
-            t.x[size_t(k)] = corners.at(i, k, 0), t.y[size_t(k)] = corners.at(i, k, 1),
+        for (py::ssize_t k = 0; k < 3; ++k) {
+            t.x[size_t(k)] = corners.at(i, k, 0);
+            t.y[size_t(k)] = corners.at(i, k, 1);
             t.z[size_t(k)] = corners.at(i, k, 2);
+        }
         cover_tiles(t, grid, [&](int x, int y, float low, float high) {
             tiles.insert(tiles.end(), {int64_t(i), x, y});
             depths.insert(depths.end(), {low, high});
@@ -44,7 +46,8 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
     std::vector<double> times;
     walk_tiles(CanonicalRay(ray, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, t_min, t_max), n_tiles,
                [&](int x, int y, double in, double out) {
-                   tiles.insert(tiles.end(), {x, y}), times.insert(times.end(), {in, out});
+                   tiles.insert(tiles.end(), {x, y});
+                   times.insert(times.end(), {in, out});
                    return false;
                });
     const py::ssize_t n = py::ssize_t(tiles.size() / 2);

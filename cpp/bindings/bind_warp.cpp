@@ -63,8 +63,10 @@ void bind_shapes(py::module_& t) {
             map_rows<Vec2>(u, "u", [&](Vec2 v) {
                 const auto sample = sample_sphere_light(vec3(center), radius, vec3(origin), v);
                 if (!sample) return outside = false, 0.f;
-                p.push_back(sample->p), n.push_back(sample->n);
-                pdf_solid_angle.push_back(sample->pdf_solid_angle), pdf_area.push_back(sample->pdf_area);
+                p.push_back(sample->p);
+                n.push_back(sample->n);
+                pdf_solid_angle.push_back(sample->pdf_solid_angle);
+                pdf_area.push_back(sample->pdf_area);
                 return 0.f;
             });
             if (!outside) return py::none();

@@ -26,7 +26,8 @@ public:
         if (beta.ndim() != 1 || beta.shape(0) != n)
             throw py::value_error("beta must have shape (" + std::to_string(n) + ",), got " +
                                   shape_text(beta));
-        view.count = int(n), words_.reserve(size_t(n) * 5);
+        view.count = int(n);
+        words_.reserve(size_t(n) * 5);
         double sum = 0;
         for (int i = 0; i < view.count; ++i) {
             const float b = view.beta[i] = beta.at(i);

@@ -63,7 +63,8 @@ void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
 /// Any hits in [0, t_max].
 inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, const FloatArray& d,
                                   const py::object& t_max, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -85,7 +86,8 @@ inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, 
 
 inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray& xs, const FloatArray& ys,
                                        int threads) {
-    require_usable(xs, "x"), require_usable(ys, "y");
+    require_usable(xs, "x");
+    require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
     const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
     const size_t n = size_t(xs.shape(0));
@@ -104,7 +106,8 @@ inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray
 /// Every point against every target: (N, ceil(M / 64)) words.
 inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray& points,
                                       const FloatArray& targets, int threads, const py::object& progress) {
-    require_usable(points, "points"), require_usable(targets, "targets");
+    require_usable(points, "points");
+    require_usable(targets, "targets");
     const std::span<const Vec3> from(rows3(points, "points"), size_t(points.shape(0)));
     const std::span<const Vec3> to(rows3(targets, "targets"), size_t(targets.shape(0)));
     py::array_t<Word> result({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
@@ -117,7 +120,8 @@ inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray&
 /// Nearest hits; `caster.scene()` numbers the triangles.
 template <class Caster>
 py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArray& d, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -140,7 +144,8 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
                 triangle_out[i] =
                     h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
                 instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
-                uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
+                uv_out[2 * i] = h.valid() ? h.u : nan;
+                uv_out[2 * i + 1] = h.valid() ? h.v : nan;
             }
         });
     });

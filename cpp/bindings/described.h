@@ -29,7 +29,8 @@ inline Image image_from(const FloatArray& pixels) {
     if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
         throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
     Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
+    image.height = int(pixels.shape(0));
+    image.width = int(pixels.shape(1));
     image.channels = int(pixels.shape(2));
     image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
     return image;

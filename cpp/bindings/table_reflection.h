@@ -18,17 +18,21 @@ public:
             throw py::value_error("b must have shape (N, N, 3), N a power of two in [32, 4096], got " +
                                   shape_text(table));
         const int last = std::countr_zero(size_t(n));
-        mean_.resize(size_t(last) + 1), most_.resize(size_t(last) + 1);
+        mean_.resize(size_t(last) + 1);
+        most_.resize(size_t(last) + 1);
         for (int l = last; l >= 0; --l) {
             const size_t count = size_t{1} << (2 * l);
-            mean_[size_t(l)].resize(count), most_[size_t(l)].resize(count);
+            mean_[size_t(l)].resize(count);
+            most_[size_t(l)].resize(count);
             for (uint32_t z = 0; z < count; ++z) l == last ? read(table, z) : gather(size_t(l), z);
         }
     }
     void sample(int level, uint32_t first, RgbBlock& out) const override {
         for (uint32_t i = 0; i < 16; ++i) {
             const Rgb c = at(mean_, level, first + i);
-            out.r[i] = c.x, out.g[i] = c.y, out.b[i] = c.z;
+            out.r[i] = c.x;
+            out.g[i] = c.y;
+            out.b[i] = c.z;
         }
     }
     void touched(int level, uint32_t first, std::span<uint8_t> touched) const override {
@@ -55,9 +59,12 @@ private:
     void gather(size_t l, uint32_t z) {
         Rgb sum;
         float most = 0;
-        for (uint32_t k = 4 * z; k < 4 * z + 4; ++k)
-            sum += mean_[l + 1][k], most = std::max(most, most_[l + 1][k]);
-        mean_[l][z] = sum * 0.25f, most_[l][z] = most;
+        for (uint32_t k = 4 * z; k < 4 * z + 4; ++k) {
+            sum += mean_[l + 1][k];
+            most = std::max(most, most_[l + 1][k]);
+        }
+        mean_[l][z] = sum * 0.25f;
+        most_[l][z] = most;
     }
 
     std::vector<std::vector<Rgb>> mean_;
