@@ -38,9 +38,6 @@ struct FrameResult {
     int tile_edge_px = 0;
     std::vector<std::array<double, 2>> tile_sums;  ///< of a part: lost throughput and false hits of each tile
     int threads = 0;
-
-    /// Adds the rays and the time of a small frame that was rendered in preparation.
-    void take_small(const FrameResult& small);
 };
 
 /// The shared light groups of a frame: point, directional, VPL.
@@ -54,9 +51,6 @@ struct EnvironmentMaps {
     MapSource source;
     VisMapSettings settings;
 };
-
-/// The settings of a frame of about `pixels` pixels, at most those of `frame`, with one sample each.
-FrameSettings small_frame(FrameSettings frame, size_t pixels);
 
 /// `source` must be new: it serves one frame. `aligned` must be there if the integrator asks for shared
 /// directions.
