@@ -1,5 +1,5 @@
 #pragma once
-// Spheres and boxes as a ray caster: ground truth for tests of the oracles that depends on nothing else.
+// A ray caster for spheres and boxes. It gives tests of oracles a ground truth that needs no scene.
 #include <cmath>
 #include <vector>
 

@@ -1,10 +1,13 @@
-// Runs oracles over given eye points and lights without a renderer, for tests.
+// The quantized cache over given eye points and lights without a renderer, for tests.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+
+#include <numeric>
 
 #include "analytic_caster.h"
 #include "arrays.h"
 #include "viscache/aqvc/quantized_cache.h"
+#include "viscache/visibility/given_contributions.h"
 
 namespace viscache::bindings {
 namespace {
@@ -75,35 +78,7 @@ py::dict counters_dict(const Counters& c) {
     return d;
 }
 
-/// Contributions as an array of shape (eye points, lights).
-class GivenContributions : public Contributions {
-public:
-    GivenContributions(const FloatArray& f, size_t eyes, size_t lights) : f_(f) {
-        if (f.ndim() != 2 || size_t(f.shape(0)) != eyes || size_t(f.shape(1)) != lights)
-            throw py::value_error("contribution must have shape (eye points, lights), got " + shape_text(f));
-    }
-    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
-        const std::span<const float> f(f_.data(eye), size_t(f_.shape(1)));
-        float sum = 0, positive = 0;
-        for (const float v : f) {
-            sum += v;
-            positive += v > 0;
-        }
-        const float mean = sum / std::max(positive, 1.f);
-        for (size_t i = 0; i < rows.size(); ++i)
-            for (size_t k = 0; k < f.size(); ++k) {
-                const Word bit = Word{1} << (k % kWordBits);
-                const bool set = shares[i] == kInfinity || f[k] <= shares[i] * mean;
-                Word& word = rows[i][k / kWordBits];
-                word = set ? word | bit : word & ~bit;
-            }
-    }
-
-private:
-    FloatArray f_;
-};
-
-/// A cache over one tile; every call of block and pairs is about it.
+/// A cache over one tile. Every call asks about this tile.
 class TileRun {
 public:
     TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p,
@@ -126,9 +101,17 @@ public:
             for (size_t k = 0; k < far.count; ++k)
                 if (wanted.at(i, k)) asked.set(i, k);
         Counters counters;
-        std::optional<GivenContributions> worth;
-        if (contribution) worth.emplace(*contribution, eyes_.size(), far.count);
-        cache_.weigh(worth ? &*worth : nullptr);
+        std::vector<uint32_t> row(eyes_.size());
+        std::iota(row.begin(), row.end(), 0u);
+        std::optional<GivenContributions> given;
+        if (contribution) {
+            const FloatArray& f = *contribution;
+            if (f.ndim() != 2 || size_t(f.shape(0)) != row.size() || size_t(f.shape(1)) != far.count)
+                throw py::value_error("contribution must have shape (eye points, lights), got " +
+                                      shape_text(f));
+            given.emplace(f.data(), far.count, row);
+        }
+        cache_.weigh(given ? &*given : nullptr);
         if (exact)
             exact_block(far, asked, visible);
         else
@@ -162,7 +145,7 @@ public:
         }
         return py::make_tuple(out, counters_dict(counters));
     }
-    /// Samples of each eye point's own: those of one eye point follow each other.
+    /// Every sample belongs to one eye point. The samples of an eye point are adjacent.
     py::tuple samples(const std::vector<uint32_t>& eye, int semantic, int group, const FloatArray& far,
                       const FloatArray& normal, const std::vector<float>& density,
                       const std::vector<float>& light_density) {
@@ -187,7 +170,7 @@ public:
         return py::make_tuple(out, counters_dict(counters));
     }
     py::tuple sample_order(int group) { return order_of(cache_.sample_order(eyes_, group)); }
-    /// Forgets everything and starts the same tile again.
+    /// Clears the cache and starts the same tile again.
     void begin_tile() { cache_.begin_tile(eyes_); }
     py::tuple pair_order() { return order_of(cache_.pair_order(eyes_)); }
 
@@ -226,10 +209,10 @@ AnalyticCaster analytic_caster(const FloatArray& boxes, const FloatArray& sphere
 
 }  // namespace
 
-void bind_aqvc_run(py::module_& m) {
-    py::class_<AnalyticCaster>(m, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
+void bind_aqvc_run(py::module_& t) {
+    py::class_<AnalyticCaster>(t, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
         .def(py::init(&analytic_caster), py::arg("boxes"), py::arg("spheres"));
-    py::class_<TileRun>(m, "TileRun", "The quantized cache over one tile of given eye points.")
+    py::class_<TileRun>(t, "TileRun", "The quantized cache over one tile of given eye points.")
         .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, std::array<float, 3>,
                       float, float, int>(),
              py::arg("caster"), py::arg("eyes"), py::arg("parameters"), py::kw_only(), py::arg("center"),

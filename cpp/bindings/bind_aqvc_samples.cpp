@@ -12,7 +12,7 @@ namespace {
 
 using namespace py::literals;
 
-/// Columns of samples given as for `TileRun.samples`; -1: no key, -2: no room.
+/// Column of every sample, given as for `TileRun.samples`. -1: no key; -2: no free column.
 py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, double radius, int semantic,
                       const FloatArray& far, const FloatArray& normal, const std::vector<float>& density,
                       uint32_t limit) {
@@ -51,12 +51,13 @@ py::tuple octahedral(const FloatArray& w, const std::optional<std::string>& isa)
 
 }  // namespace
 
-void bind_aqvc_samples(py::module_& m) {
-    m.def("light_cells", &light_cells, py::arg("parameters"), py::arg("center"), py::arg("radius"),
+void bind_aqvc_samples(py::module_& t) {
+    t.def("light_cells", &light_cells, py::arg("parameters"), py::arg("center"), py::arg("radius"),
           py::kw_only(), py::arg("semantic"), py::arg("far"), py::arg("normal"), py::arg("density"),
-          py::arg("limit") = 1u << 30, "Columns of samples by light cell, and clamps.");
-    m.def("octahedral_batch", &octahedral, py::arg("w"), py::kw_only(), py::arg("isa") = py::none(),
-          "Octahedral map of many directions by one instruction set.");
+          py::arg("limit") = 1u << 30,
+          "Columns of samples by light cell, and counts of clamped resolutions.");
+    t.def("octahedral_batch", &octahedral, py::arg("w"), py::kw_only(), py::arg("isa") = py::none(),
+          "Octahedral map of many directions, computed with one instruction set.");
 }
 
 }  // namespace viscache::bindings

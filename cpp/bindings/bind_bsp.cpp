@@ -6,7 +6,7 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kStepChunk = 1024;  // rays between looks at Ctrl-C
+constexpr size_t kStepChunk = 1024;  // rays between two checks for Ctrl-C
 
 py::dict stats_dict(const BspStats& s) {
     using namespace py::literals;
@@ -47,19 +47,20 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
 }  // namespace
 
 void bind_bsp(py::module_& m) {
-    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::module_ v = m.def_submodule("visibility", "Ray casters and their parts.");
     py::class_<BspSettings>(v, "BspSettings")
         .def(py::init<>())
         .def_readwrite("max_depth", &BspSettings::max_depth)
         .def_readwrite("leaf_size", &BspSettings::leaf_size)
         .def_readwrite("kernel", &BspSettings::kernel)
         .def_readwrite("max_bytes", &BspSettings::max_bytes);
-    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(v, "BspCaster",
-                                                                        "Single rays through a BSP.");
+    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(
+        v, "BspCaster", "Traces single rays through a BSP tree.");
     caster.def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0)
         .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
         .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),
-             "Nodes and leaves visited and triangles tested for the nearest hits, over all rays.");
+             "Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all "
+             "rays.");
     bind_queries(caster);
 }
 

@@ -1,4 +1,4 @@
-// Eye points as arrays, for tests and for looking at densities.
+// Eye points of a frame as arrays.
 #include "arrays.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/scene/check.h"

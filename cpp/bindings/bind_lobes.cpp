@@ -1,4 +1,4 @@
-// Reflection and directions by the batch, by one instruction set; for tests.
+// Batched kernels of reflection and of directions, each with a chosen instruction set; for tests.
 #include <pybind11/stl.h>
 
 #include "isa_argument.h"
@@ -69,10 +69,10 @@ void bind_lobes(py::module_& m) {
           py::arg("isa") = py::none(), "f·cos (N, 3) and densities of `sample_bsdf` (N,).");
     t.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
           py::arg("first") = 0, py::arg("n"), py::arg("isa") = py::none(),
-          "Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.");
+          "Directions (n, 3) of a randomised (0,2)-sequence, uniform on the sphere.");
     t.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
           py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
-          py::arg("isa") = py::none(), "Sum of f·g·value over the columns that are seen.");
+          py::arg("isa") = py::none(), "Sum of f·g·value over the visible columns.");
 }
 
 }  // namespace viscache::bindings

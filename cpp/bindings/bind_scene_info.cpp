@@ -1,4 +1,4 @@
-// What a frozen scene holds, as plain Python objects.
+// The contents of a frozen scene as plain Python objects.
 #include <fstream>
 
 #include "described.h"
@@ -67,7 +67,7 @@ void bind_scene_info(py::module_& m) {
             d.materials.resize(s.described_materials());
             return d;
         },
-        py::arg("scene"), "A copy that can be changed.");
+        py::arg("scene"), "A description of the scene that can be changed.");
     m.def(
         "read_image",
         [](const std::string& path) {
@@ -79,7 +79,7 @@ void bind_scene_info(py::module_& m) {
         py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
     m.def("scene_offset_extent", &Scene::offset_extent, py::arg("scene"),
-          "The length that offsets of ray origins are relative to.");
+          "The length that scales the offsets of ray origins.");
     m.def(
         "scene_sphere",
         [](const Scene& s) {

@@ -1,4 +1,4 @@
-// Shadow maps: settings, and the look-ups of one light for tests.
+// Shadow maps: their settings, and look-ups of one light for tests.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
@@ -9,7 +9,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// The look-ups of one light in its map, for tests.
+/// Looks points up in the map of one light.
 py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& settings, Vec3 far, bool direction,
                        const FloatArray& positions, const FloatArray& normals, Vec3 center, float radius,
                        int threads) {
@@ -56,7 +56,8 @@ void bind_shadow_map(py::module_& m) {
         .def_readwrite("vpls", &ShadowMapSettings::vpls)
         .def_readwrite("max_bytes", &ShadowMapSettings::max_bytes)
         .def("validate", &ShadowMapSettings::validate);
-    m.def(
+    py::module_ t = m.def_submodule("_testing");
+    t.def(
         "lit_by_light",
         [](const RayCaster& caster, const ShadowMapSettings& settings, std::array<float, 3> far,
            bool direction, const FloatArray& positions, const FloatArray& normals,
@@ -67,8 +68,8 @@ void bind_shadow_map(py::module_& m) {
         py::arg("caster"), py::arg("settings"), py::arg("far"), py::kw_only(), py::arg("direction"),
         py::arg("positions"), py::arg("normals"), py::arg("center"), py::arg("radius"),
         py::arg("threads") = 1,
-        "One light's map asked about points with unit normals: lit (N,), depths (faces, rows, columns). "
-        "`far` is a place, or a unit direction towards the light (tests).");
+        "Points with unit normals looked up in one light's map: lit (N,), depths (faces, rows, columns). "
+        "`far` is a position, or a unit direction towards the light.");
 }
 
 }  // namespace viscache::bindings

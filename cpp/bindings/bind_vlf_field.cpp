@@ -39,7 +39,7 @@ py::array_t<T> copied(const std::vector<T>& v) {
     return py::array_t<T>(py::ssize_t(v.size()), v.data());
 }
 
-/// The lists of one direction: leaves of tiles, triangles of leaves, depths of tiles, borders of leaves.
+/// The lists of one direction: leaves and depth range of every tile, triangles and border of every leaf.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     const SubfieldLease f = field.subfield(checked_direction(field, direction));
     std::vector<uint32_t> first_leaf{0}, first_id{0}, ids;
@@ -64,7 +64,7 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     return d;
 }
 
-/// Nearest hits by way of the k-th nearest axis, or any hits; and the steps on the way.
+/// Nearest hits and any hits through given axes, and the counts of their steps.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
     require_usable(o, "origins");
@@ -97,7 +97,7 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
 
 void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is cut along its depth.")
+    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is split along its depth.")
         .value("UNIFORM", DepthSplit::kUniform)
         .value("OBJECT", DepthSplit::kObject)
         .finalize();
@@ -105,7 +105,7 @@ void bind_vlf_field(py::module_& m) {
         .value("LINEAR", LeafWalk::kLinear)
         .value("STACK", LeafWalk::kStack)
         .finalize();
-    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "What the tiles of a direction cover.")
+    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "The area that the tiles of a direction cover.")
         .value("SPHERE", FieldFit::kSphere)
         .value("PSF_BOX", FieldFit::kBox)
         .finalize();
@@ -126,17 +126,17 @@ void bind_vlf_field(py::module_& m) {
         .def_readwrite("max_bytes", &FieldSettings::max_bytes)
         .def_readwrite("max_build_s", &FieldSettings::max_build_s)
         .def("validate", &FieldSettings::validate);
-    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
-                                                                                   "Rays by look-up.");
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
+        v, "VisibilityField", "Answers rays by look-up.");
     field
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
         .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
-        .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")
+        .def("subfield", &subfield_dict, py::arg("direction"), "The lists of one direction as arrays.")
         .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
-             "By way of given subfields: t, triangle (N,), any (N,), steps of each kind.");
+             "Traces every ray through a given subfield: t, triangle (N,), any (N,), steps of both kinds.");
     bind_queries(field);
 }
 

@@ -1,4 +1,4 @@
-// A finished frame as Python takes it.
+// A finished frame as Python objects.
 #include "frame_dict.h"
 
 #include <pybind11/stl.h>
@@ -86,7 +86,7 @@ const char* name_of(AlignedEngine engine) {
     return "";
 }
 
-/// Which engine traced shared directions; empty where there was no choice.
+/// The engine that traced shared directions. Empty if there was no choice.
 py::dict engine_of(const FrameResult& f) {
     py::dict d;
     for (const auto& [name, value] : f.source.engine)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kKinds[] = {"points", "directions", "surfaces", "solid_angle"};
 
-/// An optional array of a dict.
+/// An optional entry of a dict as an array.
 std::optional<FloatArray> given(const py::dict& d, const char* name) {
     if (!d.contains(name) || d[name].is_none()) return std::nullopt;
     auto a = FloatArray::ensure(d[name]);

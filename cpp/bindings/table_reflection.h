@@ -1,5 +1,5 @@
 #pragma once
-// Reflection given as a table over the equal-area map: worlds whose sums tests can do exactly.
+// Reflection given as a table over the equal-area map. Tests can compute its sums exactly.
 #include <bit>
 
 #include "arrays.h"
@@ -10,7 +10,7 @@ namespace viscache::bindings {
 
 class TableReflection final : public Reflection {
 public:
-    /// `table` has shape (N, N, 3), N a power of two in [32, 4096], finite values >= 0, row by row.
+    /// `table` has shape (N, N, 3) with N a power of two in [32, 4096]; its values are finite and >= 0.
     explicit TableReflection(const FloatArray& table) {
         const py::ssize_t n = table.ndim() == 3 ? table.shape(0) : 0;
         if (n < 32 || n > 4096 || !std::has_single_bit(size_t(n)) || table.shape(1) != n ||
@@ -39,7 +39,7 @@ public:
         for (uint32_t i = 0; i < touched.size(); ++i) touched[i] = at(most_, level, first + i) > 0;
     }
     bool black() const override { return !(most_[0][0] > 0); }
-    /// B of a texel of a finer or equally fine map, by its Morton code.
+    /// B at a texel, given by its Morton code, of a map that is at least as fine.
     Rgb value(int level, uint32_t texel) const { return at(mean_, level, texel); }
     int level() const { return int(mean_.size()) - 1; }
 

@@ -17,10 +17,13 @@ QUIET = re.compile(
 )
 #: What may stand before a statement, once parentheses are empty.
 PREFIX = re.compile(
-    r"\s*(?:(?:if|for|while|switch)(?: constexpr)?\s*\(\s*\)|else\b|do\b|(?:case\b[^:?]*|default|\w+)(?<!:):(?!:))"
+    r"\s*(?:(?:if|for|while|switch)(?: constexpr)?\s*\(\s*\)|else\b|do\b"
+    r"|(?:case\b[^:?]*|\w+)(?<!:):(?!:))"
 )
-#: How a declaration starts, once template arguments are gone: a type and a name, `auto [a, b]`, `decltype(x) a`.
-DECLARATION = re.compile(r"\s*(?:[^=,]*\w[\s*&]+\w|(?:const\s+)?auto\b|decltype\b)")
+#: How a declaration starts, once template arguments are gone: a type and a name, `auto [a, b]`.
+DECLARATION = re.compile(
+    r"(?!return\b|throw\b)(?:[^=,]*\w[\s*&]+\w|(?:const\s+)?auto\b|decltype\b)"
+)
 TEMPLATE_ARGUMENTS = re.compile(r"<[^<>;]*>")
 #: What continues an expression after a closing brace.
 GOES_ON = re.compile(r"\s*(?:[;,.)\](?:=/|<>%^]|-(?!-)|\+(?!\+))")
@@ -34,7 +37,7 @@ def emptied(source: str) -> str:
 
 
 def statements(source: str) -> list[tuple[int, str]]:
-    """(line, text) of every statement that ends in a semicolon; what stands in its brackets is left out."""
+    """(last line, text without what is in brackets) of the statements that end in a semicolon."""
     source = emptied(source)
     found: list[tuple[int, str]] = []
     open_brackets: list[tuple[str, str]] = []  # the bracket and the text before it
@@ -63,7 +66,7 @@ def is_joined(statement: str) -> bool:
         statement = statement[prefix.end() :]
     while (bare := TEMPLATE_ARGUMENTS.sub("", statement)) != statement:
         statement = bare
-    return "," in statement and not DECLARATION.match(statement)
+    return "," in statement and not DECLARATION.match(statement.strip())
 
 
 def joined(source: str) -> list[int]:
@@ -91,6 +94,7 @@ def test_no_statement_is_joined_by_commas() -> None:
         "else p->x = 1,\n    p->y = 2;",
         "case kOne: a = 1, b = 2;",
         "require(a, 3), require(b, 4);",
+        "return n = count, true;",
         'call([&](int i) { s = "x", t = i; }, 1);',
     ],
 )

@@ -40,7 +40,7 @@ def look_up(
     threads: int = 1, **settings: Any,
 ) -> tuple[npt.NDArray[np.bool_], Floats]:  # fmt: skip
     """Whether each point is lit, and the depths."""
-    return _core.lit_by_light(
+    return _core._testing.lit_by_light(
         scene.caster(), vc.ShadowMap(**settings).core(), far, direction=direction,
         positions=np.asarray(points, np.float32), normals=np.asarray(normals, np.float32),
         center=CENTER, radius=RADIUS, threads=threads,

@@ -20,7 +20,7 @@ def learn(
     **settings: Any,
 ) -> tuple[npt.NDArray[Any], ...]:  # fmt: skip
     """Cells of both ends, visibility and probability."""
-    return _core.learnt_map(
+    return _core._testing.learnt_map(
         vc.NeePlusPlus(**settings).core(), low, high, np.asarray(near, np.float32),
         np.asarray(far, np.float32), np.asarray(seen, bool), direction=direction,
     )  # fmt: skip
