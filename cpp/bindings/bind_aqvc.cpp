@@ -1,4 +1,4 @@
-// Parameters of the quantized cache, by their table.
+// Parameters of the quantized cache, bound row by row from their table.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -10,10 +10,10 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 
-void bind_aqvc_keys(py::module_& m);
-void bind_aqvc_levels(py::module_& m);
-void bind_aqvc_run(py::module_& m);
-void bind_aqvc_samples(py::module_& m);
+void bind_aqvc_keys(py::module_& a, py::module_& t);
+void bind_aqvc_levels(py::module_& a);
+void bind_aqvc_run(py::module_& t);
+void bind_aqvc_samples(py::module_& t);
 
 namespace {
 
@@ -23,7 +23,7 @@ using Row = ParameterRow<AqvcParameters, Value>;
 template <class Value>
 using ByGroup = std::array<Value, kLightGroups>;
 
-/// The member of a closed set that has this name.
+/// The enumerator with this name.
 template <class Enum>
 Enum named(const char* parameter, const std::string& name) {
     std::string all;
@@ -40,8 +40,8 @@ size_t group_named(const char* parameter, const std::string& name) {
     throw py::value_error(std::string(parameter) + " must be of light groups, got " + name);
 }
 
-// How a parameter is read and written: numbers as they are, closed sets by name, those by light group as
-// mappings of the groups that have their own.
+// Python reads and writes numbers as numbers and enumerations as names. A parameter per light group is a
+// mapping that holds only the groups with a value of their own.
 template <class Value>
 void bind_row(Class& c, const Row<Value>& row) {
     if constexpr (std::is_enum_v<Value>)
@@ -99,7 +99,7 @@ AqvcParameters from_keywords(const py::kwargs& keywords) {
     return p;
 }
 
-/// What a parameter may be, as Python's help says it.
+/// The allowed values of a parameter, as text for Python's help.
 template <class Value>
 std::string kind_of(const Row<Value>& row) {
     if constexpr (std::is_enum_v<Value>) {
@@ -145,11 +145,12 @@ void bind_aqvc(py::module_& m) {
         py::arg("group"), py::kw_only(), py::arg("spp") = 1, py::arg("lift") = 1.0,
         "C_E of every level of a light group, coarse to fine.");
     a.def("parameter_rows", &parameter_rows,
-          "Name, kind, keyed, paper and doc of every parameter, as the C++ table has them.");
-    bind_aqvc_keys(a);
+          "Name, kind, keyed, paper and doc of every row of the C++ table of parameters.");
+    py::module_ t = m.def_submodule("_testing");
+    bind_aqvc_keys(a, t);
     bind_aqvc_levels(a);
-    bind_aqvc_run(a);
-    bind_aqvc_samples(a);
+    bind_aqvc_run(t);
+    bind_aqvc_samples(t);
 }
 
 }  // namespace viscache::bindings

@@ -70,10 +70,18 @@ py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, co
         [&](Control& control) { s = insert_where_needed(cache, tracer, points, options, control); },
         progress);
     py::dict d;
-    d["points"] = s.points, d["unusable"] = s.unusable, d["passes"] = s.passes, d["lookups"] = s.lookups;
-    d["inserted"] = s.inserted(), d["no_candidate"] = s.no_candidate, d["weight"] = s.weight;
-    d["difference"] = s.difference, d["suppressed"] = s.suppressed, d["duplicates"] = s.duplicates;
-    d["refused"] = s.refused, d["rays"] = s.rays;
+    d["points"] = s.points;
+    d["unusable"] = s.unusable;
+    d["passes"] = s.passes;
+    d["lookups"] = s.lookups;
+    d["inserted"] = s.inserted();
+    d["no_candidate"] = s.no_candidate;
+    d["weight"] = s.weight;
+    d["difference"] = s.difference;
+    d["suppressed"] = s.suppressed;
+    d["duplicates"] = s.duplicates;
+    d["refused"] = s.refused;
+    d["rays"] = s.rays;
     return d;
 }
 
@@ -87,7 +95,9 @@ py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const RayCaster& c
     py::dict d;
     d["difference"] = column<float>(s.difference.size(), [&](size_t i) { return s.difference[i]; });
     d["tested"] = column<float>(s.tested.size(), [&](size_t i) { return s.tested[i]; });
-    d["unusable"] = s.unusable, d["duplicates"] = s.duplicates, d["rays"] = s.rays;
+    d["unusable"] = s.unusable;
+    d["duplicates"] = s.duplicates;
+    d["rays"] = s.rays;
     return d;
 }
 
@@ -103,7 +113,8 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
     uint8_t* v = verdict.mutable_data();
     int32_t* c = candidates.mutable_data();
     run_interruptible([&](Control& control) {
-        std::fill_n(id, n * best, -1), std::fill_n(share, n * best, 0.f);
+        std::fill_n(id, n * best, -1);
+        std::fill_n(share, n * best, 0.f);
         parallel_for((points.size() + 63) / 64, threads, [&](size_t chunk, int) {
             control.check();
             NeighbourList around;
@@ -114,15 +125,22 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
                     id[i * size_t(best) + size_t(k)] = s.best[size_t(k)].id;
                     share[i * size_t(best) + size_t(k)] = maps.beta[k];
                 }
-                t[i] = s.tested, near[i] = s.nearest, c[i] = s.candidates;
+                t[i] = s.tested;
+                near[i] = s.nearest;
+                c[i] = s.candidates;
                 delta[i] = cache.mean_difference(s);
                 v[i] = points[i].usable() ? uint8_t(cache.judge(points[i], s)) : uint8_t(Verdict::kServed);
             }
         });
     });
     py::dict d;
-    d["ids"] = ids, d["beta"] = beta, d["tested"] = tested, d["nearest"] = nearest;
-    d["candidates"] = candidates, d["difference"] = difference, d["verdict"] = verdict;
+    d["ids"] = ids;
+    d["beta"] = beta;
+    d["tested"] = tested;
+    d["nearest"] = nearest;
+    d["candidates"] = candidates;
+    d["difference"] = difference;
+    d["verdict"] = verdict;
     return d;
 }
 
@@ -181,7 +199,8 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
         if (misses.at(k) > rays.at(k))
             throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
                                   std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));
-        t.rays[i] = rays.at(k) * RecordTally::kRay, t.misses[i] = misses.at(k) * RecordTally::kRay;
+        t.rays[i] = rays.at(k) * RecordTally::kRay;
+        t.misses[i] = misses.at(k) * RecordTally::kRay;
         t.used[i] = used.at(k) != 0;
     }
     add_tally(cache, t, frame);
@@ -191,7 +210,10 @@ py::dict remove(MapCache& cache, uint32_t frame, float eps_max, uint32_t min_ray
                 uint32_t k_worst, uint32_t unused_frames) {
     const RemovalStats s = remove_records(cache, {eps_max, min_rays, wilson, k_worst, unused_frames}, frame);
     py::dict d;
-    d["wrong"] = s.wrong, d["unused"] = s.unused, d["rays"] = s.rays, d["misses"] = s.misses;
+    d["wrong"] = s.wrong;
+    d["unused"] = s.unused;
+    d["rays"] = s.rays;
+    d["misses"] = s.misses;
     return d;
 }
 
@@ -210,7 +232,9 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
             for (size_t i = chunk * 256; i < std::min(points.size(), chunk * 256 + 256); ++i) {
                 AmbientShade s;
                 if (points[i].usable()) s = shade_ambient(cache, points[i], {width, weighted}, around);
-                a[i] = s.visibility, j[i] = s.jump, r[i] = s.records;
+                a[i] = s.visibility;
+                j[i] = s.jump;
+                r[i] = s.records;
             }
         });
     });
@@ -240,17 +264,18 @@ void bind_vismap_cache(py::module_& m) {
         .def("set_thresholds", &MapCache::set_thresholds, py::arg("w_min"), py::arg("delta_max"))
         .def("bootstrap", &bootstrap_cache, py::arg("scene"), py::arg("caster"), py::arg("points"),
              py::arg("frame") = 0, py::arg("threads") = 0,
-             "A record at every point; what they say of each other.")
+             "Insert a record at every point; gives what the records predict of each other.")
         .def("insert", &insert, py::arg("scene"), py::arg("caster"), py::arg("points"), py::kw_only(),
              py::arg("mode") = "batch", py::arg("batch") = InsertionOptions{}.batch, py::arg("settle") = true,
              py::arg("frame") = 0, py::arg("threads") = 0, py::arg("progress") = py::none(),
-             "Records where they are needed; counts.")
+             "Insert records where they are needed; gives counts.")
         .def("select", &select_points, py::arg("points"), py::arg("threads") = 0,
-             "What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.")
-        .def("records", &records_dict, "Copies of everything stored, one row per record.")
+             "Records that are blended at every point: ids (N, n_best) or −1, their weights beta, and the "
+             "values of the insertion test.")
+        .def("records", &records_dict, "Copies of all stored records, one row each.")
         .def("add_records", &add_records, py::arg("positions"), py::arg("normals"), py::arg("bits"),
              py::arg("rays"), py::arg("misses"), py::arg("last_used"), py::arg("ambient"),
-             py::arg("nearest_hit"), "Takes records in without rays.")
+             py::arg("nearest_hit"), "Insert records that were traced before.")
         .def(
             "mark_used",
             [](MapCache& cache, const Points& points, uint32_t frame, int threads) {
@@ -258,7 +283,7 @@ void bind_vismap_cache(py::module_& m) {
                     [&](Control& control) { mark_used(cache, points, frame, threads, control); });
             },
             py::arg("points"), py::arg("frame"), py::arg("threads") = 0,
-            "Records blended at the points count as used in the frame.")
+            "Mark the records that are blended at the points as used in the frame.")
         .def("tally", &tally, py::arg("rays"), py::arg("misses"), py::arg("used"), py::arg("frame"))
         .def("remove", &remove, py::arg("frame"), py::kw_only(), py::arg("eps_max") = RemovalRules{}.eps_max,
              py::arg("min_rays") = RemovalRules{}.min_rays, py::arg("wilson") = RemovalRules{}.wilson,

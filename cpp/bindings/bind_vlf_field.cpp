@@ -9,12 +9,11 @@ namespace viscache::bindings {
 namespace {
 
 py::dict stats_dict(const FieldStats& s) {
-    py::dict d;
-    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["subfields"] = s.subfields;
-    d["built"] = s.built, d["given_up"] = s.given_up;
-    d["tiles"] = s.tiles, d["empty_tiles"] = s.empty_tiles, d["leaves"] = s.leaves;
-    d["references"] = s.references, d["bytes"] = s.bytes;
-    return d;
+    using namespace py::literals;
+    return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "subfields"_a = s.subfields,
+                    "built"_a = s.built, "given_up"_a = s.given_up, "tiles"_a = s.tiles,
+                    "empty_tiles"_a = s.empty_tiles, "leaves"_a = s.leaves, "references"_a = s.references,
+                    "bytes"_a = s.bytes);
 }
 
 std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
@@ -40,7 +39,7 @@ py::array_t<T> copied(const std::vector<T>& v) {
     return py::array_t<T>(py::ssize_t(v.size()), v.data());
 }
 
-/// The lists of one direction: leaves of tiles, triangles of leaves, depths of tiles, borders of leaves.
+/// The lists of one direction: leaves and depth range of every tile, triangles and border of every leaf.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     const SubfieldLease f = field.subfield(checked_direction(field, direction));
     std::vector<uint32_t> first_leaf{0}, first_id{0}, ids;
@@ -50,23 +49,28 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
         for (int l = 0; l < bsp.leaves; ++l) {
             const auto leaf = f->leaf(tile, l);
             ids.insert(ids.end(), leaf.begin(), leaf.end());
-            first_id.push_back(uint32_t(ids.size())), borders.push_back(bsp.border(l));
+            first_id.push_back(uint32_t(ids.size()));
+            borders.push_back(bsp.border(l));
         }
         first_leaf.push_back(uint32_t(first_id.size() - 1));
         ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
     }
     py::dict d;
-    d["first_leaf"] = copied(first_leaf), d["first_id"] = copied(first_id), d["ids"] = copied(ids);
+    d["first_leaf"] = copied(first_leaf);
+    d["first_id"] = copied(first_id);
+    d["ids"] = copied(ids);
     d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
     d["borders"] = copied(borders);
     return d;
 }
 
-/// Nearest hits by way of the k-th nearest axis, or any hits; and the steps on the way.
+/// Nearest hits and any hits through given axes, and the counts of their steps.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
-    require_usable(o, "origins"), require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions"), require_same_rows(o, directions, "origins and axes");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    require_same_rows(o, directions, "origins and axes");
     const size_t n = size_t(o.shape(0));
     const FloatArray near = distances(t_min, n), far = distances(t_max, n);
     py::array_t<float> t{py::ssize_t(n)};
@@ -93,7 +97,7 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
 
 void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is cut along its depth.")
+    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is split along its depth.")
         .value("UNIFORM", DepthSplit::kUniform)
         .value("OBJECT", DepthSplit::kObject)
         .finalize();
@@ -101,7 +105,7 @@ void bind_vlf_field(py::module_& m) {
         .value("LINEAR", LeafWalk::kLinear)
         .value("STACK", LeafWalk::kStack)
         .finalize();
-    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "What the tiles of a direction cover.")
+    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "The area that the tiles of a direction cover.")
         .value("SPHERE", FieldFit::kSphere)
         .value("PSF_BOX", FieldFit::kBox)
         .finalize();
@@ -122,17 +126,17 @@ void bind_vlf_field(py::module_& m) {
         .def_readwrite("max_bytes", &FieldSettings::max_bytes)
         .def_readwrite("max_build_s", &FieldSettings::max_build_s)
         .def("validate", &FieldSettings::validate);
-    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
-                                                                                   "Rays by look-up.");
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
+        v, "VisibilityField", "Answers rays by look-up.");
     field
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
         .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
-        .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")
+        .def("subfield", &subfield_dict, py::arg("direction"), "The lists of one direction as arrays.")
         .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
-             "By way of given subfields: t, triangle (N,), any (N,), steps of each kind.");
+             "Traces every ray through a given subfield: t, triangle (N,), any (N,), steps of both kinds.");
     bind_queries(field);
 }
 

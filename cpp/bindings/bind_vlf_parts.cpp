@@ -1,4 +1,4 @@
-// What the visibility field is made of: tiles of triangles, tiles of rays, leaves of depths; what it will
+// Parts of the visibility field: tiles of triangles, tiles along rays, leaves of depth ranges; predicted
 // cost.
 #include <pybind11/stl.h>
 
@@ -12,7 +12,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// Rows (triangle, x, y) and depth ranges.
+/// Rows (triangle, x, y), and their depth ranges.
 py::tuple cover(const FloatArray& corners, int n_tiles) {
     if (corners.ndim() != 3 || corners.shape(1) != 3 || corners.shape(2) != 3)
         throw py::value_error("triangles must have shape (N, 3, 3), got " + shape_text(corners));
@@ -22,9 +22,11 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
     std::vector<float> depths;
     for (py::ssize_t i = 0; i < corners.shape(0); ++i) {
         ProjectedTriangle t;
-        for (py::ssize_t k = 0; k < 3; ++k)
-            t.x[size_t(k)] = corners.at(i, k, 0), t.y[size_t(k)] = corners.at(i, k, 1),
+        for (py::ssize_t k = 0; k < 3; ++k) {
+            t.x[size_t(k)] = corners.at(i, k, 0);
+            t.y[size_t(k)] = corners.at(i, k, 1);
             t.z[size_t(k)] = corners.at(i, k, 2);
+        }
         cover_tiles(t, grid, [&](int x, int y, float low, float high) {
             tiles.insert(tiles.end(), {int64_t(i), x, y});
             depths.insert(depths.end(), {low, high});
@@ -35,7 +37,7 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
                           py::array_t<float>({n, py::ssize_t(2)}, depths.data()));
 }
 
-/// Tiles (x, y) and t (in, out) along one ray of canonical space.
+/// The tiles (x, y) along a ray in canonical space, and t where the ray enters and leaves each.
 py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int n_tiles, double t_min,
                double t_max) {
     check_tiles(n_tiles);
@@ -44,7 +46,8 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
     std::vector<double> times;
     walk_tiles(CanonicalRay(ray, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, t_min, t_max), n_tiles,
                [&](int x, int y, double in, double out) {
-                   tiles.insert(tiles.end(), {x, y}), times.insert(times.end(), {in, out});
+                   tiles.insert(tiles.end(), {x, y});
+                   times.insert(times.end(), {in, out});
                    return false;
                });
     const py::ssize_t n = py::ssize_t(tiles.size() / 2);
@@ -52,7 +55,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
                           py::array_t<double>({n, py::ssize_t(2)}, times.data()));
 }
 
-/// Leaves of depths [low, high], in order.
+/// The leaves of the depths [low, high], in the order of the ray.
 std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>& borders, float low,
                         float high, bool upwards, LeafWalk how) {
     if (count < 1 || count > 1 << kMostBspDepthOfTile || (count & (count - 1)) ||
@@ -103,7 +106,8 @@ void bind_vlf_parts(py::module_& m) {
             const FieldTriangles triangles(scene, TriangleKernel::kWatertight, 1);
             return expected_references(triangles.in_ball(), n_tiles);
         },
-        py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
+        py::arg("scene"), py::arg("n_tiles"),
+        "Expected number of entries in the lists of one direction, without splits along the depth.");
     t.def(
         "expected_build_s",
         [](const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
@@ -112,7 +116,7 @@ void bind_vlf_parts(py::module_& m) {
             const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
             return expected_build_s(triangles, settings);
         },
-        py::arg("scene"), py::arg("settings"), "CPU seconds to build, by rule of thumb.");
+        py::arg("scene"), py::arg("settings"), "Estimated CPU seconds of the build.");
     v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
           "Bytes of a field before it is built.");
 }
