@@ -1,6 +1,7 @@
 // The visibility-map cache: insertion, look-up, temporal removal, ambient occlusion.
 #include <pybind11/stl.h>
 
+#include "bind_rows.h"
 #include "cache_points.h"
 #include "interrupt.h"
 #include "viscache/scene/scene.h"
@@ -16,64 +17,27 @@ namespace {
 using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
 using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;
 
-template <class Enum>
-Enum named(const std::string& name, const char* what, std::initializer_list<const char*> names) {
-    std::string all;
-    int i = 0;
-    for (const char* known : names) {
-        if (name == known) return Enum(i);
-        all += (i++ ? ", " : "") + std::string(known);
-    }
-    throw py::value_error(std::string(what) + " must be one of " + all + ", got " + name);
-}
-
-void bind_parameters(py::module_& v) {
-    using P = MapCacheParameters;
-    py::class_<P>(v, "MapCacheParameters", "Parameters of the cache; see viscache.MapSettings.")
-        .def(
-            py::init([](int m, int n_best, int m_nearest, float theta_max_rad, float lambda, float w_min,
-                        float delta_max, float r_min_px, uint32_t max_records, const std::string& weight_test,
-                        const std::string& filter, const std::string& criterion) {
-                P p{.m = m,
-                    .n_best = n_best,
-                    .m_nearest = m_nearest,
-                    .theta_max_rad = theta_max_rad,
-                    .lambda = lambda,
-                    .w_min = w_min,
-                    .delta_max = delta_max,
-                    .r_min_px = r_min_px,
-                    .max_records = max_records,
-                    .weight_test = named<WeightTest>(weight_test, "weight_test", {"full", "w_hat", "raw"}),
-                    .filter = named<SearchFilter>(filter, "filter", {"during", "after"}),
-                    .criterion = named<Criterion>(criterion, "criterion", {"visibility", "ambient"})};
-                p.validate();
-                return p;
-            }),
-            py::kw_only(), py::arg("m") = P{}.m, py::arg("n_best") = P{}.n_best,
-            py::arg("m_nearest") = P{}.m_nearest, py::arg("theta_max_rad") = P{}.theta_max_rad,
-            py::arg("lambda_") = P{}.lambda, py::arg("w_min") = P{}.w_min,
-            py::arg("delta_max") = P{}.delta_max, py::arg("r_min_px") = P{}.r_min_px,
-            py::arg("max_records") = P{}.max_records, py::arg("weight_test") = "full",
-            py::arg("filter") = "during", py::arg("criterion") = "visibility");
-}
-
 py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
-                const std::string& mode, size_t batch, bool settle, uint32_t frame, int threads,
-                const py::object& progress) {
-    if (batch < 1) throw py::value_error("batch must be >= 1, got 0");
-    const InsertionOptions options{named<InsertionMode>(mode, "mode", {"batch", "locked"}), batch, settle,
-                                   frame, threads};
+                uint32_t frame, int threads, const py::object& progress) {
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
     InsertionStats s;
     run_interruptible(
-        [&](Control& control) { s = insert_where_needed(cache, tracer, points, options, control); },
+        [&](Control& control) { s = insert_where_needed(cache, tracer, points, frame, threads, control); },
         progress);
     py::dict d;
-    d["points"] = s.points, d["unusable"] = s.unusable, d["passes"] = s.passes, d["lookups"] = s.lookups;
-    d["inserted"] = s.inserted(), d["no_candidate"] = s.no_candidate, d["weight"] = s.weight;
-    d["difference"] = s.difference, d["suppressed"] = s.suppressed, d["duplicates"] = s.duplicates;
-    d["refused"] = s.refused, d["rays"] = s.rays;
+    d["points"] = s.points;
+    d["unusable"] = s.unusable;
+    d["passes"] = s.passes;
+    d["lookups"] = s.lookups;
+    d["inserted"] = s.inserted();
+    d["no_candidate"] = s.no_candidate;
+    d["weight"] = s.weight;
+    d["difference"] = s.difference;
+    d["suppressed"] = s.suppressed;
+    d["duplicates"] = s.duplicates;
+    d["refused"] = s.refused;
+    d["rays"] = s.rays;
     return d;
 }
 
@@ -87,7 +51,9 @@ py::dict bootstrap_cache(MapCache& cache, const Scene& scene, const RayCaster& c
     py::dict d;
     d["difference"] = column<float>(s.difference.size(), [&](size_t i) { return s.difference[i]; });
     d["tested"] = column<float>(s.tested.size(), [&](size_t i) { return s.tested[i]; });
-    d["unusable"] = s.unusable, d["duplicates"] = s.duplicates, d["rays"] = s.rays;
+    d["unusable"] = s.unusable;
+    d["duplicates"] = s.duplicates;
+    d["rays"] = s.rays;
     return d;
 }
 
@@ -103,7 +69,8 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
     uint8_t* v = verdict.mutable_data();
     int32_t* c = candidates.mutable_data();
     run_interruptible([&](Control& control) {
-        std::fill_n(id, n * best, -1), std::fill_n(share, n * best, 0.f);
+        std::fill_n(id, n * best, -1);
+        std::fill_n(share, n * best, 0.f);
         parallel_for((points.size() + 63) / 64, threads, [&](size_t chunk, int) {
             control.check();
             NeighbourList around;
@@ -114,15 +81,22 @@ py::dict select_points(const MapCache& cache, const Points& points, int threads)
                     id[i * size_t(best) + size_t(k)] = s.best[size_t(k)].id;
                     share[i * size_t(best) + size_t(k)] = maps.beta[k];
                 }
-                t[i] = s.tested, near[i] = s.nearest, c[i] = s.candidates;
+                t[i] = s.tested;
+                near[i] = s.nearest;
+                c[i] = s.candidates;
                 delta[i] = cache.mean_difference(s);
                 v[i] = points[i].usable() ? uint8_t(cache.judge(points[i], s)) : uint8_t(Verdict::kServed);
             }
         });
     });
     py::dict d;
-    d["ids"] = ids, d["beta"] = beta, d["tested"] = tested, d["nearest"] = nearest;
-    d["candidates"] = candidates, d["difference"] = difference, d["verdict"] = verdict;
+    d["ids"] = ids;
+    d["beta"] = beta;
+    d["tested"] = tested;
+    d["nearest"] = nearest;
+    d["candidates"] = candidates;
+    d["difference"] = difference;
+    d["verdict"] = verdict;
     return d;
 }
 
@@ -181,17 +155,20 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
         if (misses.at(k) > rays.at(k))
             throw py::value_error("misses must be at most rays, row " + std::to_string(i) + " has " +
                                   std::to_string(misses.at(k)) + " of " + std::to_string(rays.at(k)));
-        t.rays[i] = rays.at(k) * RecordTally::kRay, t.misses[i] = misses.at(k) * RecordTally::kRay;
+        t.rays[i] = rays.at(k) * RecordTally::kRay;
+        t.misses[i] = misses.at(k) * RecordTally::kRay;
         t.used[i] = used.at(k) != 0;
     }
     add_tally(cache, t, frame);
 }
 
-py::dict remove(MapCache& cache, uint32_t frame, float eps_max, uint32_t min_rays, bool wilson,
-                uint32_t k_worst, uint32_t unused_frames) {
-    const RemovalStats s = remove_records(cache, {eps_max, min_rays, wilson, k_worst, unused_frames}, frame);
+py::dict remove(MapCache& cache, uint32_t frame) {
+    const RemovalStats s = remove_records(cache, frame);
     py::dict d;
-    d["wrong"] = s.wrong, d["unused"] = s.unused, d["rays"] = s.rays, d["misses"] = s.misses;
+    d["wrong"] = s.wrong;
+    d["unused"] = s.unused;
+    d["rays"] = s.rays;
+    d["misses"] = s.misses;
     return d;
 }
 
@@ -210,7 +187,9 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
             for (size_t i = chunk * 256; i < std::min(points.size(), chunk * 256 + 256); ++i) {
                 AmbientShade s;
                 if (points[i].usable()) s = shade_ambient(cache, points[i], {width, weighted}, around);
-                a[i] = s.visibility, j[i] = s.jump, r[i] = s.records;
+                a[i] = s.visibility;
+                j[i] = s.jump;
+                r[i] = s.records;
             }
         });
     });
@@ -221,13 +200,11 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
 
 void bind_vismap_cache(py::module_& m) {
     py::module_ v = m.def_submodule("vismap", "The visibility-map cache (VisMap).");
-    bind_parameters(v);
+    py::class_<MapCacheParameters> parameters(v, "MapCacheParameters",
+                                              "Parameters of the cache; see viscache.MapSettings.");
+    bind_rows(parameters, kMapRows);
     py::class_<MapCache>(v, "MapCache", "Records and their tree; see viscache.VisibilityMapCache.")
-        .def(py::init([](const MapCacheParameters& p, uint64_t seed) {
-                 p.validate();
-                 return std::make_unique<MapCache>(p, record_pattern(p.m, seed));
-             }),
-             py::arg("parameters"), py::arg("seed"))
+        .def(py::init<const MapCacheParameters&>(), py::arg("parameters"))
         .def("__len__", &MapCache::size)
         .def_property_readonly(
             "pattern", [](const MapCache& c) { return from_vec3s({c.pattern().begin(), c.pattern().end()}); })
@@ -240,17 +217,16 @@ void bind_vismap_cache(py::module_& m) {
         .def("set_thresholds", &MapCache::set_thresholds, py::arg("w_min"), py::arg("delta_max"))
         .def("bootstrap", &bootstrap_cache, py::arg("scene"), py::arg("caster"), py::arg("points"),
              py::arg("frame") = 0, py::arg("threads") = 0,
-             "A record at every point; what they say of each other.")
+             "Inserts a record at every point; statistics of the records among each other.")
         .def("insert", &insert, py::arg("scene"), py::arg("caster"), py::arg("points"), py::kw_only(),
-             py::arg("mode") = "batch", py::arg("batch") = InsertionOptions{}.batch, py::arg("settle") = true,
              py::arg("frame") = 0, py::arg("threads") = 0, py::arg("progress") = py::none(),
-             "Records where they are needed; counts.")
+             "Inserts records where they are needed; counts.")
         .def("select", &select_points, py::arg("points"), py::arg("threads") = 0,
              "What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.")
         .def("records", &records_dict, "Copies of everything stored, one row per record.")
         .def("add_records", &add_records, py::arg("positions"), py::arg("normals"), py::arg("bits"),
              py::arg("rays"), py::arg("misses"), py::arg("last_used"), py::arg("ambient"),
-             py::arg("nearest_hit"), "Takes records in without rays.")
+             py::arg("nearest_hit"), "Adds records without tracing rays.")
         .def(
             "mark_used",
             [](MapCache& cache, const Points& points, uint32_t frame, int threads) {
@@ -260,10 +236,7 @@ void bind_vismap_cache(py::module_& m) {
             py::arg("points"), py::arg("frame"), py::arg("threads") = 0,
             "Records blended at the points count as used in the frame.")
         .def("tally", &tally, py::arg("rays"), py::arg("misses"), py::arg("used"), py::arg("frame"))
-        .def("remove", &remove, py::arg("frame"), py::kw_only(), py::arg("eps_max") = RemovalRules{}.eps_max,
-             py::arg("min_rays") = RemovalRules{}.min_rays, py::arg("wilson") = RemovalRules{}.wilson,
-             py::arg("k_worst") = RemovalRules{}.k_worst,
-             py::arg("unused_frames") = RemovalRules{}.unused_frames)
+        .def("remove", &remove, py::arg("frame"), "Removes records as the parameters say; counts.")
         .def("reset_tallies", &reset_tallies)
         .def("shade_ambient", &shade_points, py::arg("points"), py::arg("width"), py::arg("weighted"),
              py::arg("threads") = 0, "Ambient visibility, records averaged, jump, each (N,).");

@@ -1,6 +1,5 @@
 // The visibility field.
-#include <pybind11/native_enum.h>
-
+#include "bind_rows.h"
 #include "caster_queries.h"
 #include "viscache/vlf/visibility_field.h"
 
@@ -10,10 +9,16 @@ namespace {
 
 py::dict stats_dict(const FieldStats& s) {
     py::dict d;
-    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["subfields"] = s.subfields;
-    d["built"] = s.built, d["given_up"] = s.given_up;
-    d["tiles"] = s.tiles, d["empty_tiles"] = s.empty_tiles, d["leaves"] = s.leaves;
-    d["references"] = s.references, d["bytes"] = s.bytes;
+    d["triangles"] = s.triangles;
+    d["degenerate"] = s.degenerate;
+    d["subfields"] = s.subfields;
+    d["built"] = s.built;
+    d["evicted"] = s.evicted;
+    d["tiles"] = s.tiles;
+    d["empty_tiles"] = s.empty_tiles;
+    d["leaves"] = s.leaves;
+    d["references"] = s.references;
+    d["bytes"] = s.bytes;
     return d;
 }
 
@@ -50,23 +55,28 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
         for (int l = 0; l < bsp.leaves; ++l) {
             const auto leaf = f->leaf(tile, l);
             ids.insert(ids.end(), leaf.begin(), leaf.end());
-            first_id.push_back(uint32_t(ids.size())), borders.push_back(bsp.border(l));
+            first_id.push_back(uint32_t(ids.size()));
+            borders.push_back(bsp.border(l));
         }
         first_leaf.push_back(uint32_t(first_id.size() - 1));
         ranges.insert(ranges.end(), {bsp.z0, bsp.z1});
     }
     py::dict d;
-    d["first_leaf"] = copied(first_leaf), d["first_id"] = copied(first_id), d["ids"] = copied(ids);
+    d["first_leaf"] = copied(first_leaf);
+    d["first_id"] = copied(first_id);
+    d["ids"] = copied(ids);
     d["ranges"] = py::array_t<float>({py::ssize_t(f->tiles()), py::ssize_t(2)}, ranges.data());
     d["borders"] = copied(borders);
     return d;
 }
 
-/// Nearest hits by way of the k-th nearest axis, or any hits; and the steps on the way.
+/// Nearest hits and any hits through the subfields of the given axes, and the numbers of steps.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
-    require_usable(o, "origins"), require_usable(d, "directions");
-    require_same_rows(o, d, "origins and directions"), require_same_rows(o, directions, "origins and axes");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
+    require_same_rows(o, d, "origins and directions");
+    require_same_rows(o, directions, "origins and axes");
     const size_t n = size_t(o.shape(0));
     const FloatArray near = distances(t_min, n), far = distances(t_max, n);
     py::array_t<float> t{py::ssize_t(n)};
@@ -93,35 +103,8 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
 
 void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is cut along its depth.")
-        .value("UNIFORM", DepthSplit::kUniform)
-        .value("OBJECT", DepthSplit::kObject)
-        .finalize();
-    py::native_enum<LeafWalk>(v, "LeafWalk", "enum.Enum", "How a ray finds the leaves of a tile.")
-        .value("LINEAR", LeafWalk::kLinear)
-        .value("STACK", LeafWalk::kStack)
-        .finalize();
-    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "What the tiles of a direction cover.")
-        .value("SPHERE", FieldFit::kSphere)
-        .value("PSF_BOX", FieldFit::kBox)
-        .finalize();
-    py::class_<FieldSettings>(v, "FieldSettings")
-        .def(py::init<>())
-        .def_readwrite("n_directions", &FieldSettings::n_directions)
-        .def_readwrite("n_tiles", &FieldSettings::n_tiles)
-        .def_readwrite("bsp_depth", &FieldSettings::bsp_depth)
-        .def_readwrite("leaf_target", &FieldSettings::leaf_target)
-        .def_readwrite("split", &FieldSettings::split)
-        .def_readwrite("walk", &FieldSettings::walk)
-        .def_readwrite("tile_ranges", &FieldSettings::tile_ranges)
-        .def_readwrite("fit", &FieldSettings::fit)
-        .def_readwrite("kernel", &FieldSettings::kernel)
-        .def_readwrite("head_room", &FieldSettings::head_room)
-        .def_readwrite("lazy", &FieldSettings::lazy)
-        .def_readwrite("snap", &FieldSettings::snap)
-        .def_readwrite("max_bytes", &FieldSettings::max_bytes)
-        .def_readwrite("max_build_s", &FieldSettings::max_build_s)
-        .def("validate", &FieldSettings::validate);
+    py::class_<FieldSettings> settings(v, "FieldSettings", "Settings of the field; see viscache.Vlf.");
+    bind_rows(settings, kFieldRows);
     py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
                                                                                    "Rays by look-up.");
     field
@@ -132,7 +115,7 @@ void bind_vlf_field(py::module_& m) {
         .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")
         .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
-             "By way of given subfields: t, triangle (N,), any (N,), steps of each kind.");
+             "Through given subfields: t, triangle (N,), any (N,), steps of each kind.");
     bind_queries(field);
 }
 

@@ -1,7 +1,7 @@
-// What the visibility field is made of: tiles of triangles, tiles of rays, leaves of depths; what it will
-// cost.
+// Parts of the visibility field: tiles of triangles, tiles and leaves along rays, predicted cost.
 #include <pybind11/stl.h>
 
+#include "bind_rows.h"
 #include "caster_queries.h"
 #include "viscache/vlf/auto_settings.h"
 #include "viscache/vlf/rasterize.h"
@@ -22,9 +22,11 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
     std::vector<float> depths;
     for (py::ssize_t i = 0; i < corners.shape(0); ++i) {
         ProjectedTriangle t;
-        for (py::ssize_t k = 0; k < 3; ++k)
-            t.x[size_t(k)] = corners.at(i, k, 0), t.y[size_t(k)] = corners.at(i, k, 1),
+        for (py::ssize_t k = 0; k < 3; ++k) {
+            t.x[size_t(k)] = corners.at(i, k, 0);
+            t.y[size_t(k)] = corners.at(i, k, 1);
             t.z[size_t(k)] = corners.at(i, k, 2);
+        }
         cover_tiles(t, grid, [&](int x, int y, float low, float high) {
             tiles.insert(tiles.end(), {int64_t(i), x, y});
             depths.insert(depths.end(), {low, high});
@@ -44,7 +46,8 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
     std::vector<double> times;
     walk_tiles(CanonicalRay(ray, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, t_min, t_max), n_tiles,
                [&](int x, int y, double in, double out) {
-                   tiles.insert(tiles.end(), {x, y}), times.insert(times.end(), {in, out});
+                   tiles.insert(tiles.end(), {x, y});
+                   times.insert(times.end(), {in, out});
                    return false;
                });
     const py::ssize_t n = py::ssize_t(tiles.size() / 2);
@@ -54,7 +57,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
 
 /// Leaves of depths [low, high], in order.
 std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>& borders, float low,
-                        float high, bool upwards, LeafWalk how) {
+                        float high, bool upwards, const std::string& how) {
     if (count < 1 || count > 1 << kMostBspDepthOfTile || (count & (count - 1)) ||
         (!borders.empty() && int(borders.size()) != count))
         throw py::value_error("leaves must be a power of two with as many borders or none, got " +
@@ -65,7 +68,7 @@ std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>&
         order.push_back(l);
         return false;
     };
-    if (how == LeafWalk::kLinear)
+    if (named<LeafWalk>("how", how) == LeafWalk::kLinear)
         walk_leaves(bsp, low, high, upwards, visit);
     else
         walk_leaves_by_stack(bsp, low, high, upwards, visit);

@@ -48,7 +48,7 @@ py::dict counters_of(const FrameResult& f) {
     d["expected_false_hits"] = c.expected_false_hits, d["non_finite"] = c.non_finite, d["vpls"] = f.n_vpls;
     if (c.product_points) {
         d["product_points"] = c.product_points, d["product_dark"] = c.product_dark;
-        d["product_guided"] = c.product_guided, d["product_unserved"] = c.product_unserved;
+        d["product_guided"] = c.product_guided, d["product_without_record"] = c.product_without_record;
         d["greatest_ratio"] = c.greatest_ratio, d["pilot_rays"] = c.pilot_rays;
     }
     if (f.forecast) {

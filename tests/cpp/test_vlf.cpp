@@ -33,7 +33,10 @@ std::shared_ptr<const Scene> soup(uint32_t n) {
 
 FieldSettings small(uint32_t l, int n, int depth) {
     FieldSettings s;
-    s.n_directions = l, s.n_tiles = n, s.bsp_depth = depth, s.leaf_target = 1;
+    s.n_directions = l;
+    s.n_tiles = n;
+    s.bsp_depth = depth;
+    s.leaf_target = 1;
     return s;
 }
 
@@ -84,8 +87,8 @@ void many_threads_ask_a_small_store() {
         field.occluded(rays, occluded);
     });
     const FieldStats stats = field.stats();
-    check(stats.given_up > 0, "a small store gives subfields up");
-    check_equal(stats.built - stats.given_up, stats.subfields, "built subfields but those given up");
+    check(stats.evicted > 0, "a small store evicts subfields");
+    check_equal(stats.built - stats.evicted, stats.subfields, "built subfields but those evicted");
 }
 
 void objects_come_go_and_move() {

@@ -61,8 +61,8 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
         Row(what="root mean squared error", measured=float(np.sqrt((error**2).mean())),
             band=None if quick else bands.AO_RMSE),
         Row(what="95th percentile of the error", measured=float(np.quantile(error, 0.95))),
-        Row(what="points without a record in reach", measured=float(cached.counters["unserved"]),
-            note="they are black"),
+        Row(what="points without a record in reach",
+            measured=float(cached.counters["without_record"]), note="they are black"),
     ]  # fmt: skip
 
 
