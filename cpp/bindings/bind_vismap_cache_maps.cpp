@@ -61,7 +61,8 @@ py::array_t<Word> dilated(const WordArray& bits, int m, int level) {
 py::array_t<float> map_differences(const WordArray& a, const WordArray& b, int m,
                                    const std::optional<std::string>& isa) {
     const auto words = py::ssize_t(map_words(checked_m(m)));
-    require_rows(a, words, "a"), require_rows(b, words, "b");
+    require_rows(a, words, "a");
+    require_rows(b, words, "b");
     if (a.shape(0) != b.shape(0))
         throw py::value_error("a and b must have equal numbers of rows, got " + shape_text(a) + " and " +
                               shape_text(b));
@@ -82,7 +83,7 @@ py::array_t<float> map_differences(const WordArray& a, const WordArray& b, int m
     return out;
 }
 
-/// A tree as tests drive it.
+/// A kd-tree for tests.
 struct TestTree {
     KdTree tree;
     void insert(const FloatArray& positions, uint32_t first_id) {
@@ -106,7 +107,7 @@ struct TestTree {
         }
         return all;
     }
-    /// The same one after another, query q without the points of number q modulo 3.
+    /// The same query by query; query q excludes the points whose id is q modulo 3.
     std::pair<std::vector<std::vector<uint32_t>>, uint64_t> walk(const FloatArray& positions, float radius,
                                                                  int m) {
         std::vector<std::vector<uint32_t>> all;
@@ -186,8 +187,8 @@ void bind_vismap_cache_maps(py::module_& m) {
         .def("search", &TestTree::search, py::arg("positions"), py::arg("radius"), py::arg("m"),
              "Ids of every position, nearest first.")
         .def("walk", &TestTree::walk, py::arg("positions"), py::arg("radius"), py::arg("m"),
-             "The same by a neighbour list without ids congruent to the query's number modulo 3, and how "
-             "often the tree was not needed.")
+             "The same by a neighbour list that excludes ids congruent to the query's number modulo 3, and "
+             "how often the tree was not needed.")
         .def_property_readonly("rebuilds", [](const TestTree& t) { return t.tree.rebuilds(); })
         .def_property_readonly("depth", [](const TestTree& t) { return t.tree.depth(); })
         .def_property_readonly("oversized_leaves",

@@ -1,4 +1,4 @@
-// Control variates and the estimate of one point, in worlds given as tables over the sphere's map.
+// Control variates and the estimate at one point, with light and reflection given as tables over the sphere.
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
@@ -55,13 +55,15 @@ py::dict samples_of(const BoundPoint& p, const DoubleArray& u) {
         const DirectionSample s = p.draw({x, y});
         texel.mutable_at(i) = p.row_major(s.texel);
         for (int c = 0; c < 3; ++c) f.mutable_at(i, c) = s.f[size_t(c)], g.mutable_at(i, c) = s.g[size_t(c)];
-        z.mutable_at(i) = s.z, w.mutable_at(i) = s.w, d.mutable_at(i) = s.d;
+        z.mutable_at(i) = s.z;
+        w.mutable_at(i) = s.w;
+        d.mutable_at(i) = s.d;
     }
     return py::dict(py::arg("texel") = texel, py::arg("f") = f, py::arg("g") = g, py::arg("z") = z,
                     py::arg("w") = w, py::arg("d") = d);
 }
 
-/// Passes of so many samples each, independent of each other.
+/// Independent passes with the given numbers of samples.
 py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, const std::vector<int>& sizes,
                              int replicates, PointSet set, AlphaMode mode, double value, uint64_t seed,
                              int threads) {
@@ -84,9 +86,12 @@ py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, cons
             std::vector<uint8_t> seen;
             for (size_t pass = 0; pass < sizes.size(); ++pass) {
                 const PointStream stream(set, seed, Purpose::kProduct, r, pass);
-                samples.resize(size_t(sizes[pass])), seen.resize(samples.size());
-                for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i)
-                    samples[i] = p.draw(stream.at(uint32_t(i))), seen[i] = v[p.row_major(samples[i].texel)];
+                samples.resize(size_t(sizes[pass]));
+                seen.resize(samples.size());
+                for (size_t i = 0; i < samples.size() && !p.point.dark(); ++i) {
+                    samples[i] = p.draw(stream.at(uint32_t(i)));
+                    seen[i] = v[p.row_major(samples[i].texel)];
+                }
                 const Rgbd e = p.point.dark()
                                    ? Rgbd{}
                                    : finish_pass(p.point.moments(), samples, seen, {mode, value}, earlier);
@@ -122,7 +127,7 @@ void bind_point(py::module_& s) {
             }),
             py::arg("light"), py::arg("b"), py::arg("maps"), py::arg("beta"), py::kw_only(),
             py::arg("dilated") = std::vector<BoolArray>{}, py::arg("eta") = 1.0,
-            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: its two (m < 6) or three growths.")
+            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: their two (m < 6) or three dilations.")
         .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.moments().l_ns; })
         .def_property_readonly("guided", [](const BoundPoint& p) { return p.point.guided(); })
         .def_property_readonly(

@@ -1,4 +1,4 @@
-// Points that ask a visibility-map cache: from arrays, or where a camera's pixels look.
+// Points at which a visibility-map cache is looked up: from arrays, or the first hits of a camera's pixels.
 #include <pybind11/stl.h>
 
 #include "cache_points.h"

@@ -1,4 +1,4 @@
-// Product importance sampling of the environment, as tests, benches and notebooks use it.
+// Product importance sampling of the environment for tests, benchmarks and notebooks.
 #include <pybind11/stl.h>
 
 #include "rows.h"
@@ -63,7 +63,8 @@ py::array_t<double> points(PointSet set, py::ssize_t count, uint64_t seed, uint6
     py::array_t<double> out({count, py::ssize_t(2)});
     for (py::ssize_t i = 0; i < count; ++i) {
         const Point2 p = stream.at(uint32_t(i));
-        out.mutable_at(i, 0) = p.x, out.mutable_at(i, 1) = p.y;
+        out.mutable_at(i, 0) = p.x;
+        out.mutable_at(i, 1) = p.y;
     }
     return out;
 }
@@ -133,7 +134,9 @@ void bind_tree(py::module_& t) {
             [](const BoundTree& t) {
                 return texels(t, 3, [&](uint32_t z, double* to) {
                     const Rgb c = t.tree.colour(z);
-                    to[0] = c.x, to[1] = c.y, to[2] = c.z;
+                    to[0] = c.x;
+                    to[1] = c.y;
+                    to[2] = c.z;
                 });
             },
             "B̃ of the texels, (R, R, 3).")
@@ -159,8 +162,10 @@ void bind_vismap_product(py::module_& m) {
             RgbBlock block;
             SurfaceReflection(sp).sample(level, first, block);
             std::vector<Vec3> b(16), d(16);
-            for (uint32_t i = 0; i < 16; ++i)
-                b[i] = {block.r[i], block.g[i], block.b[i]}, d[i] = node_centres(level).at(first + i);
+            for (uint32_t i = 0; i < 16; ++i) {
+                b[i] = {block.r[i], block.g[i], block.b[i]};
+                d[i] = node_centres(level).at(first + i);
+            }
             return std::tuple(from_vec3s(d), from_vec3s(b));
         },
         py::arg("shading"), py::arg("level"), py::arg("first"),

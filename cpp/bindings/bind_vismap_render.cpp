@@ -1,4 +1,4 @@
-// Visibility maps that frames estimate the environment with.
+// Visibility maps with which frames estimate the light of the environment.
 #include "frame_maps.h"
 
 #include <pybind11/stl.h>
@@ -49,8 +49,8 @@ void bind_vismap_render(py::module_& m) {
         },
         py::arg("settings"), py::arg("cache"), py::arg("frame"), py::arg("d_max"), py::arg("footprint"),
         py::kw_only(), py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
-        "Those of a cache, which must not change while the frame is rendered; d_max and footprint are those "
-        "of the pixels' centres, (H·W,).");
+        "The maps of a cache, which must not change while the frame is rendered; d_max and footprint are "
+        "those of the pixels' centres, (H·W,).");
     m.def(
         "given_maps",
         [](const VisMapSettings& settings, const BoolArray& bits, const FloatArray& beta,
@@ -64,7 +64,7 @@ void bind_vismap_render(py::module_& m) {
                 py::tuple()};
         },
         py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),
-        "One blend of maps for all points, whatever they see (tests).");
+        "The same blend of maps for all points (tests).");
 }
 
 }  // namespace viscache::bindings

@@ -1,4 +1,4 @@
-// Aligned rays: what points see along shared axes.
+// Aligned rays: visibility of points along shared axes.
 #include <pybind11/stl.h>
 
 #include "checked_rows.h"
@@ -66,7 +66,9 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
                  Control& control) { counts = batch.rows(call.input, rows, threads, control, variant); },
              progress);
     py::dict d;
-    d["nodes"] = counts.nodes, d["pairs"] = counts.pairs, d["tests"] = counts.tests;
+    d["nodes"] = counts.nodes;
+    d["pairs"] = counts.pairs;
+    d["tests"] = counts.tests;
     d["exact"] = counts.exact;
     return py::make_tuple(call.bits, d);
 }
@@ -134,7 +136,7 @@ void bind_vlf_aligned(py::module_& m) {
         .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
         .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
     v.def("is_hopeless", &is_hopeless, py::arg("triangles"), py::arg("points"),
-          "True if the batch cannot pay, whatever the scene.");
+          "True if the batch is slower in every scene.");
     v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = py::none(),
           py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("threads") = 0,
@@ -143,7 +145,7 @@ void bind_vlf_aligned(py::module_& m) {
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
           py::arg("progress") = py::none(), "The same by look-up in a field of these directions.");
     v.def("predict_field_rows", &predict_field_rows, py::arg("scene"), py::arg("settings"),
-          "What they take in a field to be built: tests per ray, ray_ns, build_s, bytes (at least).");
+          "Predicted cost in a field that is yet to be built: tests per ray, ray_ns, build_s, least bytes.");
     v.attr("FIELD_RAY_NS") = kFieldRayNs;
 }
 

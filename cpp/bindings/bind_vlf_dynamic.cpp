@@ -23,7 +23,8 @@ std::shared_ptr<DynamicField> build(const std::shared_ptr<Scene>& scene, const F
 }
 
 uint32_t insert(DynamicField& field, const FloatArray& vertices, const UintArray& triangles, int threads) {
-    require_usable(vertices, "vertices"), require_rows(triangles, 3, "triangles");
+    require_usable(vertices, "vertices");
+    require_rows(triangles, 3, "triangles");
     const std::vector<Vec3> points = vec3s(vertices, "vertices");
     std::vector<FlatTriangle> list;
     for (py::ssize_t i = 0; i < triangles.shape(0); ++i) {
@@ -42,7 +43,8 @@ uint32_t insert(DynamicField& field, const FloatArray& vertices, const UintArray
 }
 
 py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatArray& d, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     const size_t n = size_t(o.shape(0));
@@ -55,8 +57,11 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
             const DynamicHit h = field.nearest(endless(origins[i], directions[i]));
             const bool hit = h.object != DynamicHit::kNothing;
             const float nan = std::numeric_limits<float>::quiet_NaN();
-            t_out[i] = h.t, object_out[i] = h.object, triangle_out[i] = hit ? int64_t(h.triangle) : -1;
-            uv_out[2 * i] = hit ? h.u : nan, uv_out[2 * i + 1] = hit ? h.v : nan;
+            t_out[i] = h.t;
+            object_out[i] = h.object;
+            triangle_out[i] = hit ? int64_t(h.triangle) : -1;
+            uv_out[2 * i] = hit ? h.u : nan;
+            uv_out[2 * i + 1] = hit ? h.v : nan;
         }
     });
     return py::make_tuple(t, object, triangle, uv);
@@ -64,7 +69,8 @@ py::tuple intersect(const DynamicField& field, const FloatArray& o, const FloatA
 
 py::array_t<bool> occluded(const DynamicField& field, const FloatArray& o, const FloatArray& d,
                            const py::object& t_max, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     const size_t n = size_t(o.shape(0));
@@ -82,7 +88,10 @@ py::array_t<bool> occluded(const DynamicField& field, const FloatArray& o, const
 py::array_t<uint32_t> rows_of_pairs(const Pairs& pairs) {
     py::array_t<uint32_t> rows({py::ssize_t(pairs.size()), py::ssize_t(2)});
     uint32_t* out = rows.mutable_data();
-    for (const auto& [tile, id] : pairs) *out++ = tile, *out++ = id;
+    for (const auto& [tile, id] : pairs) {
+        *out++ = tile;
+        *out++ = id;
+    }
     return rows;
 }
 
@@ -97,7 +106,7 @@ uint32_t checked(const DynamicField& field, uint32_t direction) {
 
 void bind_vlf_dynamic(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<UpdateMode>(v, "UpdateMode", "enum.Enum", "How a field takes objects in.")
+    py::native_enum<UpdateMode>(v, "UpdateMode", "enum.Enum", "How a field adds objects.")
         .value("OVERLAY", UpdateMode::kOverlay)
         .value("IN_PLACE", UpdateMode::kInPlace)
         .finalize();

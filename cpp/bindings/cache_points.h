@@ -1,5 +1,5 @@
 #pragma once
-// Points that ask a visibility-map cache, and columns of what it holds.
+// Points at which a visibility-map cache is looked up, and columns of its records.
 #include "arrays.h"
 #include "viscache/visibility/query.h"
 #include "viscache/vismap/map_cache.h"
@@ -23,7 +23,7 @@ py::array_t<float> vectors(size_t n, Value value) {
     return from_vec3s(v);
 }
 
-/// Refuses what cannot ask; the error names the row.
+/// Throws for a point that cannot be looked up; the error names the row.
 inline void check_point(const CachePoint& p, size_t i) {
     const std::string row = ", row " + std::to_string(i);
     if (!is_finite(p.position) || !(max_abs(p.position) <= kMaxCoordinate))
