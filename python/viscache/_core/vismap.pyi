@@ -36,7 +36,7 @@ class PointEstimate:
     """
     def __init__(self, light: EnvironmentPyramid, b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]] = [], eta: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
-        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: its two (m < 6) or three growths.
+        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: their two (m < 6) or three dilations.
         """
     def b_tilde(self) -> numpy.typing.NDArray[numpy.float64]:
         """

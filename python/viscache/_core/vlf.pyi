@@ -84,7 +84,7 @@ class AlignedBatch:
         ...
 class UpdateMode(enum.Enum):
     """
-    How a field takes objects in.
+    How a field adds objects.
     """
     IN_PLACE: typing.ClassVar[UpdateMode]
     OVERLAY: typing.ClassVar[UpdateMode]
@@ -158,7 +158,7 @@ def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
 def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
     """
-    True if the batch cannot pay, whatever the scene.
+    True if the batch is slower in every scene.
     """
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
@@ -166,7 +166,7 @@ def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy
     """
 def predict_field_rows(scene: viscache._core.Scene, settings: FieldSettings) -> dict:
     """
-    What they take in a field to be built: tests per ray, ray_ns, build_s, bytes (at least).
+    Predicted cost in a field that is yet to be built: tests per ray, ray_ns, build_s, least bytes.
     """
 def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
     """
