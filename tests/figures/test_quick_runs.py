@@ -30,6 +30,7 @@ QUICK: dict[str, tuple[int, tuple[str, ...]]] = {
     "aqvc-fig8": (2, (".png", "-trade.png", ".csv")),
     "aqvc-claims": (12, (".png", ".csv")),
     "aqvc-quality": (5, (".csv", "-bias.csv")),
+    "aqvc-correct": (9, (".png", ".csv")),
     "aqvc-nee": (15, (".png", ".csv")),
     "aqvc-temporal": (0, (".png", ".csv")),
     "vlf-fig1": (3, (".png",)),

@@ -1,6 +1,6 @@
 #pragma once
-// One row per parameter of a method: its name, member, range and meaning. Checks, bindings and the help read
-// it.
+// One row per parameter of a method: name, member, range and meaning. Checks, bindings and the help use the
+// rows.
 #include <array>
 #include <bit>
 #include <charconv>
@@ -22,17 +22,17 @@ void require(bool holds, const std::string& what, Value given) {
 }
 }  // namespace detail
 
-/// Names of a closed set, in the order of its enumerators.
+/// Names of the values of an enumeration, in the order of its enumerators.
 template <class Enum>
 inline constexpr std::array<const char*, 0> kNames{};
 
-/// What a number may be.
+/// The values that a number can have.
 struct Range {
     static constexpr double kAny = std::numeric_limits<double>::infinity();
     double low = -kAny, high = kAny;
-    bool above = false;  ///< low itself is not in it
+    bool above = false;  ///< `low` is excluded
     bool even = false;
-    bool by_side = false;             ///< errors name only the end that was passed
+    bool by_side = false;             ///< errors state only the limit that was exceeded
     std::optional<double> open = {};  ///< stands for "chosen by the program"; usually outside of the range
     const char* open_word = "auto";   ///< what Python writes for it; nullptr: None
 
@@ -40,7 +40,7 @@ struct Range {
         const bool past_low = above ? v > low : v >= low;
         return past_low && v <= high && std::abs(v) < kAny && !(even && std::fmod(v, 2) != 0);
     }
-    /// "in [1, 64]", "> 0": as errors and the help say it.
+    /// The range as text for errors and the help: "in [1, 64]", "> 0".
     std::string text() const {
         if (low > -kAny && high < kAny)
             return std::string(even ? "even and in " : "in ") + (above ? "(" : "[") + number(low) + ", " +
@@ -48,8 +48,7 @@ struct Range {
         if (low > -kAny) return (above ? "> " : ">= ") + number(low);
         return "";
     }
-    /// What must hold of v, which does not fit. Errors about real numbers without an upper end say that
-    /// infinity does not fit either.
+    /// The condition that v violates. For real numbers without an upper limit it includes "and finite".
     std::string text_for(double v, bool real) const {
         if (by_side) return v < low ? ">= " + number(low) : "<= " + number(high);
         return text() + (real && !(high < kAny) ? " and finite" : "");
@@ -65,8 +64,8 @@ struct Range {
     }
 };
 
-/// What else is said of a parameter: the cells that one C_E gives, or keys, or what is kept under them,
-/// depend on it; it exists for the paper's own form alone (viscache.PaperForm).
+/// Further properties of a parameter. kKeyed: the cells for one C_E, the keys, or the values stored under
+/// them depend on it. kPaper: it exists only for the form of the paper (viscache.PaperForm).
 enum ParameterUse : unsigned { kPlain = 0, kKeyed = 1, kPaper = 2 };
 
 template <class Struct, class Value>
@@ -77,7 +76,8 @@ struct ParameterRow {
     Range range;
     const char* doc;
 
-    /// Throws std::invalid_argument unless the number is in range, or open. What is no number always is.
+    /// Throws std::invalid_argument if the number is neither in range nor open. Does nothing for values that
+    /// are not numbers.
     void check(const Struct& parameters) const {
         if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
             const Value value = parameters.*member;
@@ -85,7 +85,7 @@ struct ParameterRow {
             detail::require(range.holds(double(value)), must(double(value)), value);
         }
     }
-    /// What must hold of a number that is refused.
+    /// The error message for a number that is refused.
     std::string must(double value) const {
         return std::string(name) + " must be " + range.text_for(value, std::is_floating_point_v<Value>);
     }

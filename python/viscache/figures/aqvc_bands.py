@@ -153,6 +153,16 @@ NEE_MORE_RAYS = Band(1.0, math.inf, "expected: voxels that see each other are al
 #: Squared error against a converged picture over the exact frame's, same samples.
 NEE_ADDS_NOISE = Band(0.98, math.inf, "expected: roulette adds variance, whatever the map says")
 
+# Answers as control variates
+
+#: Energy of corrected frames less that of exact ones, in standard errors of a few seeds.
+UNBIASED = Band(-5.0, 5.0, "expected: 0, whatever the answers; Student's t of at least 6 seeds")
+
+#: Squared noise of the corrected cache over that of corrected frames without shadows.
+CACHE_IS_THE_BETTER_VARIATE = Band(
+    0.0, 1.2, "expected: no more, as fewer answers are wrong; in small pictures as many may be"
+)
+
 # Claims in the text, H1 to H8
 
 #: H1: share of the queries that become rays, the best of the sweeps' settings.

@@ -43,7 +43,10 @@ ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 
-@figure("aqvc-claims", "numbers in the text of the quantized cache's paper")
+@figure(
+    "aqvc-claims",
+    "numbers in the paper's text: rays, shading, table size, collisions, parameters, flicker",
+)
 def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All of them, in the order of the paper's sections."""
     outcome = Outcome()

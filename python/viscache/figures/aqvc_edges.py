@@ -77,7 +77,7 @@ def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], pat
     return save_figure(figure, path)
 
 
-@figure("aqvc-fig4", "scan order shifts shadows")
+@figure("aqvc-fig4", "a shadow's shift in scan-line order")
 def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

@@ -21,7 +21,7 @@ from viscache.figures.registry import figure
 C_E = {False: 16.0, True: 36.0}
 
 
-@figure("aqvc-fig6", "fine geometry")
+@figure("aqvc-fig6", "fine geometry: the hairball")
 def figure6(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

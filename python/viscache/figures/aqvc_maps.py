@@ -26,7 +26,7 @@ QUICK_RESOLUTIONS = (16, 32, 64, 128)
 MEMORY_SHARE = 0.6
 
 
-@figure("aqvc-fig8", "comparison with shadow maps")
+@figure("aqvc-fig8", "error over time beside shadow maps, from afar and close up")
 def figure8(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:

@@ -33,7 +33,7 @@ KINDS = {"delta": ("point", "directional"), "conference": ("area",),
          "apartment": ("vpl", "environment")}  # fmt: skip
 
 
-@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement")
+@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement, bias")
 def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All choices, and a table."""
     outcome = Outcome(rows=leaking_cells())

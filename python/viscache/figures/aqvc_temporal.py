@@ -107,7 +107,9 @@ def run(
     return made
 
 
-@figure("aqvc-temporal", "tables kept over frames or dropped: rays, flicker and stale bits")
+@figure(
+    "aqvc-temporal", "tables kept, dropped or repaired while things move: rays, flicker, stale bits"
+)
 def temporal(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
