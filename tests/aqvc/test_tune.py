@@ -148,10 +148,16 @@ def test_what_the_groups_are_off_by_explains_the_error() -> None:
 
 def test_an_error_that_only_unseen_pixels_have_is_told_apart_from_a_floor() -> None:
     found = Tuned(
-        target=0.01, c_e=8.0, visibility=vc.Aqvc(c_e=8), rel_l1=0.02, interval=(0.015, 0.025),
-        ray_reduction=5.0, pilots=(Pilot(4.0, 0.005, 3.0), Pilot(8.0, 0.01, 5.0)), samples=4,
+        target=0.01,
+        c_e=8.0,
+        visibility=vc.Aqvc(c_e=8),
+        rel_l1=0.02,
+        interval=(0.015, 0.025),
+        ray_reduction=5.0,
+        pilots=(Pilot(4.0, 0.005, 3.0), Pilot(8.0, 0.01, 5.0)),
+        samples=4,
         groups={"point": 0.02, "vpl": 0.001},
-    )  # fmt: skip
+    )
     assert "is not confirmed: pilots had 0.01 at C_E = 8" in found.message
     assert "have 0.02 [0.015, 0.025]. The group 'point' limits it, off by 0.02" in found.message
 

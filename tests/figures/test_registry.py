@@ -82,9 +82,14 @@ def test_the_json_has_the_rows_and_the_files_that_were_written(
     first, second = got["rows"]
     assert got["figure"] == "made-up" and got["skipped"][0]["what"] == "far away"
     assert first == {
-        "what": "speed", "printed": 2.0, "measured": 3.0, "ratio": 1.5, "band": [0.8, None],
-        "holds": True, "note": "here; the paper says so",
-    }  # fmt: skip
+        "what": "speed",
+        "printed": 2.0,
+        "measured": 3.0,
+        "ratio": 1.5,
+        "band": [0.8, None],
+        "holds": True,
+        "note": "here; the paper says so",
+    }
     assert (second["ratio"], second["band"], second["holds"]) == (None, None, None)
     assert all(Path(file).is_file() for file in got["files"])
     assert {Path(file).suffix for file in got["files"]} == {".png", ".md", ".json"}

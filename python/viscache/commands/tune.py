@@ -45,21 +45,33 @@ def run(arguments: argparse.Namespace) -> int:
     }
     made = by_name.assign(chosen, arguments.set)
     found = tune(
-        sources.open_scene(arguments.scene), made["integrator"], rel_l1=arguments.error,
-        visibility=made["visibility"], size=arguments.size, spp=arguments.spp,
-        seed=arguments.seed, threads=arguments.threads, camera=arguments.camera,
+        sources.open_scene(arguments.scene),
+        made["integrator"],
+        rel_l1=arguments.error,
+        visibility=made["visibility"],
+        size=arguments.size,
+        spp=arguments.spp,
+        seed=arguments.seed,
+        threads=arguments.threads,
+        camera=arguments.camera,
         env=arguments.env,
-    )  # fmt: skip
+    )
     if arguments.json:
         print_json(found.as_dict())
     else:
         low, high = found.interval
-        print_table({
-            "c_e": found.c_e, "c_l": found.as_dict()["c_l"], "rel_l1": found.rel_l1,
-            "95 % interval": f"{low:.4g} … {high:.4g}",
-            "target": found.target, "reached": "yes" if found.reached else "no",
-            "queries per ray": found.ray_reduction, "pilots": len(found.pilots),
-        })  # fmt: skip
+        print_table(
+            {
+                "c_e": found.c_e,
+                "c_l": found.as_dict()["c_l"],
+                "rel_l1": found.rel_l1,
+                "95 % interval": f"{low:.4g} … {high:.4g}",
+                "target": found.target,
+                "reached": "yes" if found.reached else "no",
+                "queries per ray": found.ray_reduction,
+                "pilots": len(found.pilots),
+            }
+        )
         if found.message:
             print(found.message)
     return 0 if found.reached else 1

@@ -21,7 +21,7 @@ from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Aqvc, Exact, Unoccluded, Visibility
 
 SIZE, QUICK_SIZE = (192, 120), (64, 40)
-#: q, the share of the queries that are traced as well; None: the answers stay as they are.
+#: q, the share of the queries that are also traced; None: no correction.
 SHARES = (None, 0.05, 0.1, 0.25, 0.5)
 #: The share whose rows have bands.
 SHOWN = 0.1
@@ -33,11 +33,11 @@ class Corrected:
     """Frames of one method and share against exact frames of the same samples."""
 
     rays_left: float
-    """Rays over queries."""
+    """Rays per query."""
     noise: float
-    """Root of the mean squared error of a pixel, over the mean of the picture."""
+    """Root mean squared error of a pixel, over the mean of the picture."""
     energy: float
-    """Relative error of the light of all frames."""
+    """Relative error of the energy, over all frames."""
     z: float
     """The energy error in standard errors."""
 
@@ -46,7 +46,7 @@ class Corrected:
 def correction(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Both are right in expectation; a cache pays where its corrections are less noisy."""
+    """Both are unbiased; a cache pays off if its corrections have less noise."""
     outcome, table, lines = Outcome(), [], {}
     for scene, shot in shots(quick, size).items():
         found = corrected(shot, seeds=6 if quick else 16)
@@ -55,27 +55,29 @@ def correction(
             drawn = [c for share, c in mine.items() if share]
             lines[f"{method}, {scene}"] = ([c.rays_left for c in drawn], [c.noise for c in drawn])
             table += [
-                {"scene": scene, "method": method, "share": share or 0, "rays_left": c.rays_left,
-                 "noise": c.noise, "energy": c.energy, "z": c.z}
+                {
+                    "scene": scene,
+                    "method": method,
+                    "share": share or 0,
+                    "rays_left": c.rays_left,
+                    "noise": c.noise,
+                    "energy": c.energy,
+                    "z": c.z,
+                }
                 for share, c in mine.items()
-            ]  # fmt: skip
+            ]
             plain, shown = mine[None], mine[SHOWN]
             note = f"{shown.energy:+.2%} of the light, {plain.energy:+.2%} without corrections"
             outcome.rows.append(
-                Row(
-                    what=f"{scene}, {method}: z of the energy",
-                    measured=shown.z,
-                    band=bands.UNBIASED,
-                    note=note,
-                )
+                Row(f"{scene}, {method}: z of the energy", shown.z, band=bands.UNBIASED, note=note)
             )
         cache, none = (found[method, SHOWN] for method in METHODS)
         ratio = (cache.noise / none.noise) ** 2
         note = f"rays over queries {cache.rays_left:.3f} and {none.rays_left:.3f}"
         outcome.rows.append(
             Row(
-                what=f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
-                measured=ratio,
+                f"{scene}: squared noise, cache over no shadows, q = {SHOWN:g}",
+                ratio,
                 band=bands.CACHE_IS_THE_BETTER_VARIATE,
                 note=note,
             )
@@ -88,7 +90,7 @@ def correction(
 
 
 def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:
-    """Many lights in one room, lamps mostly hidden, an area light."""
+    """Many lights in one room, mostly hidden lamps, an area light."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
     room = Whitted(n_vpls=32 if quick else 256, n_area=0)
     lit = {"room": Shot(scene=scenes.room(), integrator=room, size=pixels)}
@@ -96,7 +98,7 @@ def shots(quick: bool, size: tuple[int, int] | None) -> dict[str, Shot]:
 
 
 def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Corrected]:
-    """Every method with every share, by frames of several seeds."""
+    """Every method with every share, from frames of several seeds."""
     exact = [np.asarray(shot.frame(Exact(), seed=s).image, np.float64) for s in range(seeds)]
     light = np.array([image.mean() for image in exact])
     found = {}
@@ -105,11 +107,17 @@ def corrected(shot: Shot, seeds: int) -> dict[tuple[str, float | None], Correcte
             use = None if share is None else Correct(share=share)
             frames = [
                 render(
-                    shot.scene, shot.integrator, visibility=visibility, use=use, seed=s,
-                    size=shot.size, spp=shot.spp, camera=shot.camera,
+                    shot.scene,
+                    shot.integrator,
+                    visibility=visibility,
+                    use=use,
+                    seed=s,
+                    size=shot.size,
+                    spp=shot.spp,
+                    camera=shot.camera,
                 )
                 for s in range(seeds)
-            ]  # fmt: skip
+            ]
             off = [f.image - image for f, image in zip(frames, exact, strict=True)]
             sums = np.array([o.mean() for o in off])
             rays, queries = (sum(f.counters[n] for f in frames) for n in ("rays", "queries"))

@@ -32,8 +32,9 @@ class ParameterRows:
                 row, default = self.by_name[f.name], self.default(f.name)
                 shown = "{}" if isinstance(default, Mapping) else repr(default).replace("'", '"')
                 lines.append(f"    {f.name} : {row['kind']}, default {shown}")
-                lines.append(textwrap.fill(row["doc"], 92, initial_indent=8 * " ",
-                                           subsequent_indent=8 * " "))  # fmt: skip
+                lines.append(
+                    textwrap.fill(row["doc"], 92, initial_indent=8 * " ", subsequent_indent=8 * " ")
+                )
         if cls.__doc__:
             cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
         return cls

@@ -69,9 +69,13 @@ class RecordInsertion:
         """Inserts records at the points that need them."""
         with progress_bar(progress, unit=unit) as report:
             found = self._core.insert(
-                self.scene._core, self._caster(), points,
-                frame=self.frame, threads=threads, progress=report,
-            )  # fmt: skip
+                self.scene._core,
+                self._caster(),
+                points,
+                frame=self.frame,
+                threads=threads,
+                progress=report,
+            )
         self.rays += found["rays"]
         return found
 
@@ -80,9 +84,15 @@ class RecordInsertion:
         if self.started:
             return NOTHING
         points, _, _ = _core.vismap.startup_points(
-            self.scene._core, self._caster(), view, width, height, self.settings.n_startup,
-            self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
-        )  # fmt: skip
+            self.scene._core,
+            self._caster(),
+            view,
+            width,
+            height,
+            self.settings.n_startup,
+            self.settings.seed,
+            _core.vismap.PixelRules(self.settings.d_max),
+        )
         return self._bootstrap(points, threads)
 
     def _start_at(self, points: Cloud, order: Rows, threads: int) -> dict[str, int]:
