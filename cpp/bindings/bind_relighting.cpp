@@ -78,7 +78,7 @@ void bind_relighting(py::module_& m) {
             },
             py::arg("pixel"), "The factor of every cell's light in one pixel, (4^m, 3).")
         .def_property_readonly("nbytes", &Relighting::nbytes)
-        .def_property_readonly("unserved", &Relighting::unserved)
+        .def_property_readonly("without_record", &Relighting::without_record)
         .def_property_readonly("camera_rays", [](const Relighting& r) { return r.counters().camera_rays; })
         .def_property_readonly("rays", [](const Relighting& r) { return r.counters().rays(); });
 }

@@ -1,6 +1,7 @@
 // The visibility-map cache: insertion, look-up, temporal removal, ambient occlusion.
 #include <pybind11/stl.h>
 
+#include "bind_rows.h"
 #include "cache_points.h"
 #include "interrupt.h"
 #include "viscache/scene/scene.h"
@@ -16,58 +17,13 @@ namespace {
 using WordArray = py::array_t<Word, py::array::c_style | py::array::forcecast>;
 using ByteArray = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;
 
-template <class Enum>
-Enum named(const std::string& name, const char* what, std::initializer_list<const char*> names) {
-    std::string all;
-    int i = 0;
-    for (const char* known : names) {
-        if (name == known) return Enum(i);
-        all += (i++ ? ", " : "") + std::string(known);
-    }
-    throw py::value_error(std::string(what) + " must be one of " + all + ", got " + name);
-}
-
-void bind_parameters(py::module_& v) {
-    using P = MapCacheParameters;
-    py::class_<P>(v, "MapCacheParameters", "Parameters of the cache; see viscache.MapSettings.")
-        .def(
-            py::init([](int m, int n_best, int m_nearest, float theta_max_rad, float lambda, float w_min,
-                        float delta_max, float r_min_px, uint32_t max_records, const std::string& weight_test,
-                        const std::string& filter, const std::string& criterion) {
-                P p{.m = m,
-                    .n_best = n_best,
-                    .m_nearest = m_nearest,
-                    .theta_max_rad = theta_max_rad,
-                    .lambda = lambda,
-                    .w_min = w_min,
-                    .delta_max = delta_max,
-                    .r_min_px = r_min_px,
-                    .max_records = max_records,
-                    .weight_test = named<WeightTest>(weight_test, "weight_test", {"full", "w_hat", "raw"}),
-                    .filter = named<SearchFilter>(filter, "filter", {"during", "after"}),
-                    .criterion = named<Criterion>(criterion, "criterion", {"visibility", "ambient"})};
-                p.validate();
-                return p;
-            }),
-            py::kw_only(), py::arg("m") = P{}.m, py::arg("n_best") = P{}.n_best,
-            py::arg("m_nearest") = P{}.m_nearest, py::arg("theta_max_rad") = P{}.theta_max_rad,
-            py::arg("lambda_") = P{}.lambda, py::arg("w_min") = P{}.w_min,
-            py::arg("delta_max") = P{}.delta_max, py::arg("r_min_px") = P{}.r_min_px,
-            py::arg("max_records") = P{}.max_records, py::arg("weight_test") = "full",
-            py::arg("filter") = "during", py::arg("criterion") = "visibility");
-}
-
 py::dict insert(MapCache& cache, const Scene& scene, const RayCaster& caster, const Points& points,
-                const std::string& mode, size_t batch, bool settle, uint32_t frame, int threads,
-                const py::object& progress) {
-    if (batch < 1) throw py::value_error("batch must be >= 1, got 0");
-    const InsertionOptions options{named<InsertionMode>(mode, "mode", {"batch", "locked"}), batch, settle,
-                                   frame, threads};
+                uint32_t frame, int threads, const py::object& progress) {
     const RecordTracer tracer(caster, scene.offset_extent(), cache.pattern(),
                               cache.parameters().criterion == Criterion::kAmbient);
     InsertionStats s;
     run_interruptible(
-        [&](Control& control) { s = insert_where_needed(cache, tracer, points, options, control); },
+        [&](Control& control) { s = insert_where_needed(cache, tracer, points, frame, threads, control); },
         progress);
     py::dict d;
     d["points"] = s.points;
@@ -206,9 +162,8 @@ void tally(MapCache& cache, const UintArray& rays, const UintArray& misses, cons
     add_tally(cache, t, frame);
 }
 
-py::dict remove(MapCache& cache, uint32_t frame, float eps_max, uint32_t min_rays, bool wilson,
-                uint32_t k_worst, uint32_t unused_frames) {
-    const RemovalStats s = remove_records(cache, {eps_max, min_rays, wilson, k_worst, unused_frames}, frame);
+py::dict remove(MapCache& cache, uint32_t frame) {
+    const RemovalStats s = remove_records(cache, frame);
     py::dict d;
     d["wrong"] = s.wrong;
     d["unused"] = s.unused;
@@ -245,13 +200,11 @@ py::tuple shade_points(const MapCache& cache, const Points& points, float width,
 
 void bind_vismap_cache(py::module_& m) {
     py::module_ v = m.def_submodule("vismap", "The visibility-map cache (VisMap).");
-    bind_parameters(v);
+    py::class_<MapCacheParameters> parameters(v, "MapCacheParameters",
+                                              "Parameters of the cache; see viscache.MapSettings.");
+    bind_rows(parameters, kMapRows);
     py::class_<MapCache>(v, "MapCache", "Records and their tree; see viscache.VisibilityMapCache.")
-        .def(py::init([](const MapCacheParameters& p, uint64_t seed) {
-                 p.validate();
-                 return std::make_unique<MapCache>(p, record_pattern(p.m, seed));
-             }),
-             py::arg("parameters"), py::arg("seed"))
+        .def(py::init<const MapCacheParameters&>(), py::arg("parameters"))
         .def("__len__", &MapCache::size)
         .def_property_readonly(
             "pattern", [](const MapCache& c) { return from_vec3s({c.pattern().begin(), c.pattern().end()}); })
@@ -266,7 +219,6 @@ void bind_vismap_cache(py::module_& m) {
              py::arg("frame") = 0, py::arg("threads") = 0,
              "Insert a record at every point; gives what the records predict of each other.")
         .def("insert", &insert, py::arg("scene"), py::arg("caster"), py::arg("points"), py::kw_only(),
-             py::arg("mode") = "batch", py::arg("batch") = InsertionOptions{}.batch, py::arg("settle") = true,
              py::arg("frame") = 0, py::arg("threads") = 0, py::arg("progress") = py::none(),
              "Insert records where they are needed; gives counts.")
         .def("select", &select_points, py::arg("points"), py::arg("threads") = 0,
@@ -285,10 +237,7 @@ void bind_vismap_cache(py::module_& m) {
             py::arg("points"), py::arg("frame"), py::arg("threads") = 0,
             "Mark the records that are blended at the points as used in the frame.")
         .def("tally", &tally, py::arg("rays"), py::arg("misses"), py::arg("used"), py::arg("frame"))
-        .def("remove", &remove, py::arg("frame"), py::kw_only(), py::arg("eps_max") = RemovalRules{}.eps_max,
-             py::arg("min_rays") = RemovalRules{}.min_rays, py::arg("wilson") = RemovalRules{}.wilson,
-             py::arg("k_worst") = RemovalRules{}.k_worst,
-             py::arg("unused_frames") = RemovalRules{}.unused_frames)
+        .def("remove", &remove, py::arg("frame"), "Removes records as the parameters say; counts.")
         .def("reset_tallies", &reset_tallies)
         .def("shade_ambient", &shade_points, py::arg("points"), py::arg("width"), py::arg("weighted"),
              py::arg("threads") = 0, "Ambient visibility, records averaged, jump, each (N,).");

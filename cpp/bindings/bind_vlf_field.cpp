@@ -1,6 +1,5 @@
 // The visibility field.
-#include <pybind11/native_enum.h>
-
+#include "bind_rows.h"
 #include "caster_queries.h"
 #include "viscache/vlf/visibility_field.h"
 
@@ -11,7 +10,7 @@ namespace {
 py::dict stats_dict(const FieldStats& s) {
     using namespace py::literals;
     return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "subfields"_a = s.subfields,
-                    "built"_a = s.built, "given_up"_a = s.given_up, "tiles"_a = s.tiles,
+                    "built"_a = s.built, "evicted"_a = s.evicted, "tiles"_a = s.tiles,
                     "empty_tiles"_a = s.empty_tiles, "leaves"_a = s.leaves, "references"_a = s.references,
                     "bytes"_a = s.bytes);
 }
@@ -97,37 +96,10 @@ py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const Floa
 
 void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<DepthSplit>(v, "DepthSplit", "enum.Enum", "Where a tile is split along its depth.")
-        .value("UNIFORM", DepthSplit::kUniform)
-        .value("OBJECT", DepthSplit::kObject)
-        .finalize();
-    py::native_enum<LeafWalk>(v, "LeafWalk", "enum.Enum", "How a ray finds the leaves of a tile.")
-        .value("LINEAR", LeafWalk::kLinear)
-        .value("STACK", LeafWalk::kStack)
-        .finalize();
-    py::native_enum<FieldFit>(v, "FieldFit", "enum.Enum", "The area that the tiles of a direction cover.")
-        .value("SPHERE", FieldFit::kSphere)
-        .value("PSF_BOX", FieldFit::kBox)
-        .finalize();
-    py::class_<FieldSettings>(v, "FieldSettings")
-        .def(py::init<>())
-        .def_readwrite("n_directions", &FieldSettings::n_directions)
-        .def_readwrite("n_tiles", &FieldSettings::n_tiles)
-        .def_readwrite("bsp_depth", &FieldSettings::bsp_depth)
-        .def_readwrite("leaf_target", &FieldSettings::leaf_target)
-        .def_readwrite("split", &FieldSettings::split)
-        .def_readwrite("walk", &FieldSettings::walk)
-        .def_readwrite("tile_ranges", &FieldSettings::tile_ranges)
-        .def_readwrite("fit", &FieldSettings::fit)
-        .def_readwrite("kernel", &FieldSettings::kernel)
-        .def_readwrite("head_room", &FieldSettings::head_room)
-        .def_readwrite("lazy", &FieldSettings::lazy)
-        .def_readwrite("snap", &FieldSettings::snap)
-        .def_readwrite("max_bytes", &FieldSettings::max_bytes)
-        .def_readwrite("max_build_s", &FieldSettings::max_build_s)
-        .def("validate", &FieldSettings::validate);
-    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
-        v, "VisibilityField", "Answers rays by look-up.");
+    py::class_<FieldSettings> settings(v, "FieldSettings", "Settings of the field; see viscache.Vlf.");
+    bind_rows(settings, kFieldRows);
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
+                                                                                   "Rays by look-up.");
     field
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())

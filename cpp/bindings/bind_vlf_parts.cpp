@@ -2,6 +2,7 @@
 // cost.
 #include <pybind11/stl.h>
 
+#include "bind_rows.h"
 #include "caster_queries.h"
 #include "viscache/vlf/auto_settings.h"
 #include "viscache/vlf/rasterize.h"
@@ -57,7 +58,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
 
 /// The leaves of the depths [low, high], in the order of the ray.
 std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>& borders, float low,
-                        float high, bool upwards, LeafWalk how) {
+                        float high, bool upwards, const std::string& how) {
     if (count < 1 || count > 1 << kMostBspDepthOfTile || (count & (count - 1)) ||
         (!borders.empty() && int(borders.size()) != count))
         throw py::value_error("leaves must be a power of two with as many borders or none, got " +
@@ -68,7 +69,7 @@ std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>&
         order.push_back(l);
         return false;
     };
-    if (how == LeafWalk::kLinear)
+    if (named<LeafWalk>("how", how) == LeafWalk::kLinear)
         walk_leaves(bsp, low, high, upwards, visit);
     else
         walk_leaves_by_stack(bsp, low, high, upwards, visit);

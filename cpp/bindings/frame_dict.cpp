@@ -65,7 +65,7 @@ py::dict counters_of(const FrameResult& f) {
         d["product_points"] = c.product_points;
         d["product_dark"] = c.product_dark;
         d["product_guided"] = c.product_guided;
-        d["product_unserved"] = c.product_unserved;
+        d["product_without_record"] = c.product_without_record;
         d["greatest_ratio"] = c.greatest_ratio;
         d["pilot_rays"] = c.pilot_rays;
     }

@@ -18,7 +18,7 @@ from viscache.settings import aqvc as settings
 from viscache.settings.by_name import replaced
 from viscache.settings.not_given import NotGiven
 
-ROWS = {row["name"]: row for row in _core.aqvc.parameter_rows()}
+ROWS = {row["name"]: row for row in _core.aqvc.AqvcParameters.parameter_rows()}
 
 
 def test_every_row_is_a_field_of_one_of_the_two_settings() -> None:

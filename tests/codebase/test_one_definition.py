@@ -4,9 +4,12 @@ import re
 
 from codebase.repository import sources
 
-#: `inline` or `constexpr` functions at the start of a line: name and parameters, up to the body.
+#: `inline` or `constexpr` functions at the start of a line: name, with the class of a member, and
+#: parameters, up to the body.
 FUNCTION = re.compile(
-    r"^(?:\[\[\w+\]\] )?(?:inline|constexpr)\b[^\n;={}()]*?\b(\w+)\(([^;{}]*?)\)[^;{}()]*\{", re.M
+    r"^(?:\[\[\w+\]\] )?(?:inline|constexpr)\b[^\n;={}()]*?"
+    r"\b((?:\w+::)*\w+)\(([^;{}]*?)\)[^;{}()]*\{",
+    re.M,
 )
 NAMESPACE = re.compile(r"^namespace ([\w:]+) \{|^\}  // namespace ([\w:]+)", re.M)
 
@@ -56,3 +59,6 @@ def test_a_second_definition_is_found() -> None:
     assert list(repeated(files)) == ["viscache::f(int)"]
     other = body.format("a", "2").replace("int a", "double a")
     assert repeated({"a.h": files["a.h"], "b.h": other}) == {}
+    members = {name: text.replace(" f(", f" {name[0].upper()}::f(") for name, text in files.items()}
+    assert repeated(members) == {}
+    assert list(repeated({"a.h": members["a.h"], "c.h": members["a.h"]})) == ["viscache::A::f(int)"]

@@ -48,17 +48,16 @@ std::vector<CachePoint> points() {
     return all;
 }
 
-MapCache cache_of(Criterion criterion) {
-    const MapCacheParameters p{.m = 4, .w_min = 0.6f, .delta_max = 0.02f, .criterion = criterion};
-    return MapCache(p, record_pattern(4, 0));
+MapCache cache_of(Criterion criterion, InsertionMode mode = InsertionMode::kBatch) {
+    return MapCache(
+        {.m = 4, .w_min = 0.6f, .delta_max = 0.02f, .criterion = criterion, .mode = mode, .batch = 500});
 }
 
-InsertionStats filled(MapCache& cache, InsertionMode mode, int threads) {
+InsertionStats filled(MapCache& cache, int threads) {
     const Ball ball;
     const RecordTracer tracer(ball, 2, cache.pattern(), cache.parameters().criterion == Criterion::kAmbient);
     Control control;
-    return insert_where_needed(cache, tracer, points(), {.mode = mode, .batch = 500, .threads = threads},
-                               control);
+    return insert_where_needed(cache, tracer, points(), 0, threads, control);
 }
 
 void all_records_are_found_and_no_point_wants_more(MapCache& cache, const std::string& what) {
@@ -74,8 +73,8 @@ void all_records_are_found_and_no_point_wants_more(MapCache& cache, const std::s
 
 void threads_under_a_lock_serve_every_point() {
     for (Criterion criterion : {Criterion::kVisibility, Criterion::kAmbient}) {
-        MapCache cache = cache_of(criterion);
-        const InsertionStats stats = filled(cache, InsertionMode::kLocked, 4);
+        MapCache cache = cache_of(criterion, InsertionMode::kLocked);
+        const InsertionStats stats = filled(cache, 4);
         check(cache.size() > 50, "locked: there are records");
         check_equal(uint64_t(cache.size()), stats.inserted(), "locked: records");
         all_records_are_found_and_no_point_wants_more(cache, "locked");
@@ -84,8 +83,8 @@ void threads_under_a_lock_serve_every_point() {
 
 void batches_give_the_same_records_on_any_number_of_threads() {
     MapCache one = cache_of(Criterion::kVisibility), four = cache_of(Criterion::kVisibility);
-    filled(one, InsertionMode::kBatch, 1);
-    filled(four, InsertionMode::kBatch, 4);
+    filled(one, 1);
+    filled(four, 4);
     check_equal(four.size(), one.size(), "batch: records");
     for (uint32_t id = 0; id < std::min(one.size(), four.size()); ++id) {
         check(one.records().head(id).position == four.records().head(id).position, "batch: position");
@@ -112,13 +111,13 @@ void blended_maps_outlive_later_insertions() {
 
 void uses_are_marked_on_threads_and_the_rest_removed() {
     MapCache cache = cache_of(Criterion::kVisibility);
-    filled(cache, InsertionMode::kBatch, 2);
+    filled(cache, 2);
     const Control control;
     std::vector<CachePoint> some = points();
     some.resize(600);
     mark_used(cache, some, 10, 4, control);
     const size_t before = cache.size();
-    const RemovalStats stats = remove_records(cache, {}, 10);
+    const RemovalStats stats = remove_records(cache, 10);
     check(stats.unused > 0 && cache.size() > 0, "unused records go, used ones stay");
     check_equal(cache.size() + stats.unused, before, "records before and after");
 }

@@ -89,8 +89,8 @@ void many_threads_use_a_small_store() {
         field.occluded(rays, occluded);
     });
     const FieldStats stats = field.stats();
-    check(stats.given_up > 0, "a small store drops subfields");
-    check_equal(stats.built - stats.given_up, stats.subfields, "built subfields without the dropped ones");
+    check(stats.evicted > 0, "a small store evicts subfields");
+    check_equal(stats.built - stats.evicted, stats.subfields, "built subfields without the evicted ones");
 }
 
 void objects_come_go_and_move() {

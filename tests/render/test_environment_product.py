@@ -121,6 +121,12 @@ def test_the_bytes_do_not_depend_on_threads(scene: vc.Scene) -> None:
     assert counters[0] == counters[1] == counters[2]
 
 
+def test_an_empty_cache_reports_its_own_settings(scene: vc.Scene) -> None:
+    cache = vc.VisibilityMapCache(scene, vc.MapSettings(m=4, n_best=2))
+    said = vc.VisMaps(cache=cache, m=6).parameters()
+    assert len(cache) == 0 and (said["cache"], said["m"], said["n_best"]) == (True, 4, 2)
+
+
 def test_without_records_or_with_alpha_zero_it_is_product_sampling(scene: vc.Scene) -> None:
     plain = vc.render(scene, direct(), size=SIZE)
     empty = vc.VisibilityMapCache(scene)
@@ -207,7 +213,8 @@ def test_the_counters_tell_what_was_done(scene: vc.Scene) -> None:
         scene, direct(passes=3), visibility=vc.VisMaps(n_startup=60, sampling="guided"), size=SIZE
     )
     c, t = frame.counters, frame.timings
-    assert c["product_points"] == c["product_guided"] + c["product_unserved"] + c["product_dark"]
+    parts = ("product_guided", "product_without_record", "product_dark")
+    assert c["product_points"] == sum(c[name] for name in parts)
     queries = c["groups"]["environment"]["queries"]
     assert 0 < queries - c["pilot_rays"] <= 3 * 8 * c["product_points"]
     assert c["records"] == c["records_inserted"] > 0 and c["records_rays"] > 0
@@ -231,7 +238,7 @@ def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
         )
         records, c = cache.records(), frame.counters
         rays = c["groups"]["environment"]["rays"] - c["pilot_rays"]
-        assert c["product_unserved"] == 0 and records.rays.sum() == rays > 0
+        assert c["product_without_record"] == 0 and records.rays.sum() == rays > 0
         assert 0 < records.misses.sum() < 0.2 * rays
         counted.append((records.rays, records.misses))
     np.testing.assert_array_equal(counted[0], counted[1])

@@ -68,7 +68,7 @@ def test_an_open_plane_is_fully_lit_and_a_closed_room_dark() -> None:
     room = shaded(
         Model((box((-1, -1, -1), (1, 1, 1)).reversed(),), origin=(0.1, 0, 0), target=(1, 0.2, 0))
     )
-    assert not room.image.any() and room.counters["unserved"] == 0
+    assert not room.image.any() and room.counters["without_record"] == 0
 
 
 def test_at_the_edge_of_two_walls_half_of_the_sky_is_left() -> None:
@@ -149,7 +149,7 @@ def test_images_come_close_to_exact_ones_with_fewer_rays() -> None:
     ).image[:, :, :1]
     error = frame.image * frame.layers["coverage"] - exact
     assert np.sqrt((error**2).mean()) < 0.04 and abs(error.mean()) < 0.01
-    assert frame.counters["rays_per_point"] < 100 and frame.counters["unserved"] == 0
+    assert frame.counters["rays_per_point"] < 100 and frame.counters["without_record"] == 0
     # Not just any smooth picture: the exact one's structure is there
     there = frame.layers["coverage"] == 1
     assert np.corrcoef(frame.image[there], exact[there])[0, 1] > 0.9

@@ -135,7 +135,7 @@ def test_tiles_of_points_serve_all_points(monkeypatch: pytest.MonkeyPatch) -> No
     assert of_tiles.suppressed == (verdicts(tiled, x, n) == SUPPRESSED).sum()
     assert 0.9 < len(tiled) / len(whole) < 1.2 and of_tiles.passes > report.passes
     assert threaded.insert(x, n, threads=3) == of_tiles and same(threaded, tiled)
-    once = fresh(settle=False)
+    once = fresh(repeat_passes=False)
     assert once.insert(x, n).passes == 8
 
 

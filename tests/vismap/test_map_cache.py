@@ -127,7 +127,7 @@ def test_the_records_are_the_same_for_any_number_of_threads(order: str, criterio
     assert first[1].passes > 1
 
 
-def test_settled_images_want_no_more_records() -> None:
+def test_repeated_passes_leave_no_pixel_that_needs_a_record() -> None:
     cache, report = made(r_min_px=0.5)
     assert report.weight > 0 and report.difference > 0 and report.no_candidate > 0
     by_reason = report.startup + report.no_candidate + report.weight + report.difference
@@ -139,8 +139,8 @@ def test_settled_images_want_no_more_records() -> None:
     assert (again.inserted, again.rays, again.passes) == (0, 0, 1)
 
 
-def test_one_pass_stops_before_the_image_is_settled() -> None:
-    cache, report = made(r_min_px=0.5, settle=False)
+def test_one_pass_leaves_pixels_that_need_a_record() -> None:
+    cache, report = made(r_min_px=0.5, repeat_passes=False)
     assert report.passes == 1
     verdicts = cache._core.select(pixels(cache))["verdict"]
     assert (verdicts > DUPLICATE).any()
@@ -293,7 +293,7 @@ def test_automatic_thresholds_are_the_tightest_with_not_too_many_records() -> No
     assert before[1] > 0.1
 
 
-def test_records_to_expect_follow_from_the_unserved_and_from_differences() -> None:
+def test_records_to_expect_follow_from_points_without_record_and_differences() -> None:
     tested = np.array([0.0, 0.2, 0.5, 0.5])
     assert expected_records(tested, np.full(4, 0.05), 0.3, 0.1) == 4 + 10 * 2
     two = expected_records(tested, np.array([0.1, 0.3, np.nan]), 0.0, 0.1)
@@ -321,7 +321,7 @@ def test_automatic_thresholds_follow_the_scene() -> None:
         ({"d_max": float("nan")}, "d_max must be a finite number, got nan"),
         ({"n_best": 9}, r"n_best must be in \[1, 8\]"),
         ({"m_nearest": 3}, r"m_nearest must be in \[4, 64\], got 3"),
-        ({"theta_max_deg": 0.0}, r"theta_max must be in \(0, 180\] degrees"),
+        ({"theta_max_deg": 0.0}, r"theta_max_deg must be in \(0, 180\], got 0"),
         ({"w_min": -0.1}, r"w_min must be in \[0, 1\]"),
         ({"delta_max": 1.5}, r"delta_max must be in \[0, 1\]"),
         ({"removal": "worst"}, 'k_worst must be > 0 with removal="worst", got 0'),

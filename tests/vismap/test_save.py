@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache.vismap import cache_file
 from vismap.scenes import SIZE, clutter, made, pixels, same, view
 
 
@@ -41,6 +42,19 @@ def test_a_loaded_cache_is_the_saved_one(saved: Any) -> None:
     reports = [c.update(view(), size=SIZE) for c in (cache, back)]
     assert reports[0] == reports[1] and reports[0].startup == 0
     assert same(back, cache)
+
+
+def test_a_file_with_an_older_name_of_a_setting_is_read(saved: Any, tmp_path: Path) -> None:
+    cache, path = saved
+    with np.load(path) as file:
+        content = {name: file[name] for name in file.files}
+    head = json.loads(str(content.pop("head")))
+    head["settings"]["settle"] = head["settings"].pop("repeat_passes")
+    del head["digest"]
+    text = json.dumps(head | {"digest": cache_file.digest(head, content)})
+    np.savez(path, head=np.array(text), **content)
+    back = vc.VisibilityMapCache.load(path, clutter())
+    assert same(back, cache) and back.settings == cache.settings
 
 
 def test_a_cache_of_another_scene_is_refused(saved: Any) -> None:

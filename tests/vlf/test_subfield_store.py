@@ -38,7 +38,7 @@ def test_a_lazy_field_ends_as_the_whole_one() -> None:
         assert all((a[name] == b[name]).all() for name in a)
 
 
-def test_the_longest_unused_are_given_up_and_built_again() -> None:
+def test_the_longest_unused_are_evicted_and_built_again() -> None:
     whole = vc.VisibilityField(SCENE, 129, 32, 3)
     each = (whole.stats["bytes"] - 2000 * 96) / 129
     f = lazy(int(2000 * 96 + 20 * each))
@@ -49,7 +49,7 @@ def test_the_longest_unused_are_given_up_and_built_again() -> None:
             np.testing.assert_array_equal(a, b)
         assert f.stats["bytes"] <= f.settings.max_bytes
         assert 10 < f.stats["subfields"] < 30
-    assert f.stats["given_up"] == f.stats["built"] - f.stats["subfields"] > 129
+    assert f.stats["evicted"] == f.stats["built"] - f.stats["subfields"] > 129
     # Recently used ones are there still
     axes = vc.vlf.directions(129)
     f.occluded(np.zeros((5, 3)), axes[:5])
@@ -77,7 +77,7 @@ def test_threads_that_ask_at_once_get_right_answers_from_a_small_store() -> None
     for w in workers:
         w.join()
     assert wrong == [0] * 12
-    assert f.stats["given_up"] > 0
+    assert f.stats["evicted"] > 0
 
 
 def test_a_budget_below_the_triangles_is_refused() -> None:

@@ -9,12 +9,11 @@ from hypothesis import strategies as st
 
 from viscache import _core
 
-LeafWalk = _core.vlf.LeafWalk
 depth = st.floats(-1.25, 1.25, width=32, allow_subnormal=False)
 counts = st.integers(0, 6).map(lambda d: 1 << d)
 
 
-def walk(z0, z1, leaves, borders, low, high, upwards, how=LeafWalk.LINEAR):
+def walk(z0, z1, leaves, borders, low, high, upwards, how="linear"):
     return _core.vlf.walk_leaves(z0, z1, leaves, borders, low, high, upwards, how)
 
 
@@ -48,7 +47,7 @@ def test_the_stack_visits_the_leaves_of_the_linear_walk(z, leaves, up, seed, by_
     given_borders = borders if by_medians else []
     low, high = min(z), max(z)
     linear = walk(-1, 1, leaves, given_borders, low, high, up)
-    stack = walk(-1, 1, leaves, given_borders, low, high, up, LeafWalk.STACK)
+    stack = walk(-1, 1, leaves, given_borders, low, high, up, "stack")
     # They compare with a border in two ways, and may differ where it is met within rounding
     edges = np.array(borders if by_medians else np.linspace(-1, 1, leaves + 1)[:-1])
     near = np.abs(edges[:, None] - [low - 1e-6, high + 1e-6]).min() < 5e-7
@@ -67,7 +66,7 @@ def test_a_deeper_depth_never_has_an_earlier_leaf(z, leaves, seed) -> None:
 
 def test_walks_end_where_the_ray_hardly_goes_deeper() -> None:
     """Depths in the wrong order by rounding once made a walk that compares for equality run on."""
-    for how in (LeafWalk.LINEAR, LeafWalk.STACK):
+    for how in ("linear", "stack"):
         for up in (True, False):
             assert walk(-1, 1, 8, [], 0.25, 0.25, up, how) in ([4, 5], [5, 4], [5], [4])
             assert walk(0.1, 0.1000001, 8, [], 0.3, 0.3, up, how) == [7]

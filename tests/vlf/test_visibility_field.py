@@ -418,9 +418,10 @@ def test_progress_is_told_and_can_stop_the_build() -> None:
 
 def test_core_settings_are_checked() -> None:
     settings = _core.vlf.FieldSettings()
-    settings.n_tiles = 5000
     with pytest.raises(ValueError, match=r"n_tiles must be in \[1, 4096\], got 5000"):
-        settings.validate()
+        settings.n_tiles = 5000
+    with pytest.raises(ValueError, match=r"n_directions must be .* 513, .* got 512"):
+        _core.vlf.FieldSettings(n_directions=512)
 
 
 # Frames

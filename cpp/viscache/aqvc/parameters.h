@@ -190,7 +190,7 @@ inline constexpr std::tuple kAqvcRows{
 // clang-format on
 
 inline void AqvcParameters::validate() const {
-    for_each_row(kAqvcRows, [this](const auto& row) { row.check(*this); });
+    check_rows(kAqvcRows, *this);
     for (double v : c_e_groups) detail::require(std::isfinite(v), "c_e_groups must be finite", v);
 }
 

@@ -37,7 +37,7 @@ void EnvironmentProduct::prepare(const Tile& tile, const EyeTile& eyes, Slot& sl
                        (c_.settings.sampling == DensityChoice::kAuto && c_.guided);
     slot.maps = read_(eyes.block.position[slot.eye], eyes.block.normal[slot.eye],
                       pixel_in_frame(tile, eyes, slot.eye, c_.frame_width));
-    counters.product_unserved += slot.maps.count == 0;
+    counters.product_without_record += slot.maps.count == 0;
     point.look(slot.maps, guide && !c_.settings.replace);
     if (!tally_.used.empty())
         for (int i = 0; i < slot.maps.count; ++i) tally_.used[slot.maps.id[i]] = 1;

@@ -60,7 +60,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
     parts_.resize(tiles.size());
     std::vector<Worker> workers{size_t(threads)};
     std::vector<Counters> counted(tiles.size());
-    std::vector<size_t> unserved(tiles.size());
+    std::vector<size_t> without_record(tiles.size());
     control.total = tiles.size();
     parallel_for(tiles.size(), threads, [&](size_t t, int worker) {
         control.check();
@@ -85,7 +85,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             if (reflection.black() || !(max_component(colour) > 0)) continue;
             const BlendedMaps found = w.maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
             if (found.count == 0) {
-                ++unserved[t];
+                ++without_record[t];
                 continue;
             }
             blend(found, w.visible);
@@ -101,7 +101,7 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
     });
     for (size_t t = 0; t < tiles.size(); ++t) {
         counters_.merge(counted[t]);
-        unserved_ += unserved[t];
+        without_record_ += without_record[t];
     }
 }
 

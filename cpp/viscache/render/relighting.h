@@ -29,7 +29,7 @@ public:
     int map_level() const { return m_; }
     size_t nbytes() const;
     /// Eye points without a record. They stay black.
-    size_t unserved() const { return unserved_; }
+    size_t without_record() const { return without_record_; }
     const Counters& counters() const { return counters_; }
 
 private:
@@ -54,7 +54,7 @@ private:
 
     int width_, height_, m_;
     std::vector<Part> parts_;
-    size_t unserved_ = 0;
+    size_t without_record_ = 0;
     Counters counters_;
 };
 

@@ -221,15 +221,6 @@ bool triangle_meets_box(const FlatTriangle& triangle, Vec3 center, Vec3 half) {
     return true;
 }
 
-void BspSettings::validate() const {
-    const auto require = [](bool holds, const std::string& what, auto given) {
-        if (!holds) throw std::invalid_argument(what + ", got " + std::to_string(given));
-    };
-    require(max_depth >= 0 && max_depth <= kMostBspDepth, "max_depth must be in [0, 40]", max_depth);
-    require(leaf_size >= 1 && leaf_size <= 1024, "leaf_size must be in [1, 1024]", leaf_size);
-    require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
-}
-
 int BspSettings::depth(size_t n) const {
     if (max_depth > 0) return max_depth;
     return std::min(kMostBspDepth, int(std::lround(5 + std::log2(double(std::max<size_t>(1, n))))));

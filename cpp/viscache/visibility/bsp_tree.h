@@ -8,23 +8,10 @@
 #include <vector>
 
 #include "viscache/math/parallel.h"
+#include "viscache/visibility/bsp_settings.h"
 #include "viscache/visibility/flat_triangles.h"
-#include "viscache/visibility/triangle_kernels.h"
 
 namespace viscache {
-
-struct BspSettings {
-    int max_depth = 0;  ///< in [0, 40]; 0: 5 + log2 of the number of triangles
-    int leaf_size = 8;  ///< cells with at most this many triangles are not halved; in [1, 1024]
-    TriangleKernel kernel = TriangleKernel::kWatertight;
-    uint64_t max_bytes = uint64_t{2} << 30;  ///< limit for nodes and lists of triangles
-
-    /// Throws std::invalid_argument with a message that says what must hold.
-    void validate() const;
-    /// Maximum depth of the tree over `n` triangles.
-    int depth(size_t n) const;
-};
-constexpr int kMostBspDepth = 40;
 
 /// Thrown when a structure would exceed its budget.
 class OverBudget : public std::bad_alloc {

@@ -58,11 +58,12 @@ struct Counters {
     uint64_t corrections = 0;   ///< queries whose ray was traced as well
     uint64_t contradicted = 0;  ///< of these, those whose answer the ray contradicts
     // Product sampling of the environment
-    uint64_t product_points = 0, product_dark = 0;      ///< eye points; of these, without light or reflection
-    uint64_t product_guided = 0, product_unserved = 0;  ///< of these, with a guided density; without a record
-    uint64_t pilot_rays = 0;                            ///< rays of the pilot before the first pass
-    double greatest_ratio = 0;                          ///< maximum of B/B̃ over all samples
-    uint64_t non_finite = 0;  ///< contributions dropped because they were not finite
+    uint64_t product_points = 0, product_dark = 0;  ///< eye points; of these, without light or reflection
+    uint64_t product_guided = 0,
+             product_without_record = 0;  ///< of these, with a guided density; without a record
+    uint64_t pilot_rays = 0;              ///< rays of the pilot before the first pass
+    double greatest_ratio = 0;            ///< maximum of B/B̃ over all samples
+    uint64_t non_finite = 0;              ///< contributions dropped because they were not finite
     // Blocks of shared directions for which an engine was chosen
     uint64_t direction_rays = 0, batch_rays = 0;  ///< all rays; those traced by the aligned batch
     double batch_ns = 0, embree_ns = 0;           ///< predicted costs, summed over `predicted_rays`
@@ -128,7 +129,7 @@ inline void Counters::merge(const Counters& b) {
     product_points += b.product_points;
     product_dark += b.product_dark;
     product_guided += b.product_guided;
-    product_unserved += b.product_unserved;
+    product_without_record += b.product_without_record;
     pilot_rays += b.pilot_rays;
     direction_rays += b.direction_rays;
     batch_rays += b.batch_rays;

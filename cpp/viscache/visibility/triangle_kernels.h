@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "viscache/visibility/parameter_row.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
@@ -20,6 +21,9 @@ enum class TriangleKernel {
     kWatertight,  ///< no ray passes between two triangles that share an edge
     kWald,        ///< as in the paper: fewer operations, may miss one ray in a million at an edge
 };
+
+template <>
+inline constexpr std::array kNames<TriangleKernel>{"watertight", "wald"};
 
 /// A hit; u and v are the barycentric coordinates of vertices 1 and 2.
 struct TriangleHit {

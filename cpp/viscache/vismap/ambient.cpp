@@ -9,7 +9,7 @@ AmbientShade shade_ambient(const MapCache& cache, const CachePoint& point, const
     const MapCacheParameters& p = cache.parameters();
     NearestSet set(p.m_nearest, point.d_max);
     const auto found = cache.candidates(point, set, around);
-    const NormalizedWeight normalized(p.theta_max_rad, p.lambda);
+    const NormalizedWeight normalized(p.theta_max_rad(), float(p.lambda));
     const double sigma = double(rules.width) * double(point.d_max);
     double sum = 0, total = 0, gaussian = 0;
     for (const NearestSet::Found& f : found) {

@@ -59,21 +59,22 @@ Added add_records(MapCache& cache, const RecordTracer& tracer, std::span<const C
 /// Deterministic insertion; see insertion.h.
 class Batches {
 public:
-    Batches(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
-            const InsertionOptions& options, Control& control, InsertionStats& stats,
-            std::span<Verdict> verdicts)
+    Batches(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points, uint32_t frame,
+            int threads, Control& control, InsertionStats& stats, std::span<Verdict> verdicts)
         : cache_(cache),
           tracer_(tracer),
           points_(points),
-          options_(options),
+          frame_(frame),
+          threads_(threads),
           control_(control),
           stats_(stats),
           verdicts_(verdicts),
-          cos_theta_max_(std::cos(cache.parameters().theta_max_rad)) {}
+          cos_theta_max_(std::cos(cache.parameters().theta_max_rad())) {}
 
     void run(std::span<const uint32_t> usable) {
-        for (size_t first = 0; first < usable.size(); first += options_.batch) {
-            const auto batch = usable.subspan(first, std::min(options_.batch, usable.size() - first));
+        const size_t most = cache_.parameters().batch;
+        for (size_t first = 0; first < usable.size(); first += most) {
+            const auto batch = usable.subspan(first, std::min(most, usable.size() - first));
             std::vector<uint32_t> pending(batch.begin(), batch.end());
             while (!pending.empty()) pending = round(pending);
             control_.done += batch.size();
@@ -83,7 +84,7 @@ public:
 private:
     /// One round. Returns the points to look up again.
     std::vector<uint32_t> round(std::span<const uint32_t> pending) {
-        in_chunks(pending.size(), options_.threads, control_, [&](size_t first, size_t last) {
+        in_chunks(pending.size(), threads_, control_, [&](size_t first, size_t last) {
             NeighbourList around;
             for (size_t i = first; i < last; ++i) {
                 const CachePoint& point = points_[pending[i]];
@@ -104,9 +105,7 @@ private:
             accepted.push_back(i);
         }
         if (!accepted.empty())
-            stats_.rays +=
-                add_records(cache_, tracer_, points_, accepted, options_.frame, options_.threads, control_)
-                    .rays;
+            stats_.rays += add_records(cache_, tracer_, points_, accepted, frame_, threads_, control_).rays;
         return again;
     }
     /// True if a record at one of the other points would be a candidate for the point.
@@ -122,7 +121,8 @@ private:
     MapCache& cache_;
     const RecordTracer& tracer_;
     std::span<const CachePoint> points_;
-    const InsertionOptions& options_;
+    uint32_t frame_;
+    int threads_;
     Control& control_;
     InsertionStats& stats_;
     std::span<Verdict> verdicts_;
@@ -131,10 +131,10 @@ private:
 
 /// The insertion of the paper: a thread adds its record at once, while it holds the lock exclusively.
 void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const CachePoint> points,
-                   std::span<const uint32_t> usable, const InsertionOptions& options, Control& control,
+                   std::span<const uint32_t> usable, uint32_t frame, int threads, Control& control,
                    InsertionStats& stats, std::span<Verdict> verdicts) {
     std::mutex stats_mutex;
-    in_chunks(usable.size(), options.threads, control, [&](size_t first, size_t last) {
+    in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
         InsertionStats own;
         NeighbourList around;
         for (uint32_t i : usable.subspan(first, last - first)) {
@@ -152,7 +152,7 @@ void insert_locked(MapCache& cache, const RecordTracer& tracer, std::span<const 
             const std::unique_lock lock(cache.mutex());
             judge();
             if (!wants_record(verdicts[i]) || cache.full()) continue;
-            cache.add({point.position, point.normal, 0, 0, options.frame}, traced.bits(0),
+            cache.add({point.position, point.normal, 0, 0, frame}, traced.bits(0),
                       clipped(traced.ambient[0], point.footprint));
             count_inserted(verdicts[i], own);
             verdicts[i] = Verdict::kServed;
@@ -186,7 +186,7 @@ std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
     // With the filter after the search, records of any normal can displace others
     const float least_cos = cache.parameters().filter == SearchFilter::kAfter
                                 ? -kInfinity
-                                : std::cos(cache.parameters().theta_max_rad);
+                                : std::cos(cache.parameters().theta_max_rad());
     std::vector<uint8_t> is_touched(usable.size());
     in_chunks(usable.size(), threads, control, [&](size_t first, size_t last) {
         for (size_t i = first; i < last; ++i) {
@@ -207,8 +207,9 @@ std::vector<uint32_t> touched_points(const MapCache& cache, uint32_t first_new,
 }  // namespace
 
 InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
-                                   std::span<const CachePoint> points, const InsertionOptions& options,
+                                   std::span<const CachePoint> points, uint32_t frame, int threads,
                                    Control& control) {
+    const MapCacheParameters& parameters = cache.parameters();
     InsertionStats stats;
     const std::vector<uint32_t> usable = usable_points(points);
     stats.points = points.size();
@@ -219,12 +220,12 @@ InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
         ++stats.passes;
         control.done = 0;
         control.total = pending.size();
-        if (options.mode == InsertionMode::kBatch)
-            Batches(cache, tracer, points, options, control, stats, verdicts).run(pending);
+        if (parameters.mode == InsertionMode::kBatch)
+            Batches(cache, tracer, points, frame, threads, control, stats, verdicts).run(pending);
         else
-            insert_locked(cache, tracer, points, pending, options, control, stats, verdicts);
-        if (!options.settle || cache.size() == first_new) break;
-        pending = touched_points(cache, first_new, points, usable, options.threads, control);
+            insert_locked(cache, tracer, points, pending, frame, threads, control, stats, verdicts);
+        if (!parameters.repeat_passes || cache.size() == first_new) break;
+        pending = touched_points(cache, first_new, points, usable, threads, control);
     }
     for (Verdict v : verdicts) {
         stats.suppressed += v == Verdict::kSuppressed;

@@ -5,19 +5,6 @@
 
 namespace viscache {
 
-enum class InsertionMode {
-    kBatch,   ///< the same records for any number of threads
-    kLocked,  ///< as in the paper: threads take points in any order and share the tree through a lock
-};
-
-struct InsertionOptions {
-    InsertionMode mode = InsertionMode::kBatch;
-    size_t batch = 4096;  ///< points that are looked up together
-    bool settle = true;   ///< repeat until no point wants a record
-    uint32_t frame = 0;   ///< new records count as used in this frame
-    int threads = 0;
-};
-
 struct InsertionStats {
     uint64_t points = 0, unusable = 0;  ///< points given; of these, points without a surface or a normal
     uint64_t passes = 0, lookups = 0;
@@ -30,7 +17,8 @@ struct InsertionStats {
     uint64_t inserted() const { return no_candidate + weight + difference; }
 };
 
-/// Inserts a record at every point for which `MapCache::judge` wants one.
+/// Inserts a record at every point for which `MapCache::judge` wants one, as mode, batch and repeat_passes of
+/// the cache's parameters say. New records count as used in `frame`.
 ///
 /// Batches are processed in the order of the points. All points of a batch are looked up in parallel, while
 /// the cache does not change. The points that want a record are then visited in order. A point gets a record
@@ -38,7 +26,7 @@ struct InsertionStats {
 /// next round. So every decision is based on the existing records. The rays of a round are traced together.
 /// Later passes look up the points that have a new record in reach.
 InsertionStats insert_where_needed(MapCache& cache, const RecordTracer& tracer,
-                                   std::span<const CachePoint> points, const InsertionOptions& options,
+                                   std::span<const CachePoint> points, uint32_t frame, int threads,
                                    Control& control);
 
 /// Statistics of the start-up records among each other, one entry per usable point.

@@ -1,53 +1,34 @@
 #include "viscache/vismap/map_cache.h"
 
-#include <stdexcept>
-#include <string>
+#include "viscache/vismap/record_tracer.h"
 
 namespace viscache {
 
 namespace {
 
 constexpr float kLeastWeightSum = 1e-12f;
-
-void require(bool holds, const char* what, double given) {
-    if (!holds) throw std::invalid_argument(std::string(what) + ", got " + std::to_string(given));
-}
+constexpr double kWMin = 0.3, kDeltaMax = 0.06;  // where nothing else is said
 
 }  // namespace
 
-void MapCacheParameters::validate() const {
-    require(m >= kMinMapLog2 && m <= kMaxMapLog2, "m must be in [4, 7]", m);
-    require(n_best >= 1 && n_best <= kMaxBlended, "n_best must be in [1, 8]", n_best);
-    require(m_nearest >= n_best && m_nearest <= NearestSet::kMost, "m_nearest must be in [n_best, 64]",
-            m_nearest);
-    require(theta_max_rad > 0 && theta_max_rad <= kPi, "theta_max must be in (0, 180] degrees",
-            theta_max_rad * 180 / kPi);
-    require(lambda >= 0 && lambda <= 1e6f, "lambda must be in [0, 1e6]", lambda);
-    require(w_min >= 0 && w_min <= 1, "w_min must be in [0, 1]", w_min);
-    require(delta_max >= 0 && delta_max <= 1, "delta_max must be in [0, 1]", delta_max);
-    require(r_min_px >= 0 && r_min_px <= 1e6f, "r_min_px must be in [0, 1e6]", r_min_px);
-    require(max_records >= 1 && max_records <= 1u << 26, "max_records must be in [1, 2^26]", max_records);
-}
-
-MapCache::MapCache(const MapCacheParameters& parameters, std::vector<Vec3> pattern)
+MapCache::MapCache(const MapCacheParameters& parameters)
     : parameters_((parameters.validate(), parameters)),
-      pattern_(std::move(pattern)),
+      pattern_(record_pattern(parameters.m, parameters.seed)),
       records_(parameters.m),
-      normalized_(parameters.theta_max_rad, parameters.lambda),
-      cos_theta_max_(std::cos(parameters.theta_max_rad)),
+      normalized_(parameters.theta_max_rad(), float(parameters.lambda)),
+      cos_theta_max_(std::cos(parameters.theta_max_rad())),
       count_differences_(count_differences(active_isa())) {
-    if (pattern_.size() != map_cells(parameters_.m))
-        throw std::invalid_argument("pattern must have 4^m directions, " +
-                                    std::to_string(map_cells(parameters_.m)) + ", got " +
-                                    std::to_string(pattern_.size()));
+    set_thresholds(parameters.w_min < 0 ? kWMin : parameters.w_min,
+                   parameters.delta_max < 0 ? kDeltaMax : parameters.delta_max);
 }
 
-void MapCache::set_thresholds(float w_min, float delta_max) {
+void MapCache::set_thresholds(double w_min, double delta_max) {
     MapCacheParameters changed = parameters_;
     changed.w_min = w_min;
     changed.delta_max = delta_max;
     changed.validate();
-    parameters_ = changed;
+    w_min_ = float(w_min);
+    delta_max_ = float(delta_max);
 }
 
 std::span<const NearestSet::Found> MapCache::candidates(const CachePoint& point, NearestSet& set,
@@ -79,7 +60,7 @@ Selection MapCache::select(const CachePoint& point, NeighbourList& around, uint3
         if (f.id() == without || s.candidates == parameters_.m_nearest) continue;
         const float distance = std::sqrt(f.distance2());
         const float raw = record_weight(distance / point.d_max, normal_angle(point.normal, f.point->normal),
-                                        parameters_.lambda);
+                                        float(parameters_.lambda));
         const float normalized = normalized_(raw);
         const float full = normalized * geometric_weight(point.normal, f.point->position - point.position,
                                                          distance, point.d_max);
@@ -113,11 +94,11 @@ Verdict MapCache::judge(const CachePoint& point, const Selection& s) const {
         const bool same = s.nearest < kCoincident * point.d_max && has_duplicate(point);
         return same ? Verdict::kDuplicate : verdict;
     };
-    if (s.tested < parameters_.w_min) return unless_duplicate(Verdict::kWeight);
+    if (s.tested < w_min_) return unless_duplicate(Verdict::kWeight);
     if (parameters_.criterion == Criterion::kAmbient) return Verdict::kServed;
-    if (!(mean_difference(s) > parameters_.delta_max)) return Verdict::kServed;
+    if (!(mean_difference(s) > delta_max_)) return Verdict::kServed;
     // Differs: at a contact shadow the maps never agree, and without this every pixel would get a record
-    if (s.nearest < parameters_.r_min_px * point.footprint) return Verdict::kSuppressed;
+    if (s.nearest < float(parameters_.r_min_px) * point.footprint) return Verdict::kSuppressed;
     return unless_duplicate(Verdict::kDifference);
 }
 

@@ -6,6 +6,7 @@
 
 #include "viscache/vismap/blended_maps.h"
 #include "viscache/vismap/map_difference.h"
+#include "viscache/vismap/map_parameters.h"
 #include "viscache/vismap/neighbour_list.h"
 #include "viscache/vismap/record_pool.h"
 #include "viscache/vismap/weights.h"
@@ -13,40 +14,6 @@
 namespace viscache {
 
 constexpr uint32_t kNoRecord = 0xffffffffu;
-
-/// Which weight is compared with w_min.
-enum class WeightTest {
-    kFull,        ///< w_g·ŵ, as blending uses it
-    kNormalized,  ///< ŵ
-    kRaw,         ///< w of Eq. 9
-};
-enum class SearchFilter {
-    kDuring,  ///< the m nearest records with similar normals
-    kAfter,   ///< of the m nearest records, those with similar normals
-};
-/// The purpose of records.
-enum class Criterion {
-    kVisibility,  ///< blending: weight and mean difference
-    kAmbient,     ///< ambient occlusion: weight and the distance of the nearest hit
-};
-
-struct MapCacheParameters {
-    int m = 5;           ///< maps have 2^m × 2^m cells
-    int n_best = 4;      ///< maximum number of blended records
-    int m_nearest = 16;  ///< number of nearest records from which they are chosen
-    float theta_max_rad = 30 * kPi / 180;
-    float lambda = 5;  ///< λ of Eq. 9
-    float w_min = 0.3f, delta_max = 0.06f;
-    float r_min_px =
-        2;  ///< if a record is nearer than this many footprints, the test of the mean difference is skipped
-    uint32_t max_records = 1u << 20;
-    WeightTest weight_test = WeightTest::kFull;
-    SearchFilter filter = SearchFilter::kDuring;
-    Criterion criterion = Criterion::kVisibility;
-
-    /// Throws std::invalid_argument with a message that says what must hold.
-    void validate() const;
-};
 
 /// A point of a lookup. d_max and the footprint come from the projected area of the pixel.
 struct CachePoint {
@@ -76,11 +43,12 @@ inline bool wants_record(Verdict v) { return v >= Verdict::kNoCandidate; }
 
 class MapCache {
 public:
-    /// `pattern` is the direction of every cell, in Z order (record_pattern).
-    MapCache(const MapCacheParameters& parameters, std::vector<Vec3> pattern);
+    explicit MapCache(const MapCacheParameters& parameters);
 
     const MapCacheParameters& parameters() const { return parameters_; }
-    void set_thresholds(float w_min, float delta_max);
+    /// Replaces the thresholds of the parameters. The thresholds are 0.3 and 0.06 where neither says them.
+    void set_thresholds(double w_min, double delta_max);
+    /// The direction of every cell, in Z order (record_pattern).
     std::span<const Vec3> pattern() const { return pattern_; }
     const RecordPool& records() const { return records_; }
     RecordPool& records() { return records_; }
@@ -120,7 +88,7 @@ private:
     RecordPool records_;
     KdTree tree_;
     NormalizedWeight normalized_;
-    float cos_theta_max_;
+    float cos_theta_max_, w_min_, delta_max_;
     CountDifferences count_differences_;
     mutable std::shared_mutex mutex_;
 };

@@ -14,7 +14,7 @@ namespace {
 float share_wrong(const RecordHead& h) { return h.rays ? float(h.misses) / float(h.rays) : 0.f; }
 
 /// The records with the highest error rates; of equal ones the older.
-std::vector<uint8_t> worst(const RecordPool& records, const RemovalRules& rules) {
+std::vector<uint8_t> worst(const RecordPool& records, const MapCacheParameters& rules) {
     std::vector<uint32_t> candidates;
     for (uint32_t id = 0; id < records.size(); ++id)
         if (records.head(id).rays >= std::max(1u, rules.min_rays) && records.head(id).misses)
@@ -29,9 +29,10 @@ std::vector<uint8_t> worst(const RecordPool& records, const RemovalRules& rules)
     return removed;
 }
 
-bool too_often_wrong(const RecordHead& h, const RemovalRules& rules) {
-    if (h.rays < std::max(1u, rules.min_rays)) return false;
-    return (rules.wilson ? wilson_lower(h.misses, h.rays) : share_wrong(h)) > rules.eps_max;
+bool too_often_wrong(const RecordHead& h, const MapCacheParameters& rules) {
+    if (rules.removal == Removal::kNone || h.rays < std::max(1u, rules.min_rays)) return false;
+    const bool wilson = rules.removal == Removal::kWilson;
+    return (wilson ? wilson_lower(h.misses, h.rays) : share_wrong(h)) > float(rules.eps_max);
 }
 
 }  // namespace
@@ -89,16 +90,18 @@ void mark_used(MapCache& cache, std::span<const CachePoint> points, uint32_t fra
             if (own[id]) cache.records().head(id).last_used = frame;
 }
 
-RemovalStats remove_records(MapCache& cache, const RemovalRules& rules, uint32_t frame) {
+RemovalStats remove_records(MapCache& cache, uint32_t frame) {
+    const MapCacheParameters& rules = cache.parameters();
+    const bool by_rank = rules.removal == Removal::kWorst;
     const RecordPool& records = cache.records();
     RemovalStats stats;
-    const std::vector<uint8_t> is_worst = rules.k_worst ? worst(records, rules) : std::vector<uint8_t>{};
+    const std::vector<uint8_t> is_worst = by_rank ? worst(records, rules) : std::vector<uint8_t>{};
     std::vector<uint32_t> kept;
     for (uint32_t id = 0; id < records.size(); ++id) {
         const RecordHead& h = records.head(id);
         stats.rays += h.rays;
         stats.misses += h.misses;
-        const bool wrong = rules.k_worst ? is_worst[id] : too_often_wrong(h, rules);
+        const bool wrong = by_rank ? is_worst[id] : too_often_wrong(h, rules);
         const bool unused =
             rules.unused_frames && frame >= h.last_used && frame - h.last_used >= rules.unused_frames;
         stats.wrong += wrong;

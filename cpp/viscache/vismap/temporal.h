@@ -40,21 +40,13 @@ void add_tally(MapCache& cache, const RecordTally& tally, uint32_t frame);
 void mark_used(MapCache& cache, std::span<const CachePoint> points, uint32_t frame, int threads,
                const Control& control);
 
-struct RemovalRules {
-    float eps_max = 0.05f;   ///< error rate above which a record is removed
-    uint32_t min_rays = 64;  ///< minimum number of rays before a record is removed for errors
-    bool wilson =
-        false;  ///< compare the lower end of the 95 % interval of the error rate with eps_max instead
-    uint32_t k_worst = 0;         ///< > 0: remove this many records with the highest error rates instead
-    uint32_t unused_frames = 10;  ///< frames without use after which a record is removed; 0: never
-};
-
 struct RemovalStats {
     uint64_t wrong = 0, unused = 0;  ///< removed records by reason
     uint64_t rays = 0, misses = 0;   ///< over all records before the removal
 };
-/// Ends a frame: removes records. The remaining records are renumbered in order.
-RemovalStats remove_records(MapCache& cache, const RemovalRules& rules, uint32_t frame);
+/// Ends a frame: removes records as the cache's parameters say. The remaining records are renumbered in
+/// order.
+RemovalStats remove_records(MapCache& cache, uint32_t frame);
 
 /// Resets rays and misses, as after a change of the geometry.
 void reset_tallies(MapCache& cache);

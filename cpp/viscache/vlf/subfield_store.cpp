@@ -48,7 +48,7 @@ void SubfieldStore::place(uint32_t direction, std::shared_ptr<const Subfield> fi
         }
         if (oldest == direction) return;
         bytes_ -= slots_[oldest].exchange(nullptr)->bytes();
-        ++given_up_;
+        ++evicted_;
     }
 }
 

@@ -45,7 +45,7 @@ public:
     /// The subfields that currently exist.
     std::vector<std::shared_ptr<const Subfield>> present() const;
     uint64_t built() const { return built_; }
-    uint64_t given_up() const { return given_up_; }
+    uint64_t evicted() const { return evicted_; }
 
 private:
     struct Slot {
@@ -75,7 +75,7 @@ private:
     uint64_t max_bytes_ = 0;
     mutable std::mutex room_;
     mutable uint64_t bytes_ = 0;  ///< bytes of the existing subfields; guarded by room_
-    mutable std::atomic<uint64_t> clock_{0}, built_{0}, given_up_{0};
+    mutable std::atomic<uint64_t> clock_{0}, built_{0}, evicted_{0};
 };
 
 }  // namespace viscache

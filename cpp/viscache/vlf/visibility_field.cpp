@@ -1,7 +1,6 @@
 #include "viscache/vlf/visibility_field.h"
 
 #include <bit>
-#include <stdexcept>
 #include <string>
 
 #include "viscache/visibility/bsp_tree.h"
@@ -9,35 +8,6 @@
 #include "viscache/vlf/field_trace.h"
 
 namespace viscache {
-
-namespace {
-
-void require(bool holds, const std::string& what, const std::string& given) {
-    if (!holds) throw std::invalid_argument(what + ", got " + given);
-}
-
-}  // namespace
-
-void check_tiles(int n_tiles) {
-    require(n_tiles >= 1 && n_tiles <= kMostTiles, "n_tiles must be in [1, 4096]", std::to_string(n_tiles));
-}
-
-void FieldSettings::validate() const {
-    require(n_directions == 0 || is_direction_count(n_directions),
-            "n_directions must be 1, 3, 9, 33, 129, 513, 2049 or 8193 (2·4^k + 1)",
-            std::to_string(n_directions));
-    if (n_tiles != 0) check_tiles(n_tiles);
-    require(bsp_depth >= -1 && bsp_depth <= kMostBspDepthOfTile, "bsp_depth must be in [0, 12]",
-            std::to_string(bsp_depth));
-    require(leaf_target >= 0 && leaf_target <= 1 << 20, "leaf_target must be in [0, 2^20]",
-            std::to_string(leaf_target));
-    require(head_room >= 1 && head_room <= 1000, "head_room must be in [1, 1000]", std::to_string(head_room));
-    require(max_build_s >= 0, "max_build_s must be >= 0", std::to_string(max_build_s));
-}
-
-SubfieldShape FieldSettings::shape() const {
-    return {{.n = n_tiles}, bsp_depth, leaf_target, split, tile_ranges, fit == FieldFit::kBox};
-}
 
 VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const FieldSettings& settings,
                                  int threads, Control& control)
@@ -60,7 +30,7 @@ VisibilityField::VisibilityField(std::shared_ptr<const Scene> scene, const Field
 FieldStats VisibilityField::stats() const {
     FieldStats s{.triangles = triangles_.size(), .degenerate = triangles_.degenerate()};
     s.built = store_.built();
-    s.given_up = store_.given_up();
+    s.evicted = store_.evicted();
     s.bytes = triangles_.bytes();
     for (const auto& field : store_.present()) {
         const Subfield& f = *field;

@@ -760,7 +760,7 @@ def best_isa() -> str:
     """
 def cache_maps(settings: VisMapSettings, cache: vismap.MapCache, frame: FrameSettings, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0) -> FrameMaps:
     """
-    Those of a cache, which must not change while the frame is rendered; d_max and footprint are those of the pixels' centres, (H·W,).
+    The maps of a cache, which must not change while the frame is rendered; d_max and footprint are those of the pixels' centres, (H·W,).
     """
 def description_of(scene: Scene) -> SceneDescription:
     """
@@ -776,7 +776,7 @@ def geometry_hash(scene: Scene) -> str:
     ...
 def given_maps(settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> FrameMaps:
     """
-    One blend of maps for all points, whatever they see (tests).
+    The same blend of maps for all points (tests).
     """
 def learnt_map(settings: NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
     """

@@ -89,7 +89,7 @@ class KdTree:
         """
     def walk(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], radius: typing.SupportsFloat | typing.SupportsIndex, m: typing.SupportsInt | typing.SupportsIndex) -> tuple[list[list[int]], int]:
         """
-        The same by a neighbour list without ids congruent to the query's number modulo 3, and how often the tree was not needed.
+        The same by a neighbour list that excludes ids congruent to the query's number modulo 3, and how often the tree was not needed.
         """
     @property
     def depth(self) -> int:

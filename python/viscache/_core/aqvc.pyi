@@ -7,26 +7,45 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'parameter_rows', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
 class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
     """
+    batch: typing.Any
     by_contribution: bool
+    c_e: typing.Any
+    c_finest: typing.Any
+    c_l: typing.Any
+    c_n: typing.Any
+    c_pg: typing.Any
+    c_r: typing.Any
+    c_w: typing.Any
+    c_z: typing.Any
     cell_density: str
+    digest_bits: typing.Any
     env_rule: str
     form: str
     grid_offset: bool
+    grid_seed: typing.Any
     hash: str
     level_rule: str
+    level_step: typing.Any
     normal_mode: str
     order: str
+    queue: typing.Any
     refinement: str
     res_rule: str
     scale_free: bool
     storage: str
+    table_bytes: typing.Any
     tangent_neighbours: bool
     vpl_key: str
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
     def __init__(self, **kwargs) -> None:
         ...
     def level_list(self, group: typing.SupportsInt | typing.SupportsIndex, *, spp: typing.SupportsInt | typing.SupportsIndex = 1, lift: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> list[float]:
@@ -36,100 +55,16 @@ class AqvcParameters:
     def validate(self) -> None:
         ...
     @property
-    def batch(self) -> int:
-        ...
-    @batch.setter
-    def batch(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_e(self) -> float:
-        ...
-    @c_e.setter
-    def c_e(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
     def c_e_groups(self) -> dict[str, float]:
         ...
     @c_e_groups.setter
-    def c_e_groups(self, arg1: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex]) -> None:
-        ...
-    @property
-    def c_finest(self) -> float:
-        ...
-    @c_finest.setter
-    def c_finest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_l(self) -> float:
-        ...
-    @c_l.setter
-    def c_l(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_n(self) -> int:
-        ...
-    @c_n.setter
-    def c_n(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_pg(self) -> float:
-        ...
-    @c_pg.setter
-    def c_pg(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_r(self) -> float:
-        ...
-    @c_r.setter
-    def c_r(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_w(self) -> int:
-        ...
-    @c_w.setter
-    def c_w(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def c_z(self) -> float:
-        ...
-    @c_z.setter
-    def c_z(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def digest_bits(self) -> int:
-        ...
-    @digest_bits.setter
-    def digest_bits(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def grid_seed(self) -> int:
-        ...
-    @grid_seed.setter
-    def grid_seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def level_step(self) -> float:
-        ...
-    @level_step.setter
-    def level_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def queue(self) -> int:
-        ...
-    @queue.setter
-    def queue(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def c_e_groups(self, arg1: typing.Any) -> None:
         ...
     @property
     def refinement_groups(self) -> dict[str, str]:
         ...
     @refinement_groups.setter
-    def refinement_groups(self, arg1: collections.abc.Mapping[str, str]) -> None:
-        ...
-    @property
-    def table_bytes(self) -> int:
-        ...
-    @table_bytes.setter
-    def table_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def refinement_groups(self, arg1: typing.Any) -> None:
         ...
 class BitTable:
     """
@@ -210,10 +145,6 @@ def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float
 def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], y: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, parameters: AqvcParameters) -> dict:
     """
     Processing order of a tile's eye points (AQVC Sec. 4.3).
-    """
-def parameter_rows() -> list:
-    """
-    Name, kind, keyed, paper and doc of every parameter, as the C++ table has them.
     """
 def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

@@ -19,26 +19,21 @@ class TriangleKernel(enum.Enum):
     def __new__(cls, value):
         ...
 class BspSettings:
-    kernel: TriangleKernel
-    def __init__(self) -> None:
+    """
+    Settings of the BSP; see viscache.Bsp.
+    """
+    kernel: str
+    leaf_size: typing.Any
+    max_bytes: typing.Any
+    max_depth: typing.Any
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __init__(self, **kwargs) -> None:
         ...
-    @property
-    def leaf_size(self) -> int:
-        ...
-    @leaf_size.setter
-    def leaf_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_bytes(self) -> int:
-        ...
-    @max_bytes.setter
-    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_depth(self) -> int:
-        ...
-    @max_depth.setter
-    def max_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def validate(self) -> None:
         ...
 class BspCaster(viscache._core.RayCaster):
     """

@@ -36,7 +36,7 @@ class PointEstimate:
     """
     def __init__(self, light: EnvironmentPyramid, b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]] = [], eta: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
-        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: its two (m < 6) or three growths.
+        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: their two (m < 6) or three dilations.
         """
     def b_tilde(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -144,27 +144,57 @@ class MapCacheParameters:
     """
     Parameters of the cache; see viscache.MapSettings.
     """
-    def __init__(self, *, m: typing.SupportsInt | typing.SupportsIndex = 5, n_best: typing.SupportsInt | typing.SupportsIndex = 4, m_nearest: typing.SupportsInt | typing.SupportsIndex = 16, theta_max_rad: typing.SupportsFloat | typing.SupportsIndex = 0.5235987901687622, lambda_: typing.SupportsFloat | typing.SupportsIndex = 5.0, w_min: typing.SupportsFloat | typing.SupportsIndex = 0.30000001192092896, delta_max: typing.SupportsFloat | typing.SupportsIndex = 0.05999999865889549, r_min_px: typing.SupportsFloat | typing.SupportsIndex = 2.0, max_records: typing.SupportsInt | typing.SupportsIndex = 1048576, weight_test: str = 'full', filter: str = 'during', criterion: str = 'visibility') -> None:
+    batch: typing.Any
+    criterion: str
+    d_max: typing.Any
+    delta_max: typing.Any
+    eps_max: typing.Any
+    filter: str
+    k_worst: typing.Any
+    lam: typing.Any
+    m: typing.Any
+    m_nearest: typing.Any
+    max_records: typing.Any
+    min_rays: typing.Any
+    mode: str
+    n_best: typing.Any
+    n_startup: typing.Any
+    r_min_px: typing.Any
+    removal: str
+    repeat_passes: bool
+    seed: typing.Any
+    theta_max_deg: typing.Any
+    unused_frames: typing.Any
+    w_min: typing.Any
+    weight_test: str
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        ...
+    def validate(self) -> None:
         ...
 class MapCache:
     """
     Records and their tree; see viscache.VisibilityMapCache.
     """
-    def __init__(self, parameters: MapCacheParameters, seed: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, parameters: MapCacheParameters) -> None:
         ...
     def __len__(self) -> int:
         ...
     def add_records(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], last_used: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], ambient: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], nearest_hit: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
-        Takes records in without rays.
+        Adds records without tracing rays.
         """
     def bootstrap(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
         """
-        A record at every point; what they say of each other.
+        Inserts a record at every point; statistics of the records among each other.
         """
-    def insert(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, *, mode: str = 'batch', batch: typing.SupportsInt | typing.SupportsIndex = 4096, settle: bool = True, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
+    def insert(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, *, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
         """
-        Records where they are needed; counts.
+        Inserts records where they are needed; counts.
         """
     def mark_used(self, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         """
@@ -174,8 +204,10 @@ class MapCache:
         """
         Copies of everything stored, one row per record.
         """
-    def remove(self, frame: typing.SupportsInt | typing.SupportsIndex, *, eps_max: typing.SupportsFloat | typing.SupportsIndex = 0.05000000074505806, min_rays: typing.SupportsInt | typing.SupportsIndex = 64, wilson: bool = False, k_worst: typing.SupportsInt | typing.SupportsIndex = 0, unused_frames: typing.SupportsInt | typing.SupportsIndex = 10) -> dict:
-        ...
+    def remove(self, frame: typing.SupportsInt | typing.SupportsIndex) -> dict:
+        """
+        Removes records as the parameters say; counts.
+        """
     def reset_tallies(self) -> None:
         ...
     def select(self, points: CachePoints, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
@@ -232,7 +264,7 @@ class Relighting:
     def rays(self) -> int:
         ...
     @property
-    def unserved(self) -> int:
+    def without_record(self) -> int:
         ...
 def cell_light(map: viscache._core.sampling.EnvironmentMap, m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """

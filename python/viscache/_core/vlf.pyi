@@ -9,88 +9,33 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-import viscache._core.visibility
-__all__: list[str] = ['AlignedBatch', 'DepthSplit', 'DynamicField', 'FIELD_RAY_NS', 'FieldFit', 'FieldSettings', 'LeafWalk', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
-class DepthSplit(enum.Enum):
-    """
-    Where a tile is cut along its depth.
-    """
-    OBJECT: typing.ClassVar[DepthSplit]
-    UNIFORM: typing.ClassVar[DepthSplit]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class LeafWalk(enum.Enum):
-    """
-    How a ray finds the leaves of a tile.
-    """
-    LINEAR: typing.ClassVar[LeafWalk]
-    STACK: typing.ClassVar[LeafWalk]
-    @classmethod
-    def __new__(cls, value):
-        ...
-class FieldFit(enum.Enum):
-    """
-    What the tiles of a direction cover.
-    """
-    PSF_BOX: typing.ClassVar[FieldFit]
-    SPHERE: typing.ClassVar[FieldFit]
-    @classmethod
-    def __new__(cls, value):
-        ...
+__all__: list[str] = ['AlignedBatch', 'DynamicField', 'FIELD_RAY_NS', 'FieldSettings', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
 class FieldSettings:
-    fit: FieldFit
-    kernel: viscache._core.visibility.TriangleKernel
+    """
+    Settings of the field; see viscache.Vlf.
+    """
+    bsp_depth: typing.Any
+    fit: str
+    head_room: typing.Any
+    kernel: str
     lazy: bool
+    leaf_target: typing.Any
+    max_build_s: typing.Any
+    max_bytes: typing.Any
+    n_directions: typing.Any
+    n_tiles: typing.Any
     snap: bool
-    split: DepthSplit
+    split: str
     tile_ranges: bool
-    walk: LeafWalk
-    def __init__(self) -> None:
+    walk: str
+    @staticmethod
+    def parameter_rows() -> list:
+        """
+        Name, kind, range, uses and doc of every parameter, as the C++ table has them.
+        """
+    def __init__(self, **kwargs) -> None:
         ...
     def validate(self) -> None:
-        ...
-    @property
-    def bsp_depth(self) -> int:
-        ...
-    @bsp_depth.setter
-    def bsp_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def head_room(self) -> float:
-        ...
-    @head_room.setter
-    def head_room(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def leaf_target(self) -> int:
-        ...
-    @leaf_target.setter
-    def leaf_target(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_build_s(self) -> float:
-        ...
-    @max_build_s.setter
-    def max_build_s(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def max_bytes(self) -> int:
-        ...
-    @max_bytes.setter
-    def max_bytes(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_directions(self) -> int:
-        ...
-    @n_directions.setter
-    def n_directions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def n_tiles(self) -> int:
-        ...
-    @n_tiles.setter
-    def n_tiles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class VisibilityField(viscache._core.RayCaster):
     """
@@ -108,7 +53,7 @@ class VisibilityField(viscache._core.RayCaster):
         """
     def trace_by(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], axes: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], t_min: typing.Any = 0.0, t_max: typing.Any = ...) -> tuple:
         """
-        By way of given subfields: t, triangle (N,), any (N,), steps of each kind.
+        Through given subfields: t, triangle (N,), any (N,), steps of each kind.
         """
     def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
@@ -139,7 +84,7 @@ class AlignedBatch:
         ...
 class UpdateMode(enum.Enum):
     """
-    How a field takes objects in.
+    How a field adds objects.
     """
     IN_PLACE: typing.ClassVar[UpdateMode]
     OVERLAY: typing.ClassVar[UpdateMode]
@@ -213,7 +158,7 @@ def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
 def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
     """
-    True if the batch cannot pay, whatever the scene.
+    True if the batch is slower in every scene.
     """
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
@@ -221,13 +166,13 @@ def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy
     """
 def predict_field_rows(scene: viscache._core.Scene, settings: FieldSettings) -> dict:
     """
-    What they take in a field to be built: tests per ray, ray_ns, build_s, bytes (at least).
+    Predicted cost in a field that is yet to be built: tests per ray, ray_ns, build_s, least bytes.
     """
 def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
     """
     Bytes of a field before it is built.
     """
-def walk_leaves(z0: typing.SupportsFloat | typing.SupportsIndex, z1: typing.SupportsFloat | typing.SupportsIndex, leaves: typing.SupportsInt | typing.SupportsIndex, borders: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, upwards: bool, how: LeafWalk) -> list[int]:
+def walk_leaves(z0: typing.SupportsFloat | typing.SupportsIndex, z1: typing.SupportsFloat | typing.SupportsIndex, leaves: typing.SupportsInt | typing.SupportsIndex, borders: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex, upwards: bool, how: str) -> list[int]:
     ...
 def walk_tiles(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], n_tiles: typing.SupportsInt | typing.SupportsIndex, t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:
     """

@@ -75,7 +75,7 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
         Row("95th percentile of the error", float(np.quantile(error, 0.95))),
         Row(
             "points without a record in reach",
-            float(cached.counters["unserved"]),
+            float(cached.counters["without_record"]),
             note="they are black",
         ),
     ]

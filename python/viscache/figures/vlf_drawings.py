@@ -173,7 +173,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
             depths = o[2] + np.array([t_in, t_out]) * d[2]
             ways = [
                 _leaves(float(depths.min()), float(depths.max()), d[2] > 0, how)
-                for how in core.LeafWalk
+                for how in ("linear", "stack")
             ]
             differ += ways[0] != ways[1]
             visited, there = visited + len(ways[0]), there + 8
@@ -191,7 +191,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
     return Outcome(rows=rows, files=[path])
 
 
-def _leaves(low: float, high: float, upwards: bool, how: core.LeafWalk) -> list[int]:
+def _leaves(low: float, high: float, upwards: bool, how: str) -> list[int]:
     return list(core.walk_leaves(-1.0, 1.0, 8, [], low, high, upwards, how))
 
 
@@ -235,5 +235,5 @@ def _visited(depths: Array, upwards: bool, leaves: int) -> list[tuple[float, flo
     """Lower ends and heights of a tile's leaves at the given depths."""
     if leaves == 1:
         return [(-1.0, 2.0)]
-    found = _leaves(float(depths.min()), float(depths.max()), upwards, core.LeafWalk.LINEAR)
+    found = _leaves(float(depths.min()), float(depths.max()), upwards, "linear")
     return [(2 * leaf / leaves - 1, 2 / leaves) for leaf in found]

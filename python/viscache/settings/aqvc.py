@@ -6,7 +6,6 @@ classes here take them from there.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
@@ -15,6 +14,7 @@ from typing import Any, Literal
 from viscache import _core
 from viscache.settings.checks import check_types, require
 from viscache.settings.not_given import NotGiven, not_given, plain
+from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import setting
 
@@ -24,10 +24,9 @@ LIGHT_GROUPS = (
     "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
 )  # fmt: skip
 
-#: Rows of the C++ table by name.
-ROWS = {row["name"]: row for row in _core.aqvc.parameter_rows()}
+ROWS = ParameterRows(_core.aqvc.AqvcParameters)
 #: Parameters on which keys, or what is kept under them, depend.
-KEYED = tuple(name for name, row in ROWS.items() if row["keyed"])
+KEYED = tuple(name for name, row in ROWS.by_name.items() if row["keyed"])
 #: Parameters that are mappings by light group.
 BY_GROUP = ("c_e_groups", "refinement_groups")
 
@@ -60,55 +59,22 @@ PRESETS["as_printed"] = PRESETS["paper"] | {
     "env_rule": "printed",
 }
 
-_DEFAULTS = _core.aqvc.AqvcParameters()
-
 
 def _default(name: str) -> Any:
     """The C++ default, marked as not given."""
-    return not_given(getattr(_DEFAULTS, name))
-
-
-def _documented(cls: type[Any]) -> type[Any]:
-    """Writes the parameters of the C++ table into the docstring, at the line `{parameters}`."""
-    lines = []
-    for f in fields(cls):
-        if f.name in ROWS:
-            row = ROWS[f.name]
-            default = "{}" if f.name in BY_GROUP else repr(f.default).replace("'", '"')
-            lines.append(f"    {f.name} : {row['kind']}, default {default}")
-            lines.append(textwrap.fill(row["doc"], 92, initial_indent=8 * " ",
-                                       subsequent_indent=8 * " "))  # fmt: skip
-    if cls.__doc__:
-        cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
-    return cls
+    return not_given(ROWS.default(name))
 
 
 def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
     """Where nothing was given: the preset's value, or the default."""
     for f in fields(settings):
-        if f.name in ROWS and isinstance(getattr(settings, f.name), NotGiven):
+        if f.name in ROWS.by_name and isinstance(getattr(settings, f.name), NotGiven):
             value = preset.get(f.name, plain(f.default))
             object.__setattr__(settings, f.name, not_given(value))
 
 
-def _core_of(*settings: Any) -> _core.aqvc.AqvcParameters:
-    """The C++ struct with the values of these settings, checked."""
-    core = _core.aqvc.AqvcParameters()
-    for part in settings:
-        for f in fields(part):
-            if f.name in ROWS:
-                value = plain(getattr(part, f.name))
-                try:
-                    setattr(core, f.name, dict(value) if f.name in BY_GROUP else value)
-                except TypeError as error:
-                    message = f"{f.name} must be a number in range, got {value!r}"
-                    raise ValueError(message) from error
-    core.validate()
-    return core
-
-
 @setting
-@_documented
+@ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PaperForm:
     """What the paper's own form of the cache has besides: `Aqvc(paper=PaperForm(...))`.
@@ -147,11 +113,11 @@ class PaperForm:
 
     def __post_init__(self) -> None:
         check_types(self)
-        _core_of(self)
+        ROWS.core(self)
 
 
 @setting
-@_documented
+@ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Aqvc:
     """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
@@ -224,14 +190,9 @@ class Aqvc:
                     value)  # fmt: skip
 
     def core(self) -> _core.aqvc.AqvcParameters:
-        """The C++ struct with the preset and what was given.
-
-        Raises
-        ------
-        ValueError
-            A value out of range.
-        """
-        return _core_of(self, self.paper)
+        """The C++ struct with the preset and what was given."""
+        core: _core.aqvc.AqvcParameters = ROWS.core(self, self.paper)
+        return core
 
     def source(self, context: SourceContext) -> _core.OracleSource:
         """The source of one frame's oracles."""

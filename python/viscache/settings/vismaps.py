@@ -140,7 +140,7 @@ class VisMaps(MapSettings):
 
     def parameters(self) -> dict[str, Any]:
         """Names and values for JSON; with a cache, its own settings."""
-        made = self.cache.settings if self.cache else self.map_settings()
+        made = self.map_settings() if self.cache is None else self.cache.settings
         return made.parameters() | {
             "cache": self.cache is not None,
             "update": self.updates,

@@ -70,9 +70,10 @@ def cached_ambient_occlusion(
     Frame
         Layers "color" (H, W, 1), 0 where there is no surface, and "coverage" (H, W, 1), the
         fraction of samples with a surface. Counters: "records", "inserted", "rays" traced for
-        records, "points" shaded, "rays_per_point", "unserved" points without a record in reach
-        (black), and "jump_p99", the 99th percentile of the Gaussian at the farthest of m records.
-        This bounds the discontinuity of the image where the set of nearest records changes.
+        records, "points" shaded, "rays_per_point", "without_record" (points without a record in
+        reach, which are black), and "jump_p99", the 99th percentile of the Gaussian at the farthest
+        of m records. This bounds the discontinuity of the image where the set of nearest records
+        changes.
 
     Raises
     ------
@@ -84,7 +85,7 @@ def cached_ambient_occlusion(
     >>> import viscache as vc
     >>> scene = vc.scenes.cube_on_plane()
     >>> frame = vc.cached_ambient_occlusion(scene, size=(32, 20))
-    >>> frame.image.shape, frame.counters["unserved"]
+    >>> frame.image.shape, frame.counters["without_record"]
     ((20, 32, 1), 0)
     """
     scene = sources.opened(scene)
@@ -107,7 +108,7 @@ def cached_ambient_occlusion(
     parts = (scene._core, scene.caster(cache.rays_by), view, columns, rows, seed)
     rules = _core.vismap.PixelRules(cache.settings.d_max)
     total, seen = np.zeros(columns * rows), np.zeros(columns * rows)
-    unserved, jumps = 0, []
+    without_record, jumps = 0, []
     with cache._lock:
         cache._start(view, columns, rows, cores)
         for sample in range(spp):
@@ -125,7 +126,7 @@ def cached_ambient_occlusion(
                 )
             total += value
             seen += there
-            unserved += int((there & (records == 0)).sum())
+            without_record += int((there & (records == 0)).sum())
             jumps.append(jump[there])
     rays, points_shaded = cache.rays - before[0], int(seen.sum())
     jump_p99 = float(np.quantile(np.concatenate(jumps), 0.99)) if points_shaded else 0.0
@@ -138,7 +139,7 @@ def cached_ambient_occlusion(
         counters={
             "records": len(cache), "inserted": len(cache) - before[1], "rays": rays,
             "points": points_shaded, "rays_per_point": rays / max(points_shaded, 1),
-            "unserved": unserved, "jump_p99": jump_p99,
+            "without_record": without_record, "jump_p99": jump_p99,
         },
         timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
         parameters={

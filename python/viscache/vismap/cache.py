@@ -9,26 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import _core, sources
-from viscache.progress import Progress, progress_bar
+from viscache.progress import Progress
 from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.maps import MapSettings, map_settings
-from viscache.settings.rays import Caster, Rays, check_rays
+from viscache.settings.rays import Rays, check_rays
 from viscache.settings.spelling import spelled
-from viscache.vismap import cache_file
+from viscache.vismap import cache_file, map_cells
 from viscache.vismap.orders import pixel_order
-from viscache.vismap.points import Cloud, Rows, insert_tiles, make_cloud
+from viscache.vismap.points import insert_tiles
+from viscache.vismap.record_insertion import RecordInsertion
 from viscache.vismap.records import Floats, Lookup, Records, UpdateReport, checked_size
 
 __all__ = ["VisibilityMapCache"]
 
-#: Of a start-up that was not needed.
-NOTHING = {"inserted": 0, "duplicates": 0, "rays": 0}
-
 
 @spelled
-class VisibilityMapCache:
+class VisibilityMapCache(RecordInsertion):
     """Visibility-map records of a scene (VisMap Sec. 5).
 
     Parameters
@@ -60,7 +58,7 @@ class VisibilityMapCache:
         self.scene = sources.opened(scene)
         self.settings = settings
         self.rays_by = check_rays(rays)
-        self._core = _core.vismap.MapCache(settings.core(), settings.seed)
+        self._core = _core.vismap.MapCache(settings.core())
         self._lock = threading.RLock()
         #: Number of the current frame; `end_frame` increments it.
         self.frame = 0
@@ -70,12 +68,10 @@ class VisibilityMapCache:
         self.rays = 0
         #: (w_min, delta_max) in use; for preset "auto" they are known after the start-up.
         self.thresholds = settings.thresholds()
+        self._core.set_thresholds(*self.thresholds)
 
     def __len__(self) -> int:
         return len(self._core)
-
-    def _caster(self) -> Caster:
-        return self.scene.caster(self.rays_by)
 
     @property
     def nbytes(self) -> int:
@@ -223,78 +219,11 @@ class VisibilityMapCache:
                 points, order,
                 lambda tile: self._insert(tile, cores, progress, "point"),
                 lambda: len(self),
-                settle=self.settings.settle,
+                repeat_passes=self.settings.repeat_passes,
             )  # fmt: skip
             for tile in points.tiles(order):
                 self._core.mark_used(tile, self.frame, cores)
         return UpdateReport.of(self.frame, startup, found, len(points), found["unusable"], 0)
-
-    def _cloud(
-        self,
-        positions: npt.ArrayLike,
-        normals: npt.ArrayLike,
-        d_max: npt.ArrayLike | None,
-        footprint: npt.ArrayLike | None,
-    ) -> Cloud:
-        reach, extent = self.settings.d_max, self.scene._core.offset_extent
-        return make_cloud(positions, normals, d_max, footprint, reach=reach, extent=extent)
-
-    def _pixels(
-        self, view: _core.Camera, width: int, height: int, at: tuple[float, float], threads: int
-    ) -> tuple[_core.vismap.CachePoints, int, int]:
-        inside = len(at) == 2 and all(0 <= v < 1 for v in at)
-        require(inside, "at must be two numbers in [0, 1)", at)
-        rules = _core.vismap.PixelRules(self.settings.d_max)
-        return _core.vismap.pixel_points(
-            self.scene._core, self._caster(), view, width, height, at, rules, threads
-        )
-
-    def _insert(
-        self,
-        points: _core.vismap.CachePoints,
-        threads: int,
-        progress: Progress = False,
-        unit: str = "pixel",
-    ) -> dict[str, int]:
-        """Inserts records at the points that need them."""
-        with progress_bar(progress, unit=unit) as report:
-            found = self._core.insert(
-                self.scene._core, self._caster(), points, frame=self.frame,
-                mode=self.settings.mode, batch=self.settings.batch, settle=self.settings.settle,
-                threads=threads, progress=report,
-            )  # fmt: skip
-        self.rays += found["rays"]
-        return found
-
-    def _start(self, view: _core.Camera, width: int, height: int, threads: int) -> dict[str, int]:
-        """Creates the start-up records of an image if they do not exist yet."""
-        if self.started:
-            return NOTHING
-        points, _, _ = _core.vismap.startup_points(
-            self.scene._core, self._caster(), view, width, height, self.settings.n_startup,
-            self.settings.seed, _core.vismap.PixelRules(self.settings.d_max),
-        )  # fmt: skip
-        return self._bootstrap(points, threads)
-
-    def _start_at(self, points: Cloud, order: Rows, threads: int) -> dict[str, int]:
-        """Creates start-up records at some of the points if the thresholds depend on them."""
-        if self.started or self.settings.preset != "auto" or not len(points):
-            return NOTHING
-        step = -(-len(points) // self.settings.n_startup)
-        return self._bootstrap(points.take(order[::step]), threads)
-
-    def _bootstrap(self, points: _core.vismap.CachePoints, threads: int) -> dict[str, int]:
-        before = len(self)
-        found = self._core.bootstrap(self.scene._core, self._caster(), points, self.frame, threads)
-        self.started = True
-        self.rays += found["rays"]
-        self.thresholds = self.settings.thresholds(found)
-        self._core.set_thresholds(*self.thresholds)
-        return {
-            "inserted": len(self) - before,
-            "duplicates": found["duplicates"],
-            "rays": found["rays"],
-        }
 
     # Asking
 
@@ -350,7 +279,9 @@ class VisibilityMapCache:
         """
         cells = self.cells(directions)
         require(cells.ndim == 1, "directions must have shape (K, 3)", (*cells.shape, 3))
-        said = self._said(lookup, np.broadcast_to(cells, (len(lookup.ids), len(cells))))
+        said = map_cells.blended_bits(
+            self.records().bits, lookup.ids, np.broadcast_to(cells, (len(lookup.ids), len(cells)))
+        )
         return np.asarray(np.einsum("nik,ni->nk", said, lookup.beta, dtype=np.float32))
 
     def cells(self, directions: npt.ArrayLike) -> npt.NDArray[np.int64]:
@@ -358,19 +289,7 @@ class VisibilityMapCache:
         given = checked_points(directions, "directions")
         fits = given.ndim >= 1 and given.shape[-1] == 3
         require(fits, "directions must have shape (..., 3)", given.shape)
-        edge = 1 << self.settings.m
-        at = _core.sampling.direction_to_equal_area(given.reshape(-1, 3))
-        x, y = np.minimum((at * edge).astype(np.uint32), edge - 1).T
-        return np.asarray(_core.vismap.morton2(x, y), np.int64).reshape(given.shape[:-1])
-
-    def _said(self, lookup: Lookup, cells: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """(N, n_best, K): the bit of each record in the point's cells (N, K)."""
-        bits = self.records().bits
-        rows = np.maximum(lookup.ids, 0)[:, :, None]
-        at = cells[:, None, :]
-        words = bits[rows, at // 64] if len(bits) else np.zeros(np.broadcast(rows, at).shape, "u8")
-        found: npt.NDArray[np.bool_] = (words >> (at % 64).astype(np.uint64) & np.uint64(1)) > 0
-        return found & (lookup.ids >= 0)[:, :, None]
+        return map_cells.cells(given, self.settings.m)
 
     # Over the frames of an animation
 
@@ -399,7 +318,8 @@ class VisibilityMapCache:
         require(cells.shape == expected, "directions must have shape (N, K, 3)", (*cells.shape, 3))
         require(seen.shape == expected, f"visible must have shape {expected}", seen.shape)
         with self._lock:
-            wrong = self._said(lookup, cells) != seen[:, None, :]
+            said = map_cells.blended_bits(self.records().bits, lookup.ids, cells)
+            wrong = said != seen[:, None, :]
             speaks = lookup.beta > 0
             ids = lookup.ids[speaks]
             fits = bool((ids < len(self)).all())
@@ -418,16 +338,8 @@ class VisibilityMapCache:
         dict
             "wrong" and "unused": numbers of removed records; "rays" and "misses": totals before.
         """
-        s = self.settings
         with self._lock:
-            found = self._core.remove(
-                self.frame,
-                unused_frames=s.unused_frames,
-                wilson=s.removal == "wilson",
-                k_worst=s.k_worst if s.removal == "worst" else 0,
-                eps_max=2.0 if s.removal == "none" else s.eps_max,
-                min_rays=s.min_rays,
-            )
+            found = self._core.remove(self.frame)
             self.frame += 1
         return {name: int(value) for name, value in found.items()}
 

@@ -24,7 +24,8 @@ __all__ = ["State", "read", "write"]
 FORMAT = "viscache visibility-map cache"
 #: Version of the layout and of the meaning of the bits; other versions are refused.
 FORMAT_VERSION = 1
-
+#: Settings whose names in older files differ.
+RENAMED = {"settle": "repeat_passes"}
 
 #: Exceptions raised by the readers for files that are not archives of arrays, or damaged.
 DAMAGED = (
@@ -103,8 +104,9 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     fits = claimed == digest(head, arrays)
     require(fits, f"{path}: the cache must be undamaged", "content that its digest does not fit")
     w_min, delta_max = head["thresholds"]
+    settings = {RENAMED.get(name, name): value for name, value in head["settings"].items()}
     return State(
-        scene_hash=scene_hash, settings=head["settings"], directions=arrays.pop("directions"),
+        scene_hash=scene_hash, settings=settings, directions=arrays.pop("directions"),
         frame=head["frame"], started=head["started"], rays=head["rays"],
         thresholds=(w_min, delta_max), records=arrays,
     )  # fmt: skip

@@ -105,7 +105,7 @@ def insert_tiles(
     insert: Callable[[_core.vismap.CachePoints], Mapping[str, int]],
     size: Callable[[], int],
     *,
-    settle: bool,
+    repeat_passes: bool,
 ) -> dict[str, int]:
     """Insert records at points tile by tile.
 
@@ -118,22 +118,22 @@ def insert_tiles(
         Inserts at the points of a tile and returns the counts.
     size : callable
         Number of records.
-    settle : bool
+    repeat_passes : bool
         Visit tiles again until no tile needs a record because of another tile's records.
     """
     totals = dict.fromkeys(SUMMED, 0)
     latest: dict[int, Mapping[str, int]] = {}
-    settled_at: dict[int, int] = {}
+    size_after: dict[int, int] = {}
     while True:
         before = size()
         for number, tile in enumerate(points.tiles(order)):
-            if settled_at.get(number) == size():
+            if size_after.get(number) == size():
                 continue
             latest[number] = insert(tile)
-            settled_at[number] = size()
+            size_after[number] = size()
             for name in SUMMED:
                 totals[name] += latest[number][name]
-        if not settle or size() == before:
+        if not repeat_passes or size() == before:
             break
     return totals | {name: sum(found[name] for found in latest.values()) for name in LATEST}
 

@@ -138,7 +138,7 @@ class Relighting:
         -------
         Frame
             Layer "color": J (H, W, 3), without directly visible light. Counters: "rays" (0),
-            "records", and "unserved", the number of eye points without records.
+            "records", and "without_record", the number of eye points without records.
         """
         start, cpu = time.perf_counter(), time.process_time()
         image = self._core.image(self.light(env, rotation_deg=rotation_deg), self._threads)
@@ -147,7 +147,7 @@ class Relighting:
             counters={
                 "rays": self._core.rays,
                 "records": len(self.cache),
-                "unserved": self._core.unserved,
+                "without_record": self._core.without_record,
             },
             timings={"total_s": time.perf_counter() - start, "cpu_s": time.process_time() - cpu},
             parameters={

@@ -106,17 +106,17 @@ class VisibilityField:
     @property
     def n_directions(self) -> int:
         """l, as built."""
-        return self._core.settings.n_directions
+        return int(self._core.settings.n_directions)
 
     @property
     def n_tiles(self) -> int:
         """n, as built."""
-        return self._core.settings.n_tiles
+        return int(self._core.settings.n_tiles)
 
     @property
     def bsp_depth(self) -> int:
         """Maximum number of halvings of a tile's depth, as built."""
-        return self._core.settings.bsp_depth
+        return int(self._core.settings.bsp_depth)
 
     @property
     def stats(self) -> dict[str, int]:
@@ -124,7 +124,7 @@ class VisibilityField:
 
         triangles, degenerate (without area, left out), subfields, tiles, empty_tiles, leaves,
         references (entries of all lists), bytes. For a lazy field these count the existing
-        subfields; built and given_up count all that were ever built and evicted.
+        subfields; built and evicted count all since the field was made.
         """
         return self._core.stats
 
