@@ -157,7 +157,7 @@ def render_part(
     integrator = cast(Integrator, by_name.setting("integrator", integrator))
     rays = check_rays(rays)
     visibility = cast("Visibility | Written", by_name.setting("visibility", visibility, "exact"))
-    _check_settings(scene, integrator, rays, visibility, use, keep)
+    check_settings(scene, integrator, rays, visibility, use, keep)
     number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
@@ -247,7 +247,7 @@ def render_part(
     return made
 
 
-def _check_settings(
+def check_settings(
     scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
 ) -> None:
     """Hold every argument to its kind."""
