@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
+
+import numpy as np
 
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.not_given import NotGiven
@@ -121,9 +124,19 @@ def described(role: Role, settings: Any) -> dict[str, Any]:
 
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values as JSON would give them back; what it cannot hold as text."""
+    """The values as JSON would give them back; what it cannot hold as text, arrays by a digest."""
     kept = {n: dict(v) if isinstance(v, Mapping) else v for n, v in values.items()}
-    return dict(json.loads(json.dumps(kept, default=str)))
+    return dict(json.loads(json.dumps(kept, default=_text)))
+
+
+def _text(value: Any) -> Any:
+    """Numbers of NumPy as numbers, arrays by their content, anything else as `str` has it."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        content = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return f"array {value.dtype} {value.shape} sha256 {content}"
+    return str(value)
 
 
 def literal(text: str) -> Any:

@@ -11,7 +11,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import Correct, in_words
+from viscache.oracles.written import is_written
 from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
@@ -67,6 +69,7 @@ class Plan:
     metrics: list[str] = field(default_factory=list)
     repeats: int = 1
     seed: int = 0
+    code: str | None = None  # digest of an oracle written in Python
 
     def order(self) -> list[str]:
         """Keys, each point's references first."""
@@ -87,10 +90,16 @@ def make_plan(
 ) -> Plan:
     """The frames of a sweep, every setting validated; renders nothing."""
     owners, dims, coords, combinations = _grid(over, resolved)
+    visibility = resolved["visibility"]
     plan = Plan(
-        names=[o[1] for o in owners], dims=dims, coords=coords, metrics=metrics, repeats=repeats,
+        names=[o[1] for o in owners],
+        dims=dims,
+        coords=coords,
+        metrics=metrics,
+        repeats=repeats,
         seed=seed,
-    )  # fmt: skip
+        code=code_digest(type(visibility)) if is_written(visibility) else None,
+    )
     second = _converged(converged)
     common = {**common, "env_hash": _env_hash(common["env"])}
     exact = by_name.make("visibility", "exact")
@@ -186,6 +195,8 @@ def _add(
         spec[role] = by_name.described(role, chosen[role])
         if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
             spec[role] |= {"resolved": by_name.plain(chosen[role].resolved())}
+    if is_written(chosen["visibility"]):
+        spec["visibility"] |= {"code": plan.code}
     key = content_key(spec)
     plan.tasks[key] = task
     plan.specs[key] = spec

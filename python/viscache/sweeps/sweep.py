@@ -13,13 +13,14 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscache import metrics as _metrics
 from viscache import sources
 from viscache.oracles.correct import Correct
+from viscache.oracles.written import is_written
 from viscache.progress import Progress
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
@@ -133,6 +134,8 @@ def sweep(
         "rays": by_name.setting("rays", rays, "embree"),
         "visibility": by_name.setting("visibility", visibility, "aqvc"),
     }
+    cache = resolved["visibility"]
+    require(not is_written(cache) or is_dataclass(cache), "visibility must be a dataclass", cache)
     scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
     size = frame_size(size, find_camera(opened, camera)) if size is None else size
