@@ -186,3 +186,18 @@ def test_a_camera_of_nonsense_is_refused_when_it_arrives() -> None:
     broken = type(made).__new__(type(made))  # type: ignore[call-arg]
     with pytest.raises((ValueError, vc.SceneError), match="must be finite and differ"):
         broken.__setstate__((name, origin, [0.0, 0.0, 0.0], up, forward, *rest))
+
+
+def test_a_sweep_takes_a_camera_of_ones_own(tmp_path: Path) -> None:
+    over, given = {"c_e": [4]}, {"size": SIZE, "metrics": ["rel_l1"], "directory": tmp_path}
+    near, far = (vc.look_at((d, d, d), (0.0, 0.0, 0.0)) for d in (2.0, 4.0))
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        vc.sweep("cube_on_plane", "direct", over=over, camera=near, executor=pool, **given)
+    frames = tmp_path / "frames"
+    assert len(list(frames.iterdir())) == 2
+    vc.sweep("cube_on_plane", "direct", over=over, camera=near, **given)
+    assert len(list(frames.iterdir())) == 2
+    vc.sweep("cube_on_plane", "direct", over=over, camera=far, **given)
+    assert len(list(frames.iterdir())) == 4
+    kept = {vc.Frame.load(p).sha256 for p in frames.iterdir()}
+    assert vc.render("cube_on_plane", "direct", camera=near, size=SIZE).sha256 in kept

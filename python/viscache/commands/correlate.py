@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
             camera=int(wish) if wish and index else wish, seed=arguments.seed,
             d_edges=arguments.d_bins, theta_edges_deg=arguments.theta_bins, d_max=arguments.d_max,
             directions=arguments.directions, domain=arguments.domain, normals=arguments.normals,
-            engine=arguments.engine, store=arguments.store, executor=executor, threads=threads,
+            engine=arguments.engine, directory=arguments.store, executor=executor, threads=threads,
             progress=sys.stderr.isatty(),
             **({} if arguments.t_max is None else {"t_max": arguments.t_max}),
         )  # fmt: skip

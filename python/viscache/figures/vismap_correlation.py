@@ -103,7 +103,7 @@ def _measured(
         outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
         return None
     store = None if quick else folder / "blocks"
-    dataset = measure(scene, camera=view.camera, store=store, progress=progress,
+    dataset = measure(scene, camera=view.camera, directory=store, progress=progress,
                       **(QUICK if quick else FULL))  # fmt: skip
     if not quick:
         outcome.files.append(folder / f"{view.name}.nc")

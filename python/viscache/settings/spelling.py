@@ -6,10 +6,11 @@ import dataclasses
 import difflib
 import functools
 import inspect
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-__all__ = ["nearest", "setting", "spelled"]
+__all__ = ["nearest", "renamed", "setting", "spelled"]
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type[Any])
@@ -50,6 +51,29 @@ def spelled(called: Called) -> Called:
         return checked  # type: ignore[return-value]
     called.__init__ = checked  # type: ignore[misc]
     return called
+
+
+def renamed(**names: str) -> Callable[[Called], Called]:
+    """Decorate a function whose keywords had older names: `renamed(old="new")`.
+
+    An older name works as before and warns. Signatures and `help` show the new one alone.
+    """
+
+    def decorate(function: Called) -> Called:
+        @functools.wraps(function)
+        def called(*args: Any, **kwargs: Any) -> Any:
+            for old, new in names.items():
+                if old in kwargs:
+                    if new in kwargs:
+                        raise TypeError(f"{new} must be given once, got {old} too")
+                    text = f"{function.__name__}: {old} is now called {new}"
+                    warnings.warn(text, DeprecationWarning, stacklevel=2)
+                    kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return called  # type: ignore[return-value]
+
+    return decorate
 
 
 def setting(cls: Class) -> Class:

@@ -15,6 +15,7 @@ from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.written import is_written
 from viscache.provenance import VERSION, cpu_model, provenance
+from viscache.scene.cameras import camera_in_words
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
@@ -34,7 +35,7 @@ class Task:
     rays: Any
     visibility: Any
     use: str | Correct | None
-    camera: str | None
+    camera: Any  # a name, an index, or a camera of one's own
     env: Any
     env_hash: str | None
     size: tuple[int, int]
@@ -188,7 +189,7 @@ def _add(
     task = Task(**merged)
     spec: dict[str, Any] = {
         "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
-        "spp": task.spp, "seed": seed, "use": in_words(task.use), "camera": task.camera,
+        "spp": task.spp, "seed": seed, "use": in_words(task.use), "camera": camera_in_words(task.camera),
         "env": task.env_hash,
     }  # fmt: skip
     for role in by_name.ROLES:
@@ -214,7 +215,7 @@ def definition_of(
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
         "size": list(common["size"]), "spp": common["spp"], "use": in_words(common["use"]),
-        "camera": common["camera"], "seed": plan.seed, "repeats": plan.repeats,
+        "camera": camera_in_words(common["camera"]), "seed": plan.seed, "repeats": plan.repeats,
         "converged": dict(converged) if converged else None, "metrics": plan.metrics,
         "names": plan.names, "dims": plan.dims,
         "coords": {name: [dim, values] for name, (dim, values) in plan.coords.items()},

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache import _core, sources
 from viscache import metrics as _metrics
-from viscache import sources
 from viscache.oracles.correct import Correct
 from viscache.oracles.written import is_written
 from viscache.progress import Progress
@@ -59,7 +59,7 @@ def sweep(
     threads: int | None = None,
     rays: Any = None,
     use: str | Correct | None = None,
-    camera: str | None = None,
+    camera: str | int | _core.Camera | None = None,
     env: Any = None,
 ) -> xarray.Dataset:
     """Render every setting of a grid and measure it against its references.
