@@ -63,8 +63,11 @@ class AqvcTable:
     def __init__(
         self, *, table_bytes: int = 256 << 20, check: float = 0.0, repair: bool = False
     ) -> None:
-        require(is_whole(table_bytes) and 4 <= table_bytes <= 1 << 33,
-                "table_bytes must be a whole number in [4, 2^33]", table_bytes)  # fmt: skip
+        require(
+            is_whole(table_bytes) and 4 <= table_bytes <= 1 << 33,
+            "table_bytes must be a whole number in [4, 2^33]",
+            table_bytes,
+        )
         number = isinstance(check, int | float) and not isinstance(check, bool)
         require(number and 0 <= check <= 1, "check must be in [0, 1]", check)
         require(isinstance(repair, bool), "repair must be True or False", repair)
@@ -152,8 +155,13 @@ class AqvcTable:
 
     def parameters(self) -> dict[str, Any]:
         """What frames record of it: its settings, and what it had seen when they were finished."""
-        return {"table_bytes": self.table_bytes, "check": self.check, "repair": self.repair,
-                "frames": self.frames, "epoch": self.epoch}  # fmt: skip
+        return {
+            "table_bytes": self.table_bytes,
+            "check": self.check,
+            "repair": self.repair,
+            "frames": self.frames,
+            "epoch": self.epoch,
+        }
 
     def __repr__(self) -> str:
         return (
@@ -164,8 +172,9 @@ class AqvcTable:
     @contextmanager
     def _frame(self, scene: Scene, cache: Aqvc) -> Iterator[_core.KeptTable]:
         """The C++ table for one frame, which must fit those before."""
-        require(self._busy.acquire(blocking=False), "keep must not be in use by another frame",
-                self)  # fmt: skip
+        require(
+            self._busy.acquire(blocking=False), "keep must not be in use by another frame", self
+        )
         try:
             core = cache.core()
             keyed = {name: getattr(core, name) for name in KEYED}
@@ -176,12 +185,17 @@ class AqvcTable:
                 self._keyed_by = keyed
                 self._geometry = self._geometry or scene.geometry_hash
             for name, value in keyed.items():
-                require(value == self._keyed_by[name],
-                        f"{name} must be {self._keyed_by[name]} as in the table's frames before",
-                        value)  # fmt: skip
-            require(scene.geometry_hash == self._geometry,
-                    "scene must have the geometry of the table's frames before, or be given to "
-                    "table.moved(scene)", scene)  # fmt: skip
+                require(
+                    value == self._keyed_by[name],
+                    f"{name} must be {self._keyed_by[name]} as in the table's frames before",
+                    value,
+                )
+            require(
+                scene.geometry_hash == self._geometry,
+                "scene must have the geometry of the table's frames before, or be given to "
+                "table.moved(scene)",
+                scene,
+            )
             yield self._core
         finally:
             self._busy.release()

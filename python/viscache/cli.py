@@ -67,8 +67,12 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         raise ValueError(f"unknown command {wanted!r}{nearest(wanted, COMMANDS)}")
     for name, text in COMMANDS.items():
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        sub.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
-                         help="tracebacks instead of one line")  # fmt: skip
+        sub.add_argument(
+            "--debug",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="tracebacks instead of one line",
+        )
         if name == wanted:
             importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
     return parser

@@ -71,9 +71,13 @@ class Connections:
     """
 
     def __init__(
-        self, scene: Scene, integrator: Any, rays: Rays | str | None, frame: _core.FrameSettings,
+        self,
+        scene: Scene,
+        integrator: Any,
+        rays: Rays | str | None,
+        frame: _core.FrameSettings,
         camera: _core.Camera,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._scene, self._integrator, self._rays = scene, integrator, rays
         self._frame, self._camera = frame, camera
         self._core = core_settings(integrator)
@@ -85,9 +89,12 @@ class Connections:
             for name in ("positions", "normals", "density", "origins")
         }
         self.eyes = EyePoints(
-            joined["positions"], joined["normals"], joined["density"], _origins=joined["origins"],
+            joined["positions"],
+            joined["normals"],
+            joined["density"],
+            _origins=joined["origins"],
             _tiles=tuple(tiles),
-        )  # fmt: skip
+        )
         lights = self._taps.lights()
         self._light_number = {GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
         self.groups = {GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
@@ -144,17 +151,25 @@ class Connections:
         for number, samples in result["samples"].items():
             group = GROUPS[number]
             found[group] = PairAnswer(
-                samples["visible"], samples.get("weights"), counted(group), timings,
+                samples["visible"],
+                samples.get("weights"),
+                counted(group),
+                timings,
                 (samples["order"], samples["run_end"]),
-            )  # fmt: skip
+            )
         return found
 
     def oracle(self, visibility: Any, *, use: Any = None) -> Oracle:
         """`scene.oracle` with the frame's rays, seed, samples per pixel and threads."""
         return Oracle(
-            self._scene, visibility, rays=self._rays, use=use, seed=self._frame.seed,
-            spp=self._frame.spp, threads=self._frame.threads,
-        )  # fmt: skip
+            self._scene,
+            visibility,
+            rays=self._rays,
+            use=use,
+            seed=self._frame.seed,
+            spp=self._frame.spp,
+            threads=self._frame.threads,
+        )
 
     def frame(self, answers: Mapping[str, Answer], *, progress: Any = False) -> Frame:
         """The frame that answers make. Groups without an answer stay dark.
@@ -187,26 +202,36 @@ class Connections:
                 self._give_samples(given, group, answer)
         with progress_bar(progress) as report:
             result = _core.render_frame(
-                self._scene._core, self._caster, self._camera, self._core, self._frame,
-                given.source(), progress=report,
-            )  # fmt: skip
+                self._scene._core,
+                self._caster,
+                self._camera,
+                self._core,
+                self._frame,
+                given.source(),
+                progress=report,
+            )
         counted = [a.counters for a in answers.values() if isinstance(a, BlockAnswer | PairAnswer)]
         rays = sum(int(c.get("rays", 0)) for c in counted)
         counters = result["counters"]
         counters["rays"] = rays
         counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
         made = Frame(
-            layers=result["layers"], counters=counters, timings=result["timings"],
+            layers=result["layers"],
+            counters=counters,
+            timings=result["timings"],
             parameters={
                 "scene": self._scene.spec or self._scene.name,
                 "scene_hash": self._scene.content_hash,
                 "integrator": described(self._integrator),
                 "visibility": {"name": "given"},
-                "size": [self._frame.width, self._frame.height], "spp": self._frame.spp,
-                "seed": self._frame.seed, "camera": self._camera.name,
+                "size": [self._frame.width, self._frame.height],
+                "spp": self._frame.spp,
+                "seed": self._frame.seed,
+                "camera": self._camera.name,
             },
-            provenance=provenance(), warnings=list(self._scene.warnings),
-        )  # fmt: skip
+            provenance=provenance(),
+            warnings=list(self._scene.warnings),
+        )
         made.counters["sha256"] = made.sha256
         return made
 
@@ -228,9 +253,11 @@ class Connections:
             bits = pack(seen) if seen.dtype == bool and seen.ndim == 2 else seen
         require(bits.dtype == np.uint64, f"answers[{group!r}] must be bool or bits", bits.dtype)
         given.block(
-            GROUPS.index(group), np.ascontiguousarray(bits), _finite(weights, group),
+            GROUPS.index(group),
+            np.ascontiguousarray(bits),
+            _finite(weights, group),
             len(self.groups[group]),
-        )  # fmt: skip
+        )
 
     def _give_samples(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
         order: tuple[Any, Any] = ([], [])
@@ -296,8 +323,11 @@ def connections(
     scene = sources.opened(scene)
     integrator = by_name.setting("integrator", integrator)
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
-    require(fits, "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
-            integrator)  # fmt: skip
+    require(
+        fits,
+        "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
+        integrator,
+    )
     product = getattr(integrator, "environment", "") == "product"
     require(not product, 'environment must not be "product" for connections', "product")
     shared = getattr(integrator, "directions", "") == "shared"

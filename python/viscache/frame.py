@@ -25,8 +25,11 @@ Layer = npt.NDArray[np.float32]
 
 #: Suffix to kind of file: what `Frame.save` writes.
 KINDS: dict[str, Literal["exr", "png", "jpeg"]] = {
-    ".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg",
-}  # fmt: skip
+    ".exr": "exr",
+    ".png": "png",
+    ".jpg": "jpeg",
+    ".jpeg": "jpeg",
+}
 _RECORDS = ("counters", "timings", "parameters", "provenance")
 _PREFIX = "viscache."  # of the header attributes
 

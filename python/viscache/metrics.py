@@ -193,9 +193,14 @@ def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None
         for i in (a, b)
     )
     errors, mean, _ = flip_evaluator.evaluate(
-        reference, test, "HDR", inputsRGB=False, applyMagma=False, computeMeanError=True,
+        reference,
+        test,
+        "HDR",
+        inputsRGB=False,
+        applyMagma=False,
+        computeMeanError=True,
         parameters={"ppd": FLIP_PIXELS_PER_DEGREE},
-    )  # fmt: skip
+    )
     if not math.isfinite(mean):
         return None
     return np.asarray(errors, np.float32).reshape(b.shape[:2]), float(mean)

@@ -85,9 +85,13 @@ class Sliders:
     """
 
     def __init__(
-        self, render: Callable[..., tuple[Any, str]], values: Mapping[str, Sequence[Any]],
-        first: Mapping[str, Any], exposure: float | None, live: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        render: Callable[..., tuple[Any, str]],
+        values: Mapping[str, Sequence[Any]],
+        first: Mapping[str, Any],
+        exposure: float | None,
+        live: bool = False,
+    ) -> None:
         import ipywidgets
 
         self._render, self.exposure, self._live = render, exposure, live
@@ -97,11 +101,13 @@ class Sliders:
         self.text = ""
         self.widgets: dict[str, Any] = {
             name: ipywidgets.SelectionSlider(
-                options=list(options), value=first.get(name, options[0]), description=name,
+                options=list(options),
+                value=first.get(name, options[0]),
+                description=name,
                 continuous_update=live,
             )
             for name, options in values.items()
-        }  # fmt: skip
+        }
         self.picture = ipywidgets.Image(format="png")
         self._label = ipywidgets.HTML()
         self.box = ipywidgets.VBox([*self.widgets.values(), self.picture, self._label])
@@ -154,9 +160,13 @@ class Sliders:
 
 
 def sliders(
-    render: Callable[..., tuple[Any, str]], *, first: Mapping[str, Any] | None = None,
-    exposure: float | None = None, live: bool = False, **values: Sequence[Any],
-) -> Sliders:  # fmt: skip
+    render: Callable[..., tuple[Any, str]],
+    *,
+    first: Mapping[str, Any] | None = None,
+    exposure: float | None = None,
+    live: bool = False,
+    **values: Sequence[Any],
+) -> Sliders:
     """Sliders whose picture `render` makes.
 
     Parameters
@@ -182,6 +192,9 @@ def sliders(
     start = dict(first or {})
     for name, options in values.items():
         require(len(options) > 0, f"{name} must have values", options)
-        require(start.get(name, options[0]) in list(options), f"first of {name} must be one of"
-                f" {list(options)}", start.get(name))  # fmt: skip
+        require(
+            start.get(name, options[0]) in list(options),
+            f"first of {name} must be one of {list(options)}",
+            start.get(name),
+        )
     return Sliders(render, values, start, exposure, live)

@@ -81,8 +81,11 @@ def record_queries(
     >>> count > 0, 0 <= wrong < 0.5
     (True, True)
     """
-    require(is_whole(max_bytes) and max_bytes >= 1 << 16,
-            "max_bytes must be a whole number >= 65536", max_bytes)  # fmt: skip
+    require(
+        is_whole(max_bytes) and max_bytes >= 1 << 16,
+        "max_bytes must be a whole number >= 65536",
+        max_bytes,
+    )
     target = Path(path)
     partial = target.with_name(target.name + ".partial")
     try:
@@ -105,15 +108,21 @@ def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_byte
     written, clusters, first = 0, 0, 0
     for tile in conn.eyes._tiles or ():
         eyes = EyePoints(
-            tile["positions"], tile["normals"], tile["density"], _origins=tile["origins"],
+            tile["positions"],
+            tile["normals"],
+            tile["density"],
+            _origins=tile["origins"],
             _tiles=(tile,),
-        )  # fmt: skip
+        )
         rows = slice(first, first + len(eyes))
         for group, ends in conn.groups.items():
             wanted = conn.wanted(group)[rows]
             step = max_bytes // (BYTES_PER_QUERY * max(1, len(eyes)))
-            require(step >= 1, f"max_bytes must be >= {BYTES_PER_QUERY * len(eyes)} for a light of"
-                    " this tile", max_bytes)  # fmt: skip
+            require(
+                step >= 1,
+                f"max_bytes must be >= {BYTES_PER_QUERY * len(eyes)} for a light of this tile",
+                max_bytes,
+            )
             seen = truth.block(eyes, ends, wanted)
             offset = clusters
             for begin in range(0, len(ends), step):

@@ -127,9 +127,21 @@ def render(
     >>> frame = vc.render("slits", "direct", visibility="aqvc", size=(32, 20))
     """
     return render_part(
-        scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
-        seed=seed, threads=threads, camera=camera, env=env, keep=keep, progress=progress,
-    )  # fmt: skip
+        scene,
+        integrator,
+        (0, 1),
+        rays=rays,
+        visibility=visibility,
+        use=use,
+        size=size,
+        spp=spp,
+        seed=seed,
+        threads=threads,
+        camera=camera,
+        env=env,
+        keep=keep,
+        progress=progress,
+    )
 
 
 def render_part(
@@ -164,9 +176,13 @@ def render_part(
     if keep is not None and isinstance(visibility, Aqvc):
         visibility = visibility.for_kept_table()
     request = Request(
-        integrator=integrator, rays=rays, visibility=visibility, use=use, keep=keep is not None,
+        integrator=integrator,
+        rays=rays,
+        visibility=visibility,
+        use=use,
+        keep=keep is not None,
         parts=parts,
-    )  # fmt: skip
+    )
     check(request)
     if isinstance(integrator, AmbientOcclusion):
         integrator = integrator.within(scene.bounds)
@@ -192,9 +208,14 @@ def render_part(
             table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
             kept = (table, keep.check, keep.repair)
         context = SourceContext(
-            scene=scene._core, caster=caster, spp=spp, seed=seed, batch=batch, kept=kept,
+            scene=scene._core,
+            caster=caster,
+            spp=spp,
+            seed=seed,
+            batch=batch,
+            kept=kept,
             bidirectional=isinstance(integrator, Bdpt),
-        )  # fmt: skip
+        )
         source = oracle_source(visibility, use, context)
         if isinstance(core, _core.BdptSettings):
             result = _core.render_bdpt(
@@ -202,15 +223,30 @@ def render_part(
             )
         elif isinstance(visibility, VisMaps):
             result = render_with_maps(
-                scene, geometry, rays, caster, view, core, frame, visibility, source,
-                replace=use == "replace", progress=report,
-            )  # fmt: skip
+                scene,
+                geometry,
+                rays,
+                caster,
+                view,
+                core,
+                frame,
+                visibility,
+                source,
+                replace=use == "replace",
+                progress=report,
+            )
         else:
             result = _core.render_frame(
-                scene._core, caster, view, core, frame, source,
+                scene._core,
+                caster,
+                view,
+                core,
+                frame,
+                source,
                 batch=_batch_for(scene, integrator, frame),
-                field=_field_for(scene, integrator, frame), progress=report,
-            )  # fmt: skip
+                field=_field_for(scene, integrator, frame),
+                progress=report,
+            )
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
@@ -255,14 +291,22 @@ def check_settings(
     known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
     require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
     known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
-    require(isinstance(visibility, get_args(Visibility)) or is_written(visibility),
-            f"visibility must be {known} or an object with a method block", visibility)  # fmt: skip
+    require(
+        isinstance(visibility, get_args(Visibility)) or is_written(visibility),
+        f"visibility must be {known} or an object with a method block",
+        visibility,
+    )
     check_rays(rays)
-    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-        isinstance(use, Correct) and not isinstance(visibility, VisMaps)
-    )  # fmt: skip
-    require(fits, 'use must be "replace" or "correct", or vc.Correct(...) unless visibility is'
-            " VisMaps", use)  # fmt: skip
+    fits = (
+        use in (None, "replace", "correct")
+        if isinstance(use, str | None)
+        else (isinstance(use, Correct) and not isinstance(visibility, VisMaps))
+    )
+    require(
+        fits,
+        'use must be "replace" or "correct", or vc.Correct(...) unless visibility is VisMaps',
+        use,
+    )
     require(keep is None or isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
 
 

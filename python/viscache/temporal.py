@@ -52,8 +52,11 @@ def flicker(
     Flicker
     """
     equal = len(frames) == len(references) >= 2
-    require(equal, "frames and references must be equally many, at least 2",
-            (len(frames), len(references)))  # fmt: skip
+    require(
+        equal,
+        "frames and references must be equally many, at least 2",
+        (len(frames), len(references)),
+    )
     if exposure is None:
         exposure = tonemap.auto_exposure(references[0].image, 95.0)
     cached, exact = ([seen(f, exposure) for f in some] for some in (frames, references))

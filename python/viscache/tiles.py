@@ -164,9 +164,12 @@ def _parts_here(
 
 
 def _parts_there(
-    executor: Executor, scene: Any, integrator: Any, tasks: list[tuple[int, int]],
+    executor: Executor,
+    scene: Any,
+    integrator: Any,
+    tasks: list[tuple[int, int]],
     options: dict[str, Any],
-) -> Iterator[Part]:  # fmt: skip
+) -> Iterator[Part]:
     flying: list[Future[Part]] = []
     try:
         for task in tasks:
@@ -232,9 +235,13 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
             timings[name] = timings.get(name, 0.0) + seconds
     parameters = {k: v for k, v in first.parameters.items() if k != "part"}
     made = Frame(
-        layers=layers, counters=counters, timings=timings, parameters=parameters,
-        provenance=first.provenance, warnings=first.warnings,
-    )  # fmt: skip
+        layers=layers,
+        counters=counters,
+        timings=timings,
+        parameters=parameters,
+        provenance=first.provenance,
+        warnings=first.warnings,
+    )
     made.counters["sha256"] = made.sha256
     return made
 

@@ -109,8 +109,11 @@ def _planes(images: Images, name: str, pixels: npt.NDArray[np.bool_] | None) -> 
     require(len(shapes) == 1, f"{name} must have one size", sorted(shapes))
     planes = np.stack([luminance(np.asarray(image)) for image in images])
     if pixels is not None:
-        require(pixels.shape == planes.shape[1:], "pixels must have the size of the renders",
-                pixels.shape)  # fmt: skip
+        require(
+            pixels.shape == planes.shape[1:],
+            "pixels must have the size of the renders",
+            pixels.shape,
+        )
         require(bool(pixels.any()), "pixels must hold one pixel at least", 0)
         chosen: Planes = planes[:, pixels]
     else:

@@ -125,27 +125,37 @@ class Oracle:
         visibility = by_name.setting("visibility", visibility)
         own = is_written(visibility)
         known = own or (hasattr(visibility, "source") and not isinstance(visibility, VisMaps))
-        require(known, "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
-                " vc.NeePlusPlus(...) or an object with a method block", visibility)  # fmt: skip
-        fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-            isinstance(use, Correct)
-        )  # fmt: skip
+        require(
+            known,
+            "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
+            " vc.NeePlusPlus(...) or an object with a method block",
+            visibility,
+        )
+        fits = (
+            use in (None, "replace", "correct")
+            if isinstance(use, str | None)
+            else (isinstance(use, Correct))
+        )
         require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
         for name, value in (("seed", seed), ("spp", spp)):
             require(is_whole(value) and value >= 0, f"{name} must be a whole number >= 0", value)
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):
-            require(visibility.paper.storage not in ("shared", "paper_tiles"),
-                    'storage must be "table" or "exact" for arrays of points',
-                    visibility.paper.storage)  # fmt: skip
+            require(
+                visibility.paper.storage not in ("shared", "paper_tiles"),
+                'storage must be "table" or "exact" for arrays of points',
+                visibility.paper.storage,
+            )
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
         self._context = SourceContext(
-            scene=scene._core, caster=scene.caster(rays, threads=self._threads), seed=int(seed),
+            scene=scene._core,
+            caster=scene.caster(rays, threads=self._threads),
+            seed=int(seed),
             spp=int(spp),
-        )  # fmt: skip
+        )
 
     def block(
         self,
@@ -200,14 +210,24 @@ class Oracle:
         begin, end, step = kept.indices(len(lamps))
         require(step == 1, "clusters must be a slice without a step", clusters)
         result = _core.ask_block(
-            self._source(), tiles_of(eyes), lamps._arrays(), wanted=_wanted_bits(wanted, shape),
-            contributions=contributions, log=(begin, max(begin, end)), extent=self._extent,
-            most=self._most(lamps), threads=self._threads,
-        )  # fmt: skip
+            self._source(),
+            tiles_of(eyes),
+            lamps._arrays(),
+            wanted=_wanted_bits(wanted, shape),
+            contributions=contributions,
+            log=(begin, max(begin, end)),
+            extent=self._extent,
+            most=self._most(lamps),
+            threads=self._threads,
+        )
         return BlockAnswer(
-            result["bits"], len(lamps), result.get("weights"), result["counters"],
-            result["timings"], result.get("log"),
-        )  # fmt: skip
+            result["bits"],
+            len(lamps),
+            result.get("weights"),
+            result["counters"],
+            result["timings"],
+            result.get("log"),
+        )
 
     def pairs(self, eyes: EyePoints, index: Any, ends: FarEnds) -> PairAnswer:
         """Connections of which each joins one eye point with one far end.
@@ -231,14 +251,22 @@ class Oracle:
         eyes, ends = self._checked(eyes, ends)
         numbers = np.asarray(index)
         whole = numbers.ndim == 1 and np.issubdtype(numbers.dtype, np.integer)
-        require(whole and len(numbers) == len(ends), f"index must be ({len(ends)},) integers",
-                f"{numbers.dtype} of shape {numbers.shape}")  # fmt: skip
+        require(
+            whole and len(numbers) == len(ends),
+            f"index must be ({len(ends)},) integers",
+            f"{numbers.dtype} of shape {numbers.shape}",
+        )
         inside = bool(np.all((numbers >= 0) & (numbers < len(eyes))))
         require(inside, f"index must be in [0, {len(eyes)})", "values outside")
         result = _core.ask_pairs(
-            self._source(), tiles_of(eyes), numbers.astype(np.uint32), ends._arrays(),
-            extent=self._extent, most=self._most(ends), threads=self._threads,
-        )  # fmt: skip
+            self._source(),
+            tiles_of(eyes),
+            numbers.astype(np.uint32),
+            ends._arrays(),
+            extent=self._extent,
+            most=self._most(ends),
+            threads=self._threads,
+        )
         return PairAnswer(
             result["visible"], result.get("weights"), result["counters"], result["timings"]
         )
@@ -276,7 +304,9 @@ def _wanted_bits(wanted: Any, shape: tuple[int, int]) -> npt.NDArray[np.uint64] 
     if asked.dtype == bool and asked.shape == shape:
         return pack(asked)
     words = (shape[0], -(-shape[1] // 64))
-    require(asked.dtype == np.uint64 and asked.shape == words,
-            f"wanted must be bool of shape {shape} or uint64 of shape {words}",
-            f"{asked.dtype} of shape {asked.shape}")  # fmt: skip
+    require(
+        asked.dtype == np.uint64 and asked.shape == words,
+        f"wanted must be bool of shape {shape} or uint64 of shape {words}",
+        f"{asked.dtype} of shape {asked.shape}",
+    )
     return np.ascontiguousarray(asked)

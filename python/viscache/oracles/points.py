@@ -26,8 +26,15 @@ NEIGHBOURS = 8
 QUERY_POINTS = 1 << 14
 #: Light groups by number (`visibility/counters.h`).
 GROUPS = (
-    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
-)  # fmt: skip
+    "point",
+    "directional",
+    "area",
+    "environment",
+    "vpl",
+    "ambient",
+    "connection",
+    "camera",
+)
 GROUP_OF_KIND = {
     "points": "point",
     "directions": "directional",
@@ -67,8 +74,11 @@ def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
     if values is None:
         return None
     given = np.asarray(values, dtype=np.float32)
-    require(given.shape in ((), (count,)), f"density must be a number or have shape ({count},)",
-            given.shape)  # fmt: skip
+    require(
+        given.shape in ((), (count,)),
+        f"density must be a number or have shape ({count},)",
+        given.shape,
+    )
     good = bool(np.all(np.isfinite(given) & (given >= 0)))
     require(good, "density must be finite and >= 0", values)
     return np.ascontiguousarray(np.broadcast_to(given, (count,)))
@@ -146,8 +156,11 @@ class EyePoints:
         set_value = object.__setattr__
         set_value(self, "positions", rows3(self.positions, "positions"))
         set_value(self, "normals", units(self.normals, "normals"))
-        require(len(self.normals) == len(self.positions),
-                f"normals must have {len(self.positions)} rows", len(self.normals))  # fmt: skip
+        require(
+            len(self.normals) == len(self.positions),
+            f"normals must have {len(self.positions)} rows",
+            len(self.normals),
+        )
         set_value(self, "density", densities(self.density, len(self.positions)))
 
     def __len__(self) -> int:
@@ -159,9 +172,13 @@ class EyePoints:
         density = None if self.density is None else np.asarray(self.density)[rows]
         origins = None if self._origins is None else self._origins[rows]
         return replace(
-            self, positions=self.positions[rows], normals=self.normals[rows], density=density,
-            _origins=origins, _tiles=None,
-        )  # fmt: skip
+            self,
+            positions=self.positions[rows],
+            normals=self.normals[rows],
+            density=density,
+            _origins=origins,
+            _tiles=None,
+        )
 
     def with_density(self) -> EyePoints:
         """The same points with a density: their own, or the neighbours'."""
@@ -193,8 +210,12 @@ class EyePoints:
         return unpack(self._tracer(self, ends, asked), len(ends))
 
     def _arrays(self) -> dict[str, Any]:
-        return {"positions": self.positions, "normals": self.normals, "density": self.density,
-                "origins": self._origins}  # fmt: skip
+        return {
+            "positions": self.positions,
+            "normals": self.normals,
+            "density": self.density,
+            "origins": self._origins,
+        }
 
 
 @spelled
@@ -231,8 +252,9 @@ class FarEnds:
 
     def __post_init__(self) -> None:
         set_value = object.__setattr__
-        require(self.kind in GROUP_OF_KIND, f"kind must be one of {', '.join(GROUP_OF_KIND)}",
-                self.kind)  # fmt: skip
+        require(
+            self.kind in GROUP_OF_KIND, f"kind must be one of {', '.join(GROUP_OF_KIND)}", self.kind
+        )
         along = self.kind in ("directions", "solid_angle")
         places = (
             units(self.positions, "directions") if along else rows3(self.positions, "positions")
@@ -241,8 +263,9 @@ class FarEnds:
         require(len(places) > 0, "there must be a far end", 0)
         if self.normals is not None:
             normals = (units if self.kind == "surfaces" else rows3)(self.normals, "normals")
-            require(len(normals) == len(places), f"normals must have {len(places)} rows",
-                    len(normals))  # fmt: skip
+            require(
+                len(normals) == len(places), f"normals must have {len(places)} rows", len(normals)
+            )
             set_value(self, "normals", normals)
         set_value(self, "density", densities(self.density, len(places)))
         require(self.t_max >= 0, "t_max must be >= 0", self.t_max)
@@ -270,9 +293,13 @@ class FarEnds:
 
     @classmethod
     def solid_angle(
-        cls, directions: Any, density: Any, *, t_max: float = float("inf"),
+        cls,
+        directions: Any,
+        density: Any,
+        *,
+        t_max: float = float("inf"),
         group: str = "environment",
-    ) -> FarEnds:  # fmt: skip
+    ) -> FarEnds:
         """Directions of a sky, (M, 3), with samples per steradian."""
         return cls("solid_angle", directions, None, density, t_max, group)
 
@@ -287,31 +314,48 @@ class FarEnds:
             return None if values is None else np.asarray(values)[rows]
 
         return replace(
-            self, positions=self.positions[rows], normals=some(self.normals),
-            density=some(self.density), _ends=some(self._ends),
-        )  # fmt: skip
+            self,
+            positions=self.positions[rows],
+            normals=some(self.normals),
+            density=some(self.density),
+            _ends=some(self._ends),
+        )
 
     def _arrays(self) -> dict[str, Any]:
-        return {"kind": self.kind, "group": GROUPS.index(self.group), "positions": self.positions,
-                "normals": self.normals, "ends": self._ends, "density": self.density,
-                "t_max": self.t_max}  # fmt: skip
+        return {
+            "kind": self.kind,
+            "group": GROUPS.index(self.group),
+            "positions": self.positions,
+            "normals": self.normals,
+            "ends": self._ends,
+            "density": self.density,
+            "t_max": self.t_max,
+        }
 
 
 def eyes_of(arrays: dict[str, Any], tracer: Callable[..., Array] | None = None) -> EyePoints:
     """Eye points as C++ hands them over."""
     return EyePoints(
-        arrays["positions"], arrays["normals"], arrays["density"], _origins=arrays["origins"],
+        arrays["positions"],
+        arrays["normals"],
+        arrays["density"],
+        _origins=arrays["origins"],
         _tracer=tracer,
-    )  # fmt: skip
+    )
 
 
 def ends_of(arrays: dict[str, Any]) -> FarEnds:
     """Far ends as C++ hands them over."""
     normals = arrays["normals"] if arrays["kind"] == "surfaces" else None
     return FarEnds(
-        arrays["kind"], arrays["positions"], normals, arrays["density"], arrays["t_max"],
-        GROUPS[arrays["group"]], _ends=arrays["ends"],
-    )  # fmt: skip
+        arrays["kind"],
+        arrays["positions"],
+        normals,
+        arrays["density"],
+        arrays["t_max"],
+        GROUPS[arrays["group"]],
+        _ends=arrays["ends"],
+    )
 
 
 def pack(visible: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:

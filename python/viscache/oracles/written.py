@@ -119,9 +119,11 @@ class WrittenOracle:
         seen, weights = _parted(ask(self.eyes, index, ends_of(ends)))
         seen = np.asarray(seen)
         name = type(self.visibility).__name__
-        require(seen.dtype == bool and seen.shape == index.shape,
-                f"{name}.pairs must return bool of shape {index.shape}",
-                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        require(
+            seen.dtype == bool and seen.shape == index.shape,
+            f"{name}.pairs must return bool of shape {index.shape}",
+            f"{seen.dtype} of shape {seen.shape}",
+        )
         return seen, _weights(weights, index.shape)
 
     def _bits(self, seen: Any, shape: tuple[int, int]) -> Bits:
@@ -129,9 +131,11 @@ class WrittenOracle:
         if seen.dtype == bool and seen.shape == shape:
             return pack(seen)
         words = (shape[0], -(-shape[1] // 64))
-        require(seen.dtype == np.uint64 and seen.shape == words,
-                f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
-                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        require(
+            seen.dtype == np.uint64 and seen.shape == words,
+            f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
+            f"{seen.dtype} of shape {seen.shape}",
+        )
         return np.ascontiguousarray(seen)
 
     def _trace(self, eyes: EyePoints, ends: FarEnds, wanted: npt.NDArray[np.bool_] | None) -> Bits:
@@ -141,8 +145,11 @@ class WrittenOracle:
 def _parted(answer: Any) -> tuple[Any, Any]:
     """An answer and its weights."""
     if isinstance(answer, tuple):
-        require(len(answer) == 2, "an answer must be an array or (array, weights)",
-                f"{len(answer)} values")  # fmt: skip
+        require(
+            len(answer) == 2,
+            "an answer must be an array or (array, weights)",
+            f"{len(answer)} values",
+        )
         return answer
     # What `scene.oracle(...).block` returns serves as well
     if hasattr(answer, "bits") and hasattr(answer, "weights"):

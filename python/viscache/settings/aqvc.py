@@ -21,8 +21,15 @@ from viscache.settings.spelling import setting
 __all__ = ["Aqvc", "PaperForm"]
 
 LIGHT_GROUPS = (
-    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
-)  # fmt: skip
+    "point",
+    "directional",
+    "area",
+    "environment",
+    "vpl",
+    "ambient",
+    "connection",
+    "camera",
+)
 
 #: Rows of the C++ table by name.
 ROWS = {row["name"]: row for row in _core.aqvc.parameter_rows()}
@@ -76,8 +83,9 @@ def _documented(cls: type[Any]) -> type[Any]:
             row = ROWS[f.name]
             default = "{}" if f.name in BY_GROUP else repr(f.default).replace("'", '"')
             lines.append(f"    {f.name} : {row['kind']}, default {default}")
-            lines.append(textwrap.fill(row["doc"], 92, initial_indent=8 * " ",
-                                       subsequent_indent=8 * " "))  # fmt: skip
+            lines.append(
+                textwrap.fill(row["doc"], 92, initial_indent=8 * " ", subsequent_indent=8 * " ")
+            )
     if cls.__doc__:
         cls.__doc__ = cls.__doc__.replace("    {parameters}", "\n".join(lines))
     return cls
@@ -202,8 +210,9 @@ class Aqvc:
             number = isinstance(value, Real) and not isinstance(value, bool)
             require(
                 number and 0 < value < float("inf"),
-                f"c_e_groups[{group!r}] must be > 0 and finite", value,
-            )  # fmt: skip
+                f"c_e_groups[{group!r}] must be > 0 and finite",
+                value,
+            )
         self._check_refinement_groups()
         require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
         _fill(self, PRESETS[self.preset])
@@ -219,9 +228,11 @@ class Aqvc:
         for group, value in given.items():
             known = group in LIGHT_GROUPS
             require(known, f"refinement_groups must name {', '.join(LIGHT_GROUPS)}", group)
-            require(value in ("auto", "on", "off"),
-                    f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
-                    value)  # fmt: skip
+            require(
+                value in ("auto", "on", "off"),
+                f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
+                value,
+            )
 
     def core(self) -> _core.aqvc.AqvcParameters:
         """The C++ struct with the preset and what was given.

@@ -191,8 +191,11 @@ class AmbientOcclusion:
         check_types(self)
         require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
         near = self.max_distance
-        require(near is None or near == "auto" or near > 0,
-                'max_distance must be > 0, "auto", or None for no limit', near)  # fmt: skip
+        require(
+            near is None or near == "auto" or near > 0,
+            'max_distance must be > 0, "auto", or None for no limit',
+            near,
+        )
         require(
             self.directions == "own" or _core.vlf.is_direction_count(self.n_samples),
             "n_samples must be 1 or 2·4^k + 1 up to 8193, e.g. 513, with shared directions",

@@ -32,10 +32,11 @@ def spelled(called: Called) -> Called:
     """
     function = called.__init__ if isinstance(called, type) else called  # type: ignore[misc]
     known = [
-        name for name, parameter in inspect.signature(function).parameters.items()
+        name
+        for name, parameter in inspect.signature(function).parameters.items()
         if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
         and name != "self"
-    ]  # fmt: skip
+    ]
     accepted = frozenset(known)
     public = [name for name in known if not name.startswith("_")]
     whose = called.__name__
@@ -90,7 +91,8 @@ def _what_differs(self: Any) -> str:
     preset = {"preset": given["preset"]} if "preset" in given else {}
     usual, base = type(self)(), type(self)(**preset)
     shown = ", ".join(
-        f"{name}={value!r}" for name, value in given.items()
+        f"{name}={value!r}"
+        for name, value in given.items()
         if value != getattr(usual if name in preset else base, name)
-    )  # fmt: skip
+    )
     return f"{type(self).__qualname__}({shown})"

@@ -52,9 +52,13 @@ class Exact:
                 context.scene, context.caster, order=order, coherent=self.coherent
             )
         return _core.AlignedSource(
-            context.scene, context.caster, context.batch, choose=self.sky_engine == "auto",
-            order=order, coherent=self.coherent,
-        )  # fmt: skip
+            context.scene,
+            context.caster,
+            context.batch,
+            choose=self.sky_engine == "auto",
+            order=order,
+            coherent=self.coherent,
+        )
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""

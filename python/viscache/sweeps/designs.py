@@ -47,8 +47,9 @@ class Range:
         numbers = all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in ends)
         require(numbers and all(map(math.isfinite, ends)), "a range must have two numbers", ends)
         require(self.low < self.high, "a range must have low < high", ends)
-        require(self.spacing in ("linear", "log"), 'spacing must be "linear" or "log"',
-                self.spacing)  # fmt: skip
+        require(
+            self.spacing in ("linear", "log"), 'spacing must be "linear" or "log"', self.spacing
+        )
         require(self.spacing == "linear" or self.low > 0, "a log range must have low > 0", ends)
         require(isinstance(self.whole, bool), "whole must be true or false", self.whole)
 
@@ -138,9 +139,11 @@ def draw(design: Mapping[str, Any], over: Any) -> list[dict[str, Any]]:
 
 
 def _points(
-    over: Mapping[str, Any], n: int, seed: int,
+    over: Mapping[str, Any],
+    n: int,
+    seed: int,
     positions: Callable[[np.random.Generator, int], Floats],
-) -> list[dict[str, Any]]:  # fmt: skip
+) -> list[dict[str, Any]]:
     require(bool(over), "over must name at least one parameter", dict(over))
     require(is_whole(n) and n >= 1, "n of a design must be a whole number >= 1", n)
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)

@@ -117,16 +117,27 @@ def make_plan(
             key = _add(plan, scene, changed, common, seed=seed + repeat)
             row = dict(zip(plan.names, values, strict=True))
             plan.points.append(
-                Point(index=(*index, repeat), values=row, repeat=repeat, seed=seed + repeat,
-                      key=key, paired=paired, converged=last)
-            )  # fmt: skip
+                Point(
+                    index=(*index, repeat),
+                    values=row,
+                    repeat=repeat,
+                    seed=seed + repeat,
+                    key=key,
+                    paired=paired,
+                    converged=last,
+                )
+            )
     return plan
 
 
-def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
-    list[tuple[by_name.Role, str]], list[str], dict[str, tuple[str, list[Any]]],
+def _grid(
+    over: Over, resolved: Mapping[str, Any]
+) -> tuple[
+    list[tuple[by_name.Role, str]],
+    list[str],
+    dict[str, tuple[str, list[Any]]],
     list[tuple[tuple[int, ...], tuple[Any, ...]]],
-]:  # fmt: skip
+]:
     """(whose parameters, dims, coords, [(index, values)]) of a grid or of a list of points."""
     if not over:
         raise ValueError("over must name at least one parameter, got nothing")
@@ -173,9 +184,14 @@ def _values(name: str, values: Any) -> list[Any]:
 
 
 def _add(
-    plan: Plan, scene: Any, chosen: Mapping[str, Any], common: Mapping[str, Any], *, seed: int,
+    plan: Plan,
+    scene: Any,
+    chosen: Mapping[str, Any],
+    common: Mapping[str, Any],
+    *,
+    seed: int,
     spp: int | None = None,
-) -> str:  # fmt: skip
+) -> str:
     """Put a frame on the plan; returns its key."""
     exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
     roles: dict[str, Any] = {role: chosen[role] for role in by_name.ROLES}
@@ -188,10 +204,15 @@ def _add(
     }
     task = Task(**merged)
     spec: dict[str, Any] = {
-        "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
-        "spp": task.spp, "seed": seed, "use": in_words(task.use), "camera": camera_in_words(task.camera),
+        "scene": str(scene.content_hash),
+        "version": VERSION,
+        "size": list(task.size),
+        "spp": task.spp,
+        "seed": seed,
+        "use": in_words(task.use),
+        "camera": camera_in_words(task.camera),
         "env": task.env_hash,
-    }  # fmt: skip
+    }
     for role in by_name.ROLES:
         spec[role] = by_name.described(role, chosen[role])
         if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
@@ -205,27 +226,45 @@ def _add(
 
 
 def definition_of(
-    plan: Plan, scene: Any, source: Any, resolved: Mapping[str, Any], common: Mapping[str, Any],
+    plan: Plan,
+    scene: Any,
+    source: Any,
+    resolved: Mapping[str, Any],
+    common: Mapping[str, Any],
     converged: Mapping[str, int] | None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """What the store remembers of a sweep: enough for its tables and its report."""
     return {
         "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
-        "size": list(common["size"]), "spp": common["spp"], "use": in_words(common["use"]),
-        "camera": camera_in_words(common["camera"]), "seed": plan.seed, "repeats": plan.repeats,
-        "converged": dict(converged) if converged else None, "metrics": plan.metrics,
-        "names": plan.names, "dims": plan.dims,
+        "size": list(common["size"]),
+        "spp": common["spp"],
+        "use": in_words(common["use"]),
+        "camera": camera_in_words(common["camera"]),
+        "seed": plan.seed,
+        "repeats": plan.repeats,
+        "converged": dict(converged) if converged else None,
+        "metrics": plan.metrics,
+        "names": plan.names,
+        "dims": plan.dims,
         "coords": {name: [dim, values] for name, (dim, values) in plan.coords.items()},
         "points": [
-            {"index": p.index, "values": p.values, "repeat": p.repeat, "seed": p.seed,
-             "key": p.key, "paired": p.paired, "converged": p.converged}
+            {
+                "index": p.index,
+                "values": p.values,
+                "repeat": p.repeat,
+                "seed": p.seed,
+                "key": p.key,
+                "paired": p.paired,
+                "converged": p.converged,
+            }
             for p in plan.points
         ],
-        "provenance": provenance(common["threads"]), "cpu": cpu_model(),
-    }  # fmt: skip
+        "provenance": provenance(common["threads"]),
+        "cpu": cpu_model(),
+    }
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:

@@ -41,9 +41,15 @@ class Run:
     """
 
     def __init__(
-        self, plan: Plan, store: Store, scene: Any, progress: Progress, *, apart: bool,
+        self,
+        plan: Plan,
+        store: Store,
+        scene: Any,
+        progress: Progress,
+        *,
+        apart: bool,
         references: Store | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.plan, self.store, self.scene = plan, store, scene
         self.progress, self.apart, self.references = progress, apart, references
         self.order = plan.order()
@@ -263,8 +269,11 @@ def _pairs(point: Point) -> list[tuple[str, str]]:
     """What a point compares: (frame, reference)."""
     if point.converged is None:
         return [(point.key, point.paired)]
-    return [(point.key, point.paired), (point.key, point.converged),
-            (point.paired, point.converged)]  # fmt: skip
+    return [
+        (point.key, point.paired),
+        (point.key, point.converged),
+        (point.paired, point.converged),
+    ]
 
 
 def _keys(point: Point) -> list[str]:

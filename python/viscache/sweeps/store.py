@@ -145,9 +145,15 @@ class Store:
             return None
         parts = [json.loads(text) for text in row[:5]]
         return Record(
-            key=key, spec=parts[0], counters=parts[1], timings=parts[2], parameters=parts[3],
-            provenance=parts[4], sha256=row[5], file=row[6],
-        )  # fmt: skip
+            key=key,
+            spec=parts[0],
+            counters=parts[1],
+            timings=parts[2],
+            parameters=parts[3],
+            provenance=parts[4],
+            sha256=row[5],
+            file=row[6],
+        )
 
     def frame(self, key: str) -> Frame:
         """The frame of a key; KeyError where it is not finished."""

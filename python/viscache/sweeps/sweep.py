@@ -140,18 +140,31 @@ def sweep(
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
     size = frame_size(size, find_camera(opened, camera)) if size is None else size
     common = {
-        "scene": scene, "use": use, "camera": camera, "env": env, "threads": threads,
-        "size": checked_size(size), "spp": positive("spp", spp),
-    }  # fmt: skip
-    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-        isinstance(use, Correct)
-    )  # fmt: skip
+        "scene": scene,
+        "use": use,
+        "camera": camera,
+        "env": env,
+        "threads": threads,
+        "size": checked_size(size),
+        "spp": positive("spp", spp),
+    }
+    fits = (
+        use in (None, "replace", "correct")
+        if isinstance(use, str | None)
+        else (isinstance(use, Correct))
+    )
     require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
     require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     plan = make_plan(
-        opened, resolved, common, over=over, repeats=positive("repeats", repeats), seed=int(seed),
-        converged=converged, metrics=_metrics.check_names(metrics),
-    )  # fmt: skip
+        opened,
+        resolved,
+        common,
+        over=over,
+        repeats=positive("repeats", repeats),
+        seed=int(seed),
+        converged=converged,
+        metrics=_metrics.check_names(metrics),
+    )
     with Store(directory) as store:
         store.define(definition_of(plan, opened, scene, resolved, common, converged))
         with nullcontext() if references is None else Store(references) as shared:
@@ -269,22 +282,49 @@ class SweepFile:
             visibility = {"preset": self.preset, **table}
         env = None if self.env is None else sources.absolute(self.env, self.folder)
         return sweep(
-            sources.absolute(self.scene, self.folder), self.integrator, visibility=visibility,
-            rays=self.rays, use=self.use, over=self.over, repeats=self.repeats, seed=self.seed,
-            size=None if self.size is None else checked_size(self.size), spp=self.spp,
-            converged=self.converged, metrics=self.metrics, directory=directory,
-            executor=executor, apart=apart, references=references, progress=progress,
-            threads=self.threads, camera=self.camera, env=env,
-        )  # fmt: skip
+            sources.absolute(self.scene, self.folder),
+            self.integrator,
+            visibility=visibility,
+            rays=self.rays,
+            use=self.use,
+            over=self.over,
+            repeats=self.repeats,
+            seed=self.seed,
+            size=None if self.size is None else checked_size(self.size),
+            spp=self.spp,
+            converged=self.converged,
+            metrics=self.metrics,
+            directory=directory,
+            executor=executor,
+            apart=apart,
+            references=references,
+            progress=progress,
+            threads=self.threads,
+            camera=self.camera,
+            env=env,
+        )
 
 
 _TYPES: dict[str, tuple[type, ...]] = {
-    "scene": (str,), "integrator": (str, Mapping), "visibility": (str, Mapping),
-    "rays": (str, Mapping), "preset": (str,), "title": (str,), "use": (str,), "camera": (str,),
-    "env": (str,), "size": (list,), "spp": (int,), "repeats": (int,), "seed": (int,),
-    "converged": (Mapping,), "metrics": (list,), "threads": (int,), "over": (Mapping, list),
+    "scene": (str,),
+    "integrator": (str, Mapping),
+    "visibility": (str, Mapping),
+    "rays": (str, Mapping),
+    "preset": (str,),
+    "title": (str,),
+    "use": (str,),
+    "camera": (str,),
+    "env": (str,),
+    "size": (list,),
+    "spp": (int,),
+    "repeats": (int,),
+    "seed": (int,),
+    "converged": (Mapping,),
+    "metrics": (list,),
+    "threads": (int,),
+    "over": (Mapping, list),
     "design": (Mapping,),
-}  # fmt: skip
+}
 
 
 def _check_types(table: Mapping[str, Any]) -> None:
