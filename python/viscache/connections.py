@@ -1,4 +1,4 @@
-"""The renderer's taps: its own eye points, lights and samples, and frames from answers to them."""
+"""Eye points, lights and samples of the renderer, and frames made from answers about them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Samples:
         Sample k belongs to eye point `index[k]`.
     ends : FarEnds of K ends
     contributions : (K, 3) float32
-        What each brings to its pixel unoccluded, linear RGB.
+        Contribution of each to its pixel if it is visible, linear RGB.
     """
 
     def __init__(self, arrays: dict[str, Any]) -> None:
@@ -57,17 +57,18 @@ class Samples:
 
 
 class Connections:
-    """All that a frame asks, and the frame that answers make; see `viscache.connections`.
+    """All visibility queries of a frame, and the frame from their answers; see `vc.connections`.
 
     Attributes
     ----------
     eyes : EyePoints
-        Of all tiles, in the renderer's order: sample × branch at mirrors and glass × side.
+        Eye points of all tiles in the renderer's order: sample × branch at mirrors and glass ×
+        side.
     groups : dict of str to FarEnds
-        Lights that all eye points share, by light group: "point", "directional", "vpl", and
+        Lights shared by all eye points, by light group: "point", "directional", "vpl", and
         "environment" with shared directions.
     samples : dict of str to Samples
-        Samples of each eye point's own: "area", "environment", "ambient".
+        Samples that belong to one eye point each: "area", "environment", "ambient".
     """
 
     def __init__(
@@ -104,23 +105,23 @@ class Connections:
         }
 
     def wanted(self, group: str) -> npt.NDArray[np.uint64]:
-        """Rows of bits (N, ⌈M/64⌉): the connections that would bring something unoccluded."""
+        """Rows of bits (N, ⌈M/64⌉): connections whose contribution is not zero."""
         return self._taps.wanted(self._number(group))
 
     def contributions(self, group: str, rows: slice | None = None) -> npt.NDArray[np.float32]:
-        """What connections of some eye points would bring to their pixels unoccluded.
+        """Contributions of connections to the pixels of some eye points, before visibility.
 
         Parameters
         ----------
         group : str
             One of `groups`.
         rows : slice, optional
-            Eye points, without a step; all by default, which takes 12·N·M bytes.
+            Eye points, a slice without a step. All by default, which takes 12·N·M bytes.
 
         Returns
         -------
         (rows, M, 3) float32
-            Linear RGB; the sum over what is visible is the eye point's light.
+            Linear RGB. The sum over visible connections is the light of the eye point.
         """
         self._number(group)
         begin, end, step = (rows or slice(None)).indices(len(self.eyes))
@@ -128,7 +129,7 @@ class Connections:
         return self._taps.contributions(GROUPS.index(group), begin, max(begin, end))
 
     def answers(self, visibility: Any, *, use: Any = None) -> dict[str, Answer]:
-        """Every question of the frame, answered by a visibility setting as `viscache.render` does.
+        """Answers of a visibility setting to every query of the frame, as in `viscache.render`.
 
         Returns
         -------
@@ -172,20 +173,20 @@ class Connections:
         )
 
     def frame(self, answers: Mapping[str, Answer], *, progress: Any = False) -> Frame:
-        """The frame that answers make. Groups without an answer stay dark.
+        """The frame that results from answers. Groups without an answer stay dark.
 
         Parameters
         ----------
         answers : mapping of group to answer
-            What `oracle.block` and `oracle.pairs` return; of shared groups also (N, M) bool or
-            bits, of samples also (K,) bool; or any of these with weights, as (visible, weights).
+            What `oracle.block` and `oracle.pairs` return. For shared groups also (N, M) bool or
+            bits, for samples also (K,) bool. All of these also as (visible, weights).
         progress : bool or callable
             True shows a bar; a callable gets (done, total).
 
         Returns
         -------
         Frame
-            With the answers of a built-in setting the same bytes as `viscache.render`.
+            With the answers of a built-in setting it has the same bytes as `viscache.render`.
 
         Raises
         ------
@@ -294,15 +295,15 @@ def connections(
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
 ) -> Connections:
-    """The questions of a frame as arrays: eye points, lights, samples, and what each would bring.
+    """The visibility queries of a frame as arrays: eye points, lights, samples, contributions.
 
     Parameters
     ----------
     scene, rays, size, spp, seed, threads, camera, env
         As in `viscache.render`.
     integrator : Direct, Whitted or AmbientOcclusion
-        Of samples drawn beforehand: not `Bdpt`, nor environment="product", nor shared directions
-        of ambient occlusion.
+        Samples must be drawn before visibility is known. So `Bdpt`, environment="product" and
+        shared directions of ambient occlusion are refused.
 
     Returns
     -------

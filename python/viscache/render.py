@@ -1,4 +1,4 @@
-"""Rendering: one call, every combination of integrator, rays and visibility."""
+"""Rendering: one call for every combination of integrator, rays and visibility."""
 
 from __future__ import annotations
 
@@ -66,55 +66,59 @@ def render(
     scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=5000`).
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
-        Or its name with default settings: "direct", "whitted", "ao" or "bdpt". So with the next
-        two.
+        Or its name, for default settings: "direct", "whitted", "ao" or "bdpt". The next two take
+        names too.
     rays : Embree, Bsp or Vlf, optional
-        The ray caster: all rays of the frame go through it. "embree", "bsp" or "vlf".
+        The ray caster that traces all rays of the frame. "embree", "bsp" or "vlf".
     visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        Who answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
-        "nee_plus_plus" or "vismap". An object with a method
-        `block(eyes, lamps, wanted)` is an oracle of your own (docs/howto/own-cache.md).
+        The method that answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
+        "nee_plus_plus" or "vismap". An object with a method `block(eyes, lamps, wanted)` is an
+        oracle of your own (docs/howto/own-cache.md).
     use : {"replace", "correct"} or Correct, optional
-        How an approximation is used: in place of visibility (the default, but of VisMaps), or as a
-        control variate whose error is traced for a random share of the queries: unbiased.
-        "correct" is `vc.Correct()`; VisMaps have a control variate of their own.
+        How an approximation is used. "replace": in place of visibility; the default, but not of
+        VisMaps. "correct": as a control variate, which is unbiased; rays for a random share of the
+        queries correct the error. "correct" is `vc.Correct()`, except that VisMaps have their own
+        control variate.
     size : (width, height), optional
         Pixels; the camera's own by default.
     spp : int >= 1
         Eye paths per pixel, box filter. `Bdpt`: pairs of eye and light paths.
     seed : int >= 0
-        Same seed, same bytes, whatever the number of threads.
+        The same seed gives the same bytes for any number of threads.
     threads : int >= 1, optional
         All cores by default.
     camera : str, int or Camera, optional
-        Name or index of one of the scene's cameras; the first by default. A scene without a
-        camera is seen whole from a corner above.
+        Name or index of one of the scene's cameras, or a camera of `vc.look_at`. The first by
+        default. Without a camera, the whole scene is shown from a corner above.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
     keep : AqvcTable, optional
-        Of `Aqvc` with Direct or Whitted: the table whose bits this frame reuses and adds to. The
-        cache then runs in form "pairs" with `scale_free` cells unless that is given.
+        For `Aqvc` with Direct or Whitted: a table whose bits this frame reuses and extends. The
+        cache then has the form "pairs", and `scale_free` cells by default.
     progress : bool or callable
         True shows a bar; a callable gets (done, total).
 
     Returns
     -------
     Frame
-        Layers "color", "emitted", one per light group (of `Bdpt`, whose layers are weighted, also
-        "connection" for those of two surfaces, "camera" for those of light paths with the camera,
-        and all lights that eye paths hit in "emitted"), and of what the camera sees first, mirrors
-        and glass included: "depth" (H, W, 1) distance from the camera, scene units, "normal"
-        (H, W, 3) shading normal turned to the camera, "albedo" (H, W, 3) base colour. These three
-        are means over the samples of the pixel that hit a surface, 0 where none did (normals of an
-        edge are shorter than 1); "coverage" (H, W, 1) is the share of samples that hit. Besides
-        counters ("sha256" is that of the color layer; "lost_throughput" in [0, 1] bounds what the
-        frame's mean lacks behind mirrors and glass, relative to the brightest light behind them),
-        timings, parameters, provenance.
+        Layers of light: "color", "emitted", and one per light group. The layers of `Bdpt` are
+        weighted; it also has "connection" (surface with surface) and "camera" (light paths with the
+        camera), and "emitted" has all lights that eye paths hit.
+
+        Layers of the first hit, mirrors and glass included: "depth" (H, W, 1), distance from the
+        camera in scene units; "normal" (H, W, 3), shading normal towards the camera; "albedo"
+        (H, W, 3), base colour. They are means over the samples of the pixel that hit a surface, or
+        0 without a hit, so normals at edges are shorter than 1. "coverage" (H, W, 1) is the share
+        of samples that hit.
+
+        Counters, timings, parameters and provenance. The counter "sha256" is that of the color
+        layer. "lost_throughput" in [0, 1] bounds the light that is missing behind mirrors and
+        glass, relative to the brightest light behind them.
 
     Raises
     ------
     ValueError
-        A parameter out of range; the message says what must hold.
+        A parameter is out of range; the message says what must hold.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
 
@@ -161,9 +165,9 @@ def render_part(
     keep: AqvcTable | None = None,
     progress: Progress = False,
 ) -> Frame:
-    """Part i of n of a frame: every n-th tile from number i on; black elsewhere, else as `render`.
+    """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black. As `render`.
 
-    `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
+    `viscache.tiles` joins parts. Every part traces the virtual lights again.
     """
     scene = sources.opened(scene)
     integrator = cast(Integrator, by_name.setting("integrator", integrator))
@@ -251,7 +255,7 @@ def render_part(
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
     timings.update(result["timings"])
-    # Shares of the wall time: CPU seconds of the stage over the threads that ran
+    # Wall time of a stage: its CPU seconds over the number of threads
     for stage in ("visibility", "shading"):
         timings[f"{stage}_s"] = timings[f"{stage}_cpu_s"] / result["threads"]
     made = Frame(
@@ -286,7 +290,7 @@ def render_part(
 def check_settings(
     scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
 ) -> None:
-    """Hold every argument to its kind."""
+    """Check the type of every argument."""
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
     require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
@@ -325,7 +329,7 @@ def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
 def _batch_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.AlignedBatch | None:
-    """The batch that ambient occlusion along shared directions may use."""
+    """The aligned batch for ambient occlusion along shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     n_points = frame.width * frame.height * frame.spp
@@ -337,7 +341,7 @@ def _batch_for(
 def _field_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.VisibilityField | None:
-    """The field that a frame of shared directions asks for."""
+    """The visibility field for shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     if integrator.engine != "field":
@@ -348,7 +352,7 @@ def _field_for(
 def _sky_batch(
     scene: Scene, geometry: Scene, core: _core.IntegratorSettings, visibility: Exact
 ) -> _core.vlf.AlignedBatch | None:
-    """The batch that a frame's shared directions may use; None where there are none for it."""
+    """The aligned batch for shared directions of lights, or None."""
     kinds = {light["kind"] for light in scene.lights}
     sky = core.environment == _core.EnvironmentSampling.SHARED
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))

@@ -21,19 +21,19 @@ __all__ = ["code_digest"]
 
 #: Methods that `dataclasses` writes: the fields decide them.
 GENERATED = {
-        "__init__",
-        "__repr__",
-        "__eq__",
-        "__hash__",
-        "__lt__",
-        "__le__",
-        "__gt__",
-        "__ge__",
-        "__setattr__",
-        "__delattr__",
-        "__getstate__",
-        "__setstate__",
-        "__replace__",
+    "__init__",
+    "__repr__",
+    "__eq__",
+    "__hash__",
+    "__lt__",
+    "__le__",
+    "__gt__",
+    "__ge__",
+    "__setattr__",
+    "__delattr__",
+    "__getstate__",
+    "__setstate__",
+    "__replace__",
 }
 #: Base classes of these modules change with the version of Python or of viscache alone.
 KNOWN_MODULES = ("builtins", "typing", "abc", "viscache")
