@@ -1,4 +1,4 @@
-"""Every query of a frame, written down: both ends, truth, answer, cluster and level, as NetCDF."""
+"""Records of every query of a frame: both ends, truth, answer, cluster and level, as NetCDF."""
 
 from __future__ import annotations
 
@@ -44,19 +44,19 @@ def record_queries(
     """Write every query of a frame's shared lights to a NetCDF file, tile by tile.
 
     The file has one dimension "query" and the variables x and y (query, axis), eye, far, group, v,
-    answer, cluster and level; xarray reads it, and pandas through `to_dataframe`. Samples of each
-    eye point's own are not in it.
+    answer, cluster and level. xarray reads it, and pandas gets it by `to_dataframe`. It does not
+    have samples that belong to one eye point each.
 
     Parameters
     ----------
     conn : Connections
         The frame's questions, from `viscache.connections`.
     visibility : Exact or Aqvc
-        Who answers; `Aqvc` in its default form.
+        The setting that answers; `Aqvc` in its default form.
     path : path
-        Of the file, ".nc"; written whole or not at all.
+        A file ".nc". It is complete or absent.
     max_bytes : int >= 2^16
-        Memory for queries. Where a tile has more, it is asked several times, for some lights each.
+        Memory for queries. A tile that needs more is asked several times, for some lights each.
     use : {"replace", "correct"} or Correct, optional
         As in `viscache.render`.
 
@@ -68,7 +68,7 @@ def record_queries(
     Raises
     ------
     ValueError
-        An oracle that cannot tell who answered; max_bytes below one eye point's lights.
+        The oracle has no clusters, or max_bytes is too small for the lights of one eye point.
 
     Examples
     --------

@@ -420,7 +420,7 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
 
 def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
     """Rows within rounding of an edge may differ; the store keeps engines apart."""
-    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "store": tmp_path}
+    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}
     plain = measure("room?triangles=3000", **common)
     batch = measure("room?triangles=3000", engine="batch", **common)
     assert plain.attrs["engine"] == "embree" and plain.attrs["batch_rays"] == 0

@@ -1,8 +1,8 @@
-"""A digest of the code of a class, so that what it once answered is not taken for what it answers.
+"""A digest of the code of a class, so that a sweep does not reuse frames of changed code.
 
-It is taken from what runs, the bytecode, and not from the source: notebooks and consoles have no
-source file, a file may have changed after its import, and comments and layout do not matter. The
-same code has the same digest in every process of one version of Python.
+It is a digest of the bytecode, not of the source. Notebooks and consoles have no source file, a
+file may have changed since its import, and comments and layout do not matter. The same code has the
+same digest in every process of one version of Python.
 """
 
 from __future__ import annotations

@@ -27,14 +27,14 @@ MANY_ENDS, TILE_POINTS, TILE_POINTS_FEW_ENDS = 256, 128 * 128, 256 * 256
 
 @dataclass(frozen=True, eq=False)
 class BlockAnswer:
-    """What eye points see of far ends they all share.
+    """Visibility of shared far ends from eye points.
 
     Attributes
     ----------
     bits : (N, ⌈M/64⌉) uint64
-        1 = visible; far end k is bit k % 64 of word k // 64. What was not wanted is 0.
+        1 = visible; far end k is bit k % 64 of word k // 64. Bits that were not wanted are 0.
     weights : (N, M) float32 or None
-        What visible connections count by, of oracles that leave connections out at random.
+        Weights of visible connections, for oracles that skip connections at random.
     counters, timings : dict
         Of this call: "queries", "rays", "ray_reduction", "groups", ...; as of a `Frame`.
     n_ends : int
@@ -55,11 +55,11 @@ class BlockAnswer:
 
     @property
     def clusters(self) -> npt.NDArray[Any]:
-        """One row per query, by row and column: who answered it.
+        """The cluster of every query, sorted by row and column.
 
-        Fields: "row", "column" of the query; "cluster", queries with equal numbers share one
-        answer; "representative", the row whose ray answered; "level" of refinement, 0 = coarsest;
-        "traced", whether the query's own ray was that one.
+        Fields: "row" and "column" of the query; "cluster", where queries with equal numbers share
+        an answer; "representative", the row whose ray gave the answer; "level" of refinement, 0 is
+        the coarsest; "traced", whether the query is its own representative.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class BlockAnswer:
 
 @dataclass(frozen=True, eq=False)
 class PairAnswer:
-    """What eye points see of far ends of their own.
+    """Visibility of far ends that belong to one eye point each.
 
     Attributes
     ----------
@@ -100,10 +100,9 @@ class PairAnswer:
 class Oracle:
     """Answers "does x see y?" for arrays of points, as a visibility setting does; `scene.oracle`.
 
-    Points may come from anywhere, in any order and number: they are sorted along a curve through
-    space and cut into tiles inside, so that memory is bounded by the answer. Every call stands for
-    itself, as a frame does: nothing is remembered from one to the next, and what a method prepares
-    (shadow maps, learned visibilities) is prepared anew.
+    Points may have any source, order and number. The oracle sorts them along a space-filling curve
+    and works in tiles, so memory is bounded by the answer. Calls are independent of each other, as
+    frames are: nothing is kept, and shadow maps or learned visibilities are made for every call.
 
     Attributes
     ----------
@@ -166,7 +165,7 @@ class Oracle:
         *,
         clusters: bool | slice = False,
     ) -> BlockAnswer:
-        """Every eye point × every far end.
+        """Visibility of every far end from every eye point.
 
         Parameters
         ----------
@@ -175,10 +174,9 @@ class Oracle:
         wanted : (N, M) bool or (N, ⌈M/64⌉) uint64, optional
             Which connections to answer; all by default.
         contributions : (N, M) float, optional
-            What each connection would carry unoccluded. `Aqvc(by_contribution=True)` spends rays
-            by it.
+            Contribution of each connection before visibility, for `Aqvc(by_contribution=True)`.
         clusters : bool or slice
-            Keep who answered each query (`BlockAnswer.clusters`), of all far ends or of a slice of
+            Keep the cluster of each query (`BlockAnswer.clusters`), for all far ends or a slice of
             them: 32 bytes per query. For Exact and for Aqvc in its default form.
 
         Returns
@@ -230,7 +228,7 @@ class Oracle:
         )
 
     def pairs(self, eyes: EyePoints, index: Any, ends: FarEnds) -> PairAnswer:
-        """Connections of which each joins one eye point with one far end.
+        """Visibility of single connections: one eye point and one far end each.
 
         Parameters
         ----------

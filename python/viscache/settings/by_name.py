@@ -70,7 +70,7 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
 
 
 def setting(role: Role, value: Any, default: str | None = None) -> Any:
-    """Settings as a call takes them: a name or a table becomes an object, None the default's."""
+    """Settings from an argument: a name, a table, an object, or None for the default."""
     value = default if value is None else value
     return make(role, value) if isinstance(value, (str, Mapping)) else value
 
@@ -91,9 +91,9 @@ def nested(settings: Any) -> dict[str, Any]:
 
 
 def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
-    """The settings with some values replaced; unknown names are refused with the nearest one.
+    """The settings with some values replaced. An unknown name is an error with the nearest one.
 
-    What settings within these have goes by its bare name, or `paper.hash`, or a table of its own,
+    Parameters of inner settings have three spellings: `hash`, `paper.hash`, or a table
     `paper={"hash": "scheme1"}`.
     """
     within, own = nested(settings), {f.name for f in dataclasses.fields(settings)}
@@ -124,7 +124,7 @@ def described(role: Role, settings: Any) -> dict[str, Any]:
 
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values as JSON would give them back; what it cannot hold as text, arrays by a digest."""
+    """The values after a round trip through JSON. Arrays become a digest, other objects text."""
     kept = {n: dict(v) if isinstance(v, Mapping) else v for n, v in values.items()}
     return dict(json.loads(json.dumps(kept, default=_text)))
 
@@ -155,8 +155,8 @@ def assign(
 ) -> dict[Role, Any]:
     """Apply `name=value` assignments of the command line.
 
-    `visibility.c_e=8`, `integrator.n_vpls=64`, `rays.n_tiles=32` say whose parameter is meant; a
-    bare name must belong to exactly one of the roles in `bare`.
+    A prefix names the role: `visibility.c_e=8`, `integrator.n_vpls=64`, `rays.n_tiles=32`. A name
+    without prefix must belong to exactly one of the roles in `bare`.
     """
     result = dict(settings)
     for assignment in assignments:

@@ -1,4 +1,4 @@
-"""Keywords that nobody knows are refused with the nearest known one; settings show what differs."""
+"""Errors for unknown keywords name the nearest known one; `repr` shows what differs."""
 
 from __future__ import annotations
 

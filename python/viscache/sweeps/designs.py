@@ -1,7 +1,7 @@
-"""Which points a sweep visits: ranges along one parameter, random and Latin-hypercube designs.
+"""The points of a sweep: ranges of one parameter, random and Latin-hypercube designs.
 
-A range stands where a list of values would: `{"log": [2, 32], "n": 9}` is nine values at equal
-ratios. A design draws whole points from ranges and lists; what it returns is `sweep`'s `over`.
+A range replaces a list of values: `{"log": [2, 32], "n": 9}` is nine values at equal ratios. A
+design draws points from ranges and lists; its result is the argument `over` of `sweep`.
 """
 
 from __future__ import annotations
@@ -63,13 +63,13 @@ class Range:
         return [int(v) for v in np.rint(values)] if self.whole else [float(v) for v in values]
 
     def steps(self, n: int) -> list[float | int]:
-        """n values with both ends; fewer where rounding makes some equal."""
+        """n values including both ends; fewer if rounding makes some equal."""
         require(is_whole(n) and n >= 2, "n of a range must be a whole number >= 2", n)
         return list(dict.fromkeys(self.at(np.linspace(0.0, 1.0, int(n)))))
 
 
 def values_of(name: str, value: Any) -> Any:
-    """The list that a range `{"log": [2, 32], "n": 9}` stands for; else the value itself."""
+    """The list of values of a range `{"log": [2, 32], "n": 9}`; other values as they are."""
     if not isinstance(value, Mapping):
         return value
     found, n = _parse(name, value)
@@ -149,7 +149,7 @@ def _points(
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     columns: dict[str, list[Any]] = {}
     for number, (name, what) in enumerate(over.items()):
-        # A stream of its own for each parameter: another one more leaves these as they are
+        # Each parameter has its own stream, so adding a parameter does not change the others
         rng = np.random.Generator(np.random.Philox(key=[int(seed), number]))
         u = positions(rng, int(n))
         columns[name] = _picked(name, what, u)

@@ -1,4 +1,4 @@
-"""What a sweep will render: every setting named and validated before the first ray."""
+"""The frames of a sweep; all settings are checked before the first ray."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RESERVED = ("repeat", "seed", "group", "point", "reference")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Task:
-    """One frame to render; travels to the executor's workers."""
+    """One frame to render; it is sent to workers."""
 
     scene: Any  # a spec, or a Scene
     scene_hash: str
@@ -59,7 +59,7 @@ class Point:
 
 @dataclass(kw_only=True, slots=True)
 class Plan:
-    """Everything a sweep will render, known before the first ray."""
+    """All frames of a sweep, known before the first ray."""
 
     names: list[str]  # of the columns: last parts of the dotted names
     dims: list[str]
@@ -89,7 +89,7 @@ def make_plan(
     converged: Mapping[str, int] | None,
     metrics: list[str],
 ) -> Plan:
-    """The frames of a sweep, every setting validated; renders nothing."""
+    """The frames of a sweep with checked settings; renders nothing."""
     owners, dims, coords, combinations = _grid(over, resolved)
     visibility = resolved["visibility"]
     plan = Plan(
@@ -138,7 +138,7 @@ def _grid(
     dict[str, tuple[str, list[Any]]],
     list[tuple[tuple[int, ...], tuple[Any, ...]]],
 ]:
-    """(whose parameters, dims, coords, [(index, values)]) of a grid or of a list of points."""
+    """(owners of the parameters, dims, coords, [(index, values)]) of a grid or list of points."""
     if not over:
         raise ValueError("over must name at least one parameter, got nothing")
     if isinstance(over, Mapping):
@@ -233,7 +233,7 @@ def definition_of(
     common: Mapping[str, Any],
     converged: Mapping[str, int] | None,
 ) -> dict[str, Any]:
-    """What the store remembers of a sweep: enough for its tables and its report."""
+    """The description of a sweep in its store, for tables and reports."""
     return {
         "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
@@ -292,7 +292,7 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
 
 
 def _scene_text(scene: Any, source: Any) -> str:
-    """What the sweep calls its scene: as it was given, else its spec, else its name."""
+    """The scene in words: as it was given, or its spec, or its name."""
     if isinstance(source, str):
         return source
     return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))

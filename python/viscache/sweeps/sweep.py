@@ -1,8 +1,8 @@
 """Sweeps: render over a grid of parameters, measure every frame against its references.
 
-Two references per point. *Paired*: the same integrator, seed and samples with exact visibility, so
-that the difference is the cache's own error. *Converged* (optional): another seed, many samples;
-the total error. Both are rendered once and kept in the store by content hash.
+There are two references per point. *Paired*: the same integrator, seed and samples with exact
+visibility, so the difference is the error of the cache alone. *Converged* (optional): another seed
+and many samples, so the difference is the total error. Both are rendered once and kept.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def sweep(
     integrator : settings or str
         `vc.Whitted(...)` or "whitted".
     visibility : settings or str, optional
-        The one whose parameters are swept; `vc.Aqvc()` by default.
+        The cache whose parameters are swept; `vc.Aqvc()` by default.
     over : mapping of name to values, or a list of points
         A grid `{"c_e": [4, 8], "integrator.n_vpls": [256, 1024]}`, or points
         `[{"c_e": 4, "c_n": 8}, ...]` that all have the same names. A bare name is the visibility's
@@ -85,24 +85,23 @@ def sweep(
     spp : int
         Samples per pixel.
     converged : {"spp": ..., "seed": ...}, optional
-        Asks for the second reference.
+        Renders the second reference.
     metrics : iterable of str
         Names of `viscache.metrics.METRICS`.
     directory : path, optional
-        Where the store lies; an interrupted sweep resumes there and repeats nothing. Without it
-        nothing is kept but the table.
+        Directory of the store. An interrupted sweep resumes there and repeats nothing. Without it
+        only the table is kept.
     executor : concurrent.futures.Executor, optional
-        Any one: of threads, of processes, of dask. Renders frames; this process measures and
-        stores them. A `scene` that has a spec is loaded by every worker itself, once; another one
-        travels with its arrays.
+        Renders frames in threads, processes or dask's workers; this process compares and stores
+        them. Every worker loads a `scene` that has a spec once. Other scenes are sent with their
+        arrays.
     apart : bool, optional
-        Never render two frames side by side on this machine, whatever the executor and however
-        many processes work at the directory: frames that share a machine disturb each other's
-        timings. True by default without an executor, False with one. The table's `alone` says for
-        each point how its frames were rendered.
+        Never render two frames at a time on this machine, for any executor and any number of
+        processes that use the directory, because they would disturb each other's timings. By
+        default True without an executor and False with one. `alone` in the table tells it for
+        each point.
     references : path, optional
-        A directory that many sweeps share: finished references are taken from it and left in it,
-        by content hash.
+        A directory of finished references that several sweeps share.
     progress : bool or callable
         A bar with the time left on standard error, or a function of (done, total).
     threads : int, optional
@@ -127,7 +126,7 @@ def sweep(
     ValueError
         Unknown names (the message has the nearest known one), empty lists, bad values.
     KeyboardInterrupt
-        Ctrl-C; what was finished is kept.
+        Ctrl-C was pressed; finished frames are kept.
     """
     resolved = {
         "integrator": by_name.setting("integrator", integrator),

@@ -59,10 +59,10 @@ def row_of(store: Store, point: Mapping[str, Any], metrics: Sequence[str]) -> di
 
 
 class TableFile:
-    """`table.csv` of a running sweep: rewritten when it opens and ends, longer by a row between.
+    """`table.csv` of a running sweep.
 
-    Rows that are added stand in the order in which they were finished; the rewritten file has them
-    in the order of the plan.
+    The file is rewritten at the beginning and at the end, in the order of the plan. In between,
+    rows are appended as points are finished.
     """
 
     def __init__(self, store: Store, names: Sequence[str], metrics: Sequence[str]) -> None:
@@ -70,7 +70,7 @@ class TableFile:
         self._columns: list[str] = []
 
     def rewrite(self) -> None:
-        """Write all rows anew, whole or not at all."""
+        """Rewrite all rows, atomically."""
         if self._store.directory is None:
             return
         rows = table_rows(self._store)
@@ -221,7 +221,7 @@ def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
 
 
 def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
-    """Write `table.nc` whole; where the sweep lay is left out of the file."""
+    """Write `table.nc` atomically, without the directory of the sweep."""
     kept = dataset.drop_attrs(deep=False).assign_attrs(
         {k: v for k, v in dataset.attrs.items() if k != "directory"}
     )
@@ -230,7 +230,7 @@ def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
 
 
 def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
-    """The table of a swept directory as far as it got; ValueError where there is none."""
+    """The table of the finished points in a directory; ValueError if there is no sweep."""
     if not Store.exists(directory):
         raise ValueError(f"{directory} holds no sweep: it has no sweep.sqlite")
     with Store(directory) as store:

@@ -33,7 +33,7 @@ def render_task(task: Task, scene: Any = None) -> Frame:
         threads=task.threads,
         camera=task.camera,
     )
-    # A thread of a pool shares the process's clock with its neighbours: no CPU time then.
+    # CPU time is that of the process, so it is unknown for one thread of a pool
     if threading.current_thread() is threading.main_thread():
         frame.timings.setdefault("cpu_s", time.process_time() - cpu)
     return frame
