@@ -10,7 +10,7 @@ import pytest
 
 @pytest.fixture(scope="session")
 def shared_scenes() -> Path:
-    """Folder of real scenes made by others; tests that need it are skipped where it is absent."""
+    """Folder of scenes by other authors; tests that need it are skipped without it."""
     default = Path(__file__).resolve().parents[2] / "shared" / "scenes"
     folder = Path(os.environ.get("VISCACHE_SCENES", default))
     if not folder.is_dir():

@@ -7,6 +7,7 @@
 #include "viscache/visibility/residual_source.h"
 #include "viscache/visibility/roulette_source.h"
 #include "viscache/visibility/shadow_map_source.h"
+#include "viscache/visibility/unoccluded_source.h"
 #include "viscache/vlf/aligned_source.h"
 
 namespace viscache::bindings {
@@ -32,6 +33,8 @@ void bind_sources(py::module_& m) {
              }),
              scene, caster, py::kw_only(), py::arg("order") = py::none(), py::arg("coherent") = py::none(),
              KeepScene(), KeepCaster());
+    py::class_<UnoccludedSource, OracleSource>(m, "UnoccludedSource", "See viscache.Unoccluded.")
+        .def(py::init<>());
     py::class_<AlignedSource, OracleSource>(m, "AlignedSource",
                                             "Exact; shared directions may go through a batch.")
         .def(py::init([](const Scene& s, const RayCaster& c, const AlignedBatch& batch, bool choose,

@@ -26,6 +26,14 @@ from viscache.figures.registry import FIGURES, FigureInfo
 WIDTH_PX = 1400
 #: Longer tables are folded, except for the rows that do not hold.
 MOST_ROWS = 8
+NO_RESULTS = (
+    "This copy of the site was built without results, so it only lists the figures. "
+    "`scripts/docs --figures DIR` shows results of `viscache reproduce all -o DIR`."
+)
+QUICK_RUN = (
+    "A quick run takes seconds per figure, with small scenes and pictures. It shows what a figure "
+    "looks like. Do not quote its numbers; [Performance](/performance.md) has those of full runs."
+)
 log = logging.getLogger(__name__)
 
 
@@ -58,21 +66,16 @@ class FigureSummary(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         found = [r for name in FIGURES if (r := result(self.config.viscache_figures, name))]
         if not found:
-            return markdown(self, [
-                "This copy of the site was built without results, so it only lists the figures."
-                " `scripts/docs --figures DIR` shows results of `viscache reproduce all -o DIR`.",
-            ])  # fmt: skip
+            return markdown(self, [NO_RESULTS])
         rows = [row for r in found for row in r["rows"] if row["holds"] is not None]
         kind = "quick" if all(r["quick"] for r in found) else "full"
         made = found[0]["provenance"]
         held = sum(row["holds"] for row in rows)
-        return markdown(self, [
+        summary = (
             f"Below: a {kind} run of viscache {made['viscache']} with Embree {made['embree']}"
-            f" ({made['isa']}), {len(found)} figures and tables, {held} of {len(rows)} bands"
-            " hold. " + ("A quick run takes seconds per figure, with small scenes and pictures."
-            " It shows what a figure looks like. Do not quote its numbers;"
-            " [Performance](/performance.md) has those of full runs." if kind == "quick" else ""),
-        ])  # fmt: skip
+            f" ({made['isa']}), {len(found)} figures and tables, {held} of {len(rows)} bands hold. "
+        )
+        return markdown(self, [summary + (QUICK_RUN if kind == "quick" else "")])
 
 
 class FigureCards(SphinxDirective):
@@ -177,9 +180,13 @@ def table(rows: list[dict[str, Any]]) -> list[str]:
 def _lines(rows: list[dict[str, Any]]) -> list[str]:
     lines = ["| what | printed | measured | band | holds |", "| --- | ---: | ---: | --- | --- |"]
     for row in rows:
-        band = "" if row["band"] is None else " … ".join(
-            number(end, sign) for end, sign in zip(row["band"], ("−∞", "∞"), strict=True)
-        )  # fmt: skip
+        band = (
+            ""
+            if row["band"] is None
+            else " … ".join(
+                number(end, sign) for end, sign in zip(row["band"], ("−∞", "∞"), strict=True)
+            )
+        )
         holds = {None: "", True: "yes", False: "**no**"}[row["holds"]]
         cells = [row["what"], number(row["printed"]), number(row["measured"]), band, holds]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")

@@ -13,9 +13,15 @@ if TYPE_CHECKING:
 
 #: Tag → attributes whose target a browser fetches by itself. Links that a reader follows are free.
 FETCHED = {
-    "script": ("src",), "link": ("href",), "img": ("src", "srcset"), "iframe": ("src",),
-    "source": ("src", "srcset"), "video": ("src",), "audio": ("src",), "object": ("data",),
-}  # fmt: skip
+    "script": ("src",),
+    "link": ("href",),
+    "img": ("src", "srcset"),
+    "iframe": ("src",),
+    "source": ("src", "srcset"),
+    "video": ("src",),
+    "audio": ("src",),
+    "object": ("data",),
+}
 ELSEWHERE = re.compile(r"\s*(?:https?:)?//", re.I)
 IN_STYLE = re.compile(r"(?:url\(|@import)\s*[\"']?((?:https?:)?//[^\"')\s]+)", re.I)
 

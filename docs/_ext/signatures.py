@@ -15,21 +15,31 @@ from sphinx.util.nodes import make_refnode
 _INNER = r"((?:[^\[\]]|\[[^\[\]]*\])+)"
 _NUMBER = r"typing\.Supports(Float|Int) \| typing\.SupportsIndex"
 #: What annotations expand to, and what the sources say.
-SHORT = [(re.compile(pattern), plain) for pattern, plain in (
-    (r"\(self: [\w.]+(?:, |(?=\)))", "("),  # the first line of pybind11's docstrings
-    (r'typing\.Annotated\[collections\.abc\.Sequence\[[^\[\]]*\], "FixedSize\(3\)"\]', "Vec3"),
-    (r"typing\.Annotated\[numpy\.typing\.ArrayLike, numpy\.\w+\]", "ArrayLike"),
-    (r"typing\.Annotated\[numpy\.typing\.NDArray\[([\w.]+)\][^\]]*\]", r"NDArray[\1]"),
-    (_NUMBER, lambda found: found[1].lower()),
-    (r"<(\w+\.\w+): \d+>", r"\1"),
-    (r"(\d\.\d{1,4}[1-9])0000\d+", r"\1"),  # 0.1 in single precision
-    (r"~?numpy\.ndarray\[tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\[" + _INNER + r"\]\]",
-     r"NDArray[\1]"),
-    (r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]", "ArrayLike"),
-    (r"<factory>", "..."),
-    (r"(?<![\w.~])(?:viscache\.)?_core\.Camera\b", "~viscache._core.Camera"),
-    (r"\b(?:numpy|np|npt|typing|xarray|collections\.abc|concurrent\.futures)\.(?=[A-Za-z_])", ""),
-)]  # fmt: skip
+SHORT = [
+    (re.compile(pattern), plain)
+    for pattern, plain in (
+        (r"\(self: [\w.]+(?:, |(?=\)))", "("),  # the first line of pybind11's docstrings
+        (r'typing\.Annotated\[collections\.abc\.Sequence\[[^\[\]]*\], "FixedSize\(3\)"\]', "Vec3"),
+        (r"typing\.Annotated\[numpy\.typing\.ArrayLike, numpy\.\w+\]", "ArrayLike"),
+        (r"typing\.Annotated\[numpy\.typing\.NDArray\[([\w.]+)\][^\]]*\]", r"NDArray[\1]"),
+        (_NUMBER, lambda found: found[1].lower()),
+        (r"<(\w+\.\w+): \d+>", r"\1"),
+        (r"(\d\.\d{1,4}[1-9])0000\d+", r"\1"),  # 0.1 in single precision
+        (
+            r"~?numpy\.ndarray\[tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\["
+            + _INNER
+            + r"\]\]",
+            r"NDArray[\1]",
+        ),
+        (r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]", "ArrayLike"),
+        (r"<factory>", "..."),
+        (r"(?<![\w.~])(?:viscache\.)?_core\.Camera\b", "~viscache._core.Camera"),
+        (
+            r"\b(?:numpy|np|npt|typing|xarray|collections\.abc|concurrent\.futures)\.(?=[A-Za-z_])",
+            "",
+        ),
+    )
+]
 SHOWN_ARRAY = re.compile(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[" + _INNER + r"\]\]")
 #: Settings turn themselves into those of the core: nothing for users.
 GLUE = {"core", "build", "estimate", "map_settings", "for_frame_table", "for_kept_table", "source"}
@@ -75,9 +85,14 @@ def from_package(
 
 
 def shorten(
-    app: Sphinx, what: str, name: str, found: Any, options: Any,
-    signature: str | None, returns: str | None,
-) -> tuple[str | None, str | None]:  # fmt: skip
+    app: Sphinx,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
+    signature: str | None,
+    returns: str | None,
+) -> tuple[str | None, str | None]:
     signature, returns = _short(signature), _short(returns)
     return signature, "~viscache.Scene" if returns in BUILDERS else returns
 
@@ -100,16 +115,26 @@ def skip(app: Sphinx, what: str, name: str, found: Any, skipped: bool, options: 
 
 
 def keep(
-    kept: dict[str, list[str]], app: Sphinx, what: str, name: str, found: Any, options: Any,
+    kept: dict[str, list[str]],
+    app: Sphinx,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
     lines: list[str],
-) -> None:  # fmt: skip
+) -> None:
     if what in PLAIN:
         kept[name] = list(lines)
 
 
 def put_back(
-    kept: dict[str, list[str]], app: Sphinx, what: str, name: str, found: Any, options: Any,
+    kept: dict[str, list[str]],
+    app: Sphinx,
+    what: str,
+    name: str,
+    found: Any,
+    options: Any,
     lines: list[str],
-) -> None:  # fmt: skip
+) -> None:
     if what in PLAIN:
         lines[:] = kept.pop(name)

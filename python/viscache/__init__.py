@@ -29,7 +29,7 @@ from viscache.scene.cameras import look_at
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
-from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap
+from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap, Unoccluded
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
 from viscache.sweeps.sweep import sweep
@@ -71,6 +71,7 @@ __all__ = [
     "SceneDescription",
     "SceneError",
     "ShadowMap",
+    "Unoccluded",
     "VisMaps",
     "VisibilityField",
     "VisibilityMapCache",

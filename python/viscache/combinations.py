@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from viscache.oracles.written import is_written
 from viscache.settings.integrators import Bdpt, Direct, Whitted
 from viscache.settings.rays import Embree
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, ShadowMap, Unoccluded, VisMaps
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
 
@@ -95,12 +94,11 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Aqvc) and r.visibility.paper.storage == "shared"
                     and not isinstance(r.integrator, Bdpt)),
          lambda r: r.visibility.paper.storage),
-    Rule("`Aqvc`, `NeePlusPlus`, an oracle of your own, `use=\"correct\"`",
+    Rule("`Aqvc`, `NeePlusPlus`, `Unoccluded`, an oracle of your own, `use=\"correct\"`",
          '`environment="product"`', '`environment="mis"`',
          'visibility must be vc.Exact(...) or vc.VisMaps(...) with environment="product"',
          lambda r: (isinstance(r.integrator, Direct) and r.environment == "product"
-                    and (isinstance(r.visibility, Aqvc | NeePlusPlus) or is_written(r.visibility)
-                         or r.corrects))),
+                    and (not isinstance(r.visibility, Exact | ShadowMap | VisMaps) or r.corrects))),
     Rule("`Direct(passes=…)`", 'other than `environment="product"`', "`spp=…`",
          'passes must be 1 without environment="product"',
          lambda r: (isinstance(r.integrator, Direct) and not isinstance(r.visibility, VisMaps)
@@ -137,8 +135,8 @@ RULES: tuple[Rule, ...] = (
          lambda r: r.parts > 1 and r.keep, lambda r: "a table"),
     Rule("frames in parts", "`ShadowMap`, `NeePlusPlus`, `VisMaps`, an oracle of your own",
          "one machine",
-         "visibility must be vc.Exact(...) or vc.Aqvc(...) for parts of a frame",
-         lambda r: r.parts > 1 and not isinstance(r.visibility, Exact | Aqvc)),
+         "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.Unoccluded() for parts of a frame",
+         lambda r: r.parts > 1 and not isinstance(r.visibility, Exact | Aqvc | Unoccluded)),
     Rule("frames in parts", "`Bdpt`, shared directions of ambient occlusion", "one machine",
          "integrator must not be Bdpt nor share directions for parts of a frame",
          lambda r: r.parts > 1 and (isinstance(r.integrator, Bdpt) or r.shares_directions),

@@ -24,11 +24,18 @@ def keys(points, normals, r, *, semantic=0, far=None, far_normals=None, far_r=No
     """Full keys, places and validity for the given parameters."""
     n = len(points)
     return aqvc.full_keys(
-        aqvc.AqvcParameters(**p), CENTER, RADIUS, points, normals, np.broadcast_to(r, n), semantic,
+        aqvc.AqvcParameters(**p),
+        CENTER,
+        RADIUS,
+        points,
+        normals,
+        np.broadcast_to(r, n),
+        semantic,
         np.zeros((n, 3)) if far is None else far,
         np.zeros((n, 3)) if far_normals is None else far_normals,
-        np.ones(n) if far_r is None else far_r, *d,
-    )  # fmt: skip
+        np.ones(n) if far_r is None else far_r,
+        *d,
+    )
 
 
 @pytest.mark.parametrize("normal_mode", ["round", "floor", "octahedral", "single"])
@@ -38,10 +45,8 @@ def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
     x, n = surface_points()
     y, m = surface_points(seed=2)
     r = np.exp(np.random.default_rng(3).uniform(0, 10, len(x)))
-    got, place, valid, _ = keys(
-        x, n, r, semantic=2, far=y, far_normals=m, far_r=r[::-1], normal_mode=normal_mode,
-        c_n=c_n, c_z=c_z,
-    )  # fmt: skip
+    modes = {"normal_mode": normal_mode, "c_n": c_n, "c_z": c_z}
+    got, place, valid, _ = keys(x, n, r, semantic=2, far=y, far_normals=m, far_r=r[::-1], **modes)
     grid = reference.Grid(CENTER, RADIUS, c_n=c_n, c_z=c_z, mode=normal_mode)
     for i in range(len(x)):
         eye, light = grid.place(x[i], n[i], r[i]), grid.place(y[i], m[i], r[len(x) - 1 - i])
@@ -51,7 +56,7 @@ def test_surface_keys_equal_the_transcription(normal_mode, c_n, c_z):
 
 
 def test_scale_free_keys_equal_the_transcription_at_any_size():
-    """Rungs C_R^k of any whole k, coordinates from the origin, folded where they need 64 bits."""
+    """Levels C_R^k for any integer k; coordinates from the origin, folded if they need 64 bits."""
     x, n = surface_points()
     r = np.exp(np.random.default_rng(3).uniform(-12, 20, len(x)))
     got, place, valid, clamps = keys(x, n, r, scale_free=True, c_z=3.0)
@@ -69,16 +74,13 @@ def test_scale_free_keys_equal_the_transcription_at_any_size():
 
 
 def test_scale_free_keys_do_not_depend_on_the_scenes_bounding_sphere():
-    """Both ends of surface keys; ordinary keys do depend on it."""
+    """Both ends of surface keys; other keys do depend on it."""
     x, n = surface_points(200)
     y, m = surface_points(200, seed=2)
     spheres = ((CENTER, RADIUS), (CENTER + np.float32(1.5), 3.3 * RADIUS))
     for free in (True, False):
-        both = [
-            aqvc.full_keys(aqvc.AqvcParameters(scale_free=free), c, b, x, n, np.full(200, 7.3), 2,
-                           y, m, np.full(200, 2.1))[0]
-            for c, b in spheres
-        ]  # fmt: skip
+        p, near, far = aqvc.AqvcParameters(scale_free=free), np.full(200, 7.3), np.full(200, 2.1)
+        both = [aqvc.full_keys(p, c, b, x, n, near, 2, y, m, far)[0] for c, b in spheres]
         assert (both[0] == both[1]).all() == free
 
 
@@ -154,7 +156,7 @@ def test_neighbours_on_a_plane_are_the_cells_one_width_away(offset):
         m = n[i].astype(np.float64)
         moved = x[i] + w * (along - (along @ m) / (ez @ m) * ez)
         agree += grid.place(moved, n[i], r).key == tuple(near[i][1:8])
-    assert agree >= 398  # a coordinate within rounding of a face may fall to either side
+    assert agree >= 398  # a coordinate at a face may round to either side
 
 
 def test_without_tangent_neighbours_the_normal_coordinate_is_kept():
@@ -186,11 +188,17 @@ def wall_of_no_thickness():
 
 @pytest.mark.parametrize(
     ("mode", "c_n", "leaks"),
-    [("round", 8, False), ("floor", 8, False), ("octahedral", 8, False), ("single", 8, True),
-     ("floor", 1, False), ("octahedral", 1, False)],
-)  # fmt: skip
+    [
+        ("round", 8, False),
+        ("floor", 8, False),
+        ("octahedral", 8, False),
+        ("single", 8, True),
+        ("floor", 1, False),
+        ("octahedral", 1, False),
+    ],
+)
 def test_light_leaks_through_a_thin_wall_where_all_normals_share_a_grid(mode, c_n, leaks):
-    """Shares of points of the front whose cell holds a point of the back."""
+    """Shares of points on the front whose cell contains a point of the back."""
     x, up, behind = wall_of_no_thickness()
     front = keys(x, up, 40.0, normal_mode=mode, c_n=c_n)[0]
     back = keys(behind, -up, 40.0, normal_mode=mode, c_n=c_n)[0]

@@ -1,4 +1,4 @@
-"""Every numbered equation of AQVC against its transcription, and what the comparison notices."""
+"""Every numbered equation of AQVC against its transcription, and mutations that must fail."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Equation:
         return [np.exp(rng.uniform(np.log(a), np.log(b), 1000)) for a, b in self.ranges]
 
     def holds(self, got: np.ndarray, *, over: list[np.ndarray]) -> bool:
-        """Is `got` the transcription's value? Exactly, where it is an integer."""
+        """Whether `got` is the transcription's value; integers must be equal."""
         want = self.transcription(*over)
         return bool(np.allclose(got, want, rtol=self.rtol, atol=0))
 
@@ -92,7 +92,7 @@ EQUATIONS = {
 
 
 def test_the_list_has_every_equation_that_is_built():
-    """As docs/papers.md counts them."""
+    """The number of equations in docs/papers.md."""
     built = re.findall(r"^\| AQVC (Eq\. \d+) .*\*\*here\*\* \|$", PAPERS.read_text(), re.MULTILINE)
     assert len(built) > 5 and set(built) <= set(EQUATIONS)
 

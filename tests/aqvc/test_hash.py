@@ -36,7 +36,7 @@ def test_mirrored_lights_have_distinct_hashes(scheme):
 
 
 def test_mirrored_lights_always_collide_in_the_printed_scheme_1():
-    """A16: two flipped signs cancel in both chains; the reason why it is not the default."""
+    """Two flipped signs cancel in both chains, so it is not the default (deviation A16)."""
     p = np.random.default_rng(2).uniform(0.1, 5, (1000, 3)).astype(np.float32)
     a = aqvc.hash_keys(point_keys(p), "scheme1")
     b = aqvc.hash_keys(point_keys(p * np.float32([-1, 1, -1])), "scheme1")

@@ -1,4 +1,4 @@
-"""A table kept over frames: what it hands on, forgets and refuses, and how stale bits are told."""
+"""A table kept over frames: what it reuses, drops and refuses, and how stale bits are found."""
 
 from __future__ import annotations
 
@@ -77,14 +77,20 @@ def test_kept_frames_are_the_same_for_any_number_of_threads() -> None:
     for threads in (1, 2, 3):
         table = vc.AqvcTable(table_bytes=1 << 16, check=0.3)
         frames = [
-            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c), camera=None, threads=threads,
-                  size=TILED["size"])
+            frame(
+                vc.scenes.stairs(),
+                table,
+                vc.Aqvc(c_e=c),
+                camera=None,
+                threads=threads,
+                size=TILED["size"],
+            )
             for c in (8, 6, 8)
-        ]  # fmt: skip
+        ]
         assert frames[1].counters["reused_kept"] > 0
         found.append([(f.sha256, f.counters) for f in frames])
     assert found[0] == found[1] == found[2]
-    # A table too small forgets, so that the third frame traces again what the first had traced
+    # A table that is too small drops bits, so the third frame repeats rays of the first
     assert frames[2].counters["rays"] > 0 and frames[2].counters["evictions"] > 0
 
 
@@ -96,7 +102,7 @@ def test_a_new_epoch_forgets_everything_at_once() -> None:
     assert after.counters["reused_kept"] == 0 and table.epoch == 1
     assert after.counters["rays"] == first.counters["rays"] and after.sha256 == first.sha256
     assert frame(scene(), table).counters["rays"] == 0
-    # Words of the epoch before still take slots
+    # Words of the previous epoch still use slots
     assert after.counters["table_occupied"] > 1.9 * first.counters["table_occupied"]
 
 
@@ -258,7 +264,7 @@ def test_no_entry_is_current_after_forgetting() -> None:
     made, after = frame_and_entries(table)
     c = made.counters
     assert 0 < after["current"].sum() < len(after) == c["table_occupied"]
-    # What this frame wrote is current; the rest is of the epoch before, as it was
+    # Words of this frame are current; the others keep the previous epoch
     old = after[~after["current"]]
     kept = before[np.isin(before["slot"], old["slot"])]
     for name in ("slot", "digest", "visible"):
@@ -274,8 +280,14 @@ def test_entries_are_the_same_for_any_number_of_threads() -> None:
     for threads in (1, 3):
         table = vc.AqvcTable(table_bytes=1 << 16)
         for c_e in (8, 6):
-            frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=c_e), camera=None, threads=threads,
-                  size=TILED["size"])  # fmt: skip
+            frame(
+                vc.scenes.stairs(),
+                table,
+                vc.Aqvc(c_e=c_e),
+                camera=None,
+                threads=threads,
+                size=TILED["size"],
+            )
             table.forget()
         frame(vc.scenes.stairs(), table, vc.Aqvc(c_e=8), camera=None, threads=threads)
         found.append(table.entries())

@@ -29,9 +29,15 @@ def hashes(*, at_once: bool) -> npt.NDArray[np.uint32]:
     )
     lights = np.random.default_rng(1).uniform(-5, 5, (n, 3)).astype(np.float32)
     kappa, digest, seconds = _core.aqvc.level_hashes(
-        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
-        resolutions, lights, at_once=at_once,
-    )  # fmt: skip
+        _core.aqvc.AqvcParameters(),
+        tiles.CENTER,
+        tiles.RADIUS,
+        eyes["position"],
+        eyes["normal"],
+        resolutions,
+        lights,
+        at_once=at_once,
+    )
     assert seconds > 0
     return np.stack([kappa, digest])
 
@@ -46,10 +52,9 @@ def test_four_levels_at_once_have_the_hashes_of_full_keys() -> None:
         resolution = _core.aqvc.resolution_eye(
             eyes["density"].astype(np.float64), c_e, tiles.RADIUS
         )
-        keys = _core.aqvc.full_keys(
-            _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"],
-            eyes["normal"], resolution, tiles.POINT, lights, np.zeros((n, 3)), np.ones(n),
-        )[0]  # fmt: skip
+        near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
+        far = (tiles.POINT, lights, np.zeros((n, 3)), np.ones(n))
+        keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
         np.testing.assert_array_equal(four[:, :, level].T, _core.aqvc.hash_keys(keys))
     # Levels differ, so that a chain in another's place would be seen
     assert (four[0, :, 0] != four[0, :, 1]).mean() > 0.9
@@ -70,16 +75,21 @@ def test_every_instruction_set_gives_the_same_hashes(isa: str) -> None:
     )
     base = subprocess.run(
         [sys.executable, "-c", code.replace("at_once=True", "at_once=False")],
-        env=env | {"VISCACHE_ISA": "portable"}, capture_output=True, text=True, check=True,
-    )  # fmt: skip
+        env=env | {"VISCACHE_ISA": "portable"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert run.stdout == base.stdout
 
 
 def test_unequal_lengths_are_refused() -> None:
     p, three = _core.aqvc.AqvcParameters(), np.zeros((3, 3), np.float32)
     with pytest.raises(ValueError, match="must have equal lengths"):
-        _core.aqvc.level_hashes(p, (0, 0, 0), 1.0, three, three, np.ones((2, 4)), three,
-                                at_once=True)  # fmt: skip
+        _core.aqvc.level_hashes(
+            p, (0, 0, 0), 1.0, three, three, np.ones((2, 4)), three, at_once=True
+        )
     with pytest.raises(ValueError, match="resolutions must have shape"):
-        _core.aqvc.level_hashes(p, (0, 0, 0), 1.0, three, three, np.ones((3, 2)), three,
-                                at_once=True)  # fmt: skip
+        _core.aqvc.level_hashes(
+            p, (0, 0, 0), 1.0, three, three, np.ones((3, 2)), three, at_once=True
+        )

@@ -1,4 +1,4 @@
-"""Light cells of samples that each eye point has for itself, numbered as columns."""
+"""Light cells of samples per eye point, numbered as columns."""
 
 import numpy as np
 import pytest
@@ -15,9 +15,15 @@ def cells(semantic, far, normal, density, **options):
     """Columns and clamps from C++."""
     limit = {"limit": options.pop("limit")} if "limit" in options else {}
     column, clamps = _core.aqvc.light_cells(
-        _core.aqvc.AqvcParameters(**options), tiles.CENTER, tiles.RADIUS, semantic=semantic,
-        far=np.float32(far), normal=np.float32(normal), density=density, **limit,
-    )  # fmt: skip
+        _core.aqvc.AqvcParameters(**options),
+        tiles.CENTER,
+        tiles.RADIUS,
+        semantic=semantic,
+        far=np.float32(far),
+        normal=np.float32(normal),
+        density=density,
+        **limit,
+    )
     return column, clamps
 
 
@@ -73,7 +79,7 @@ def test_what_is_not_finite_has_no_column_and_odd_densities_are_counted():
 
 
 def test_cells_beyond_the_room_have_no_column_and_known_ones_keep_theirs():
-    """-2 says so; what was numbered before stays."""
+    """The result is -2; earlier numbers stay."""
     for semantic in (tiles.SOLID_ANGLE, tiles.SURFACE):
         for density in (30.0, 3e4):
             far = np.concatenate([directions(300), directions(300)])
@@ -85,7 +91,7 @@ def test_cells_beyond_the_room_have_no_column_and_known_ones_keep_theirs():
 
 @pytest.mark.parametrize("isa", AVAILABLE)
 def test_every_instruction_set_maps_directions_to_the_same_bits(isa):
-    """The transcription's, that is."""
+    """The numbers of the transcription."""
     w = directions(1001) * np.float32(7)
     u, v = _core.aqvc.octahedral_batch(w, isa=isa)
     want = _core.aqvc.octahedral_square(w)

@@ -100,10 +100,9 @@ def test_without_refinement_rays_are_distinct_keys_in_every_order():
             rays.add(run.block(far, wanted)[1]["rays"])
     resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
     n = len(eyes["density"])
-    keys = _core.aqvc.full_keys(
-        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
-        resolution, 0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n),
-    )[0]  # fmt: skip
+    near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
+    far = (0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n))
+    keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
     cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
     distinct = {(cell[i], k) for i, k in zip(*np.nonzero(wanted), strict=True)}
     assert rays == {len(distinct)}
@@ -118,10 +117,9 @@ def test_a_query_is_wrong_only_in_a_cluster_that_holds_both_values():
     visible, _ = run.block(far, wanted)
     resolution = _core.aqvc.resolution_eye(eyes["density"].astype(np.float64), 10.0, tiles.RADIUS)
     n = len(eyes["density"])
-    keys = _core.aqvc.full_keys(
-        _core.aqvc.AqvcParameters(), tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"],
-        resolution, 0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n),
-    )[0]  # fmt: skip
+    near = (tiles.CENTER, tiles.RADIUS, eyes["position"], eyes["normal"], resolution)
+    far = (0, np.zeros((n, 3)), np.zeros((n, 3)), np.ones(n))
+    keys = _core.aqvc.full_keys(_core.aqvc.AqvcParameters(), *near, *far)[0]
     cell = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
     ones = np.zeros((cell.max() + 1, 12), int)
     asked = np.zeros_like(ones)

@@ -1,4 +1,4 @@
-"""One row per parameter: what the C++ table, the settings in Python and kept tables make of it."""
+"""One row per parameter: the C++ table, the settings in Python and kept tables agree with it."""
 
 from __future__ import annotations
 
@@ -113,8 +113,14 @@ def test_a_value_beyond_its_row_is_refused_with_what_must_hold(
 
 def other_value(name: str) -> Any:
     """A value of the parameter that is not its default."""
-    special = {"c_n": 6, "digest_bits": 20, "queue": 64, "table_bytes": 8 << 20,
-               "c_e_groups": {"point": 5.0}, "refinement_groups": {"point": "on"}}  # fmt: skip
+    special = {
+        "c_n": 6,
+        "digest_bits": 20,
+        "queue": 64,
+        "table_bytes": 8 << 20,
+        "c_e_groups": {"point": 5.0},
+        "refinement_groups": {"point": "on"},
+    }
     value = getattr(_core.aqvc.AqvcParameters(), name)
     if name in special:
         return special[name]
@@ -125,9 +131,9 @@ def other_value(name: str) -> Any:
     return value + 1 if isinstance(value, int) else value * 1.5
 
 
-#: What chooses the C_E that is asked, or whether finer ones are: it may change from frame to frame.
+#: Parameters that choose C_E or its refinement; they may change from frame to frame.
 CHOOSE_CELLS = {"c_e", "c_e_groups", "refinement", "refinement_groups"}
-#: What a table kept over frames refuses to change, and what is the table's own.
+#: Parameters that a kept table does not allow to change, and the table's own parameters.
 REFUSED, OF_THE_TABLE = {"form", "storage"}, {"hash", "digest_bits"}
 
 
@@ -144,7 +150,7 @@ def room() -> vc.Scene:
 def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(
     name: str, room: vc.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """All names: a frame over the table of one whose value was another asks no ray, or has to."""
+    """A second frame with another value needs rays only if the parameter is keyed or sets cells."""
     monkeypatch.setattr("viscache.aqvc_table.KEYED", ())
     base = vc.Aqvc(c_e=8, refinement="off", scale_free=False)
     changed = replaced(base, {name: other_value(name)}, "visibility")

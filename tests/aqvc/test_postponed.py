@@ -25,9 +25,14 @@ def runs_of(run: Any) -> list[list[int]]:
 
 
 def transcribed(
-    run: Any, exact: npt.NDArray[np.bool_], wanted: npt.NDArray[np.bool_], eyes: Any, c_e: float,
-    queue: int, c_w: int,
-) -> reference.Result:  # fmt: skip
+    run: Any,
+    exact: npt.NDArray[np.bool_],
+    wanted: npt.NDArray[np.bool_],
+    eyes: Any,
+    c_e: float,
+    queue: int,
+    c_w: int,
+) -> reference.Result:
     grid = reference.Grid(tiles.CENTER, tiles.RADIUS, c_z=PAPER["c_z"])
     levels = _core.aqvc.AqvcParameters(c_e=c_e, **PAPER).level_list(0)
     return postponed(grid, eyes, levels, exact, wanted, runs_of(run), queue, c_w)

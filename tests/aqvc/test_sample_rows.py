@@ -1,4 +1,4 @@
-"""Samples that each eye point has for itself, through rows of bits by light cell."""
+"""Samples per eye point, through rows of bits by light cell."""
 
 import numpy as np
 import pytest
@@ -109,7 +109,7 @@ def test_samples_equal_single_queries_against_full_keys(kind, refinement, table_
     assert (counters["table_writes"] > 0) == (table_bytes == 4)
     single = tiles.tile_run(eyes, form="pairs", batch=1, **options)
     if refinement == "off":
-        # Batches do not matter: asked one by one in the same order
+        # Batches have no influence: single queries in the same order
         want, c = ask(single, queries)
         np.testing.assert_array_equal(visible, want)
         assert counters["rays"] == c["rays"]
@@ -196,7 +196,7 @@ def test_no_sample_one_sample_and_samples_without_keys():
     far = np.float32([[0, 1, 0], [0, np.nan, 0], [np.inf, 0, 0], [0, 0, 0], [0, 1, 0]])
     odd = up | {"density": [np.nan] * 5, "light_density": [1.0] * 5}
     visible, c = run.samples([5] * 5, far=far, normal=far, **odd)
-    # The zero vector has no cell and its ray no length: traced for itself
+    # The zero vector has no cell, and its ray no length: it is traced separately
     assert c["bypassed"] == 3 and c["rays"] == 2 and c["clamped_nan"] == 5
     assert visible[1:3] == [False, False] and visible[0] == visible[4]
 

@@ -32,14 +32,22 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Report:
         patch.setattr(sources, "open_scene", lambda spec, **_: fake.FakeScene(name=spec))
         directory = tmp_path_factory.mktemp("sweep")
         over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
-        sweep("room", "whitted", over=over, repeats=2, size=(WIDTH, HEIGHT), directory=directory,
-              metrics=["rel_l1"])  # fmt: skip
+        sweep(
+            "room",
+            "whitted",
+            over=over,
+            repeats=2,
+            size=(WIDTH, HEIGHT),
+            directory=directory,
+            metrics=["rel_l1"],
+        )
     alone = tmp_path_factory.mktemp("alone") / "report.html"
     report.write(directory, alone, flip_maps=5)
     with Store(directory) as store:
         points = [p for p in store.definition()["points"] if p["repeat"] == 0]
-        pictures = {f"s{2 * p['index'][0] + p['index'][1]}": store.frame(p["key"]).image
-                    for p in points}  # fmt: skip
+        pictures = {
+            f"s{2 * p['index'][0] + p['index'][1]}": store.frame(p["key"]).image for p in points
+        }
         return Report(alone, pictures, store.frame(points[0]["paired"]).image)
 
 

@@ -26,11 +26,20 @@ class Browser:
 
     def __init__(self, profile: Path, width: int = 1200, height: int = 1000) -> None:
         command = [
-            CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-            f"--user-data-dir={profile}", f"--window-size={width},{height}", "--no-first-run",
-            "--host-resolver-rules=MAP * ~NOTFOUND", "--disable-background-networking",
-            "--disable-sync", "--remote-debugging-pipe", "about:blank",
-        ]  # fmt: skip
+            CHROMIUM,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            f"--user-data-dir={profile}",
+            f"--window-size={width},{height}",
+            "--no-first-run",
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+            "--disable-background-networking",
+            "--disable-sync",
+            "--remote-debugging-pipe",
+            "about:blank",
+        ]
         to_read, self._write = os.pipe()
         self._read, to_write = os.pipe()
 
@@ -41,17 +50,21 @@ class Browser:
             os.dup2(104, 4)
 
         self._process = subprocess.Popen(
-            command, preexec_fn=wire, close_fds=False, stdout=subprocess.DEVNULL,
+            command,
+            preexec_fn=wire,
+            close_fds=False,
+            stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+        )
         os.close(to_read)
         os.close(to_write)
         self._buffer = b""
         self._count = 0
         self._session = ""
         self.errors: list[str] = []
-        target = next(t for t in self.call("Target.getTargets")["targetInfos"]
-                      if t["type"] == "page")  # fmt: skip
+        target = next(
+            t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page"
+        )
         attached = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)
         self._session = attached["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -66,9 +79,14 @@ class Browser:
         os.close(self._read)
 
     def size(self, width: int, height: int, phone: bool = False, dark: bool = False) -> None:
-        """The window, and what the reader's system prefers."""
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                  deviceScaleFactor=2 if phone else 1, mobile=phone)  # fmt: skip
+        """Set the window's size and the system's colour scheme."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=2 if phone else 1,
+            mobile=phone,
+        )
         self.call("Emulation.setTouchEmulationEnabled", enabled=phone)
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.call("Emulation.setEmulatedMedia", features=[scheme])
@@ -80,15 +98,16 @@ class Browser:
         self.wait_for("document.readyState === 'complete'")
 
     def eval(self, expression: str) -> Any:
-        """The value of JavaScript; a promise is awaited."""
-        got = self.call("Runtime.evaluate", expression=expression, returnByValue=True,
-                        awaitPromise=True)  # fmt: skip
+        """The value of a JavaScript expression; a promise is awaited."""
+        got = self.call(
+            "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
+        )
         if "exceptionDetails" in got:
             raise AssertionError(f"{expression}: {got['exceptionDetails']}")
         return got["result"].get("value")
 
     def wait_for(self, condition: str) -> None:
-        """Until JavaScript is true."""
+        """Wait until a JavaScript expression is true."""
         end = time.monotonic() + TIMEOUT_S
         while not self.eval(condition):
             assert time.monotonic() < end, f"still not so: {condition}; errors: {self.errors}"
@@ -98,17 +117,18 @@ class Browser:
         return str(self.eval(f"document.getElementById('{element}').textContent"))
 
     def box(self, element: str) -> tuple[float, float, float, float]:
-        """Left, top, width, height of an element, which is scrolled into sight."""
-        return tuple(self.eval(
-            f"(e => {{ e.scrollIntoView({{block: 'center'}}); const b = e.getBoundingClientRect();"
-            f" return [b.left, b.top, b.width, b.height] }})(document.getElementById('{element}'))"
-        ))  # fmt: skip
+        """Left, top, width and height of an element, after scrolling to it."""
+        bounds = (
+            "(e => { e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect();"
+            " return [b.left, b.top, b.width, b.height] })"
+        )
+        return tuple(self.eval(f"{bounds}(document.getElementById('{element}'))"))
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
-        """With the left button."""
+        """Drag with the left button."""
         held: dict[str, Any] = {"button": "left", "buttons": 1, "clickCount": 1}
         self.mouse("mousePressed", *begin, **held)
         for share in (0.5, 1.0):
@@ -131,14 +151,15 @@ class Browser:
         if element is not None:
             left, top, width, height = self.box(element)
             x, y = self.eval("[scrollX, scrollY]")
-            clip = {"clip": {"x": left + x, "y": top + y, "width": width, "height": height,
-                             "scale": 1}}  # fmt: skip
+            clip = {
+                "clip": {"x": left + x, "y": top + y, "width": width, "height": height, "scale": 1}
+            }
         got = self.call("Page.captureScreenshot", captureBeyondViewport=True, **clip)
         with Image.open(io.BytesIO(base64.b64decode(got["data"]))) as image:
             return np.asarray(image.convert("RGB"), dtype=int)
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """A command's result; events that come before it are looked at."""
+        """The result of a command; earlier events are processed first."""
         self._count += 1
         message = {"id": self._count, "method": method, "params": parameters}
         if self._session:

@@ -31,8 +31,10 @@ def test_every_setting_is_a_point_in_both_plots_and_the_chosen_one_is_marked(
 
 def test_settings_are_chosen_by_points_rows_and_arrow_keys(tab: Browser, page: Report) -> None:
     shown(tab, page)
-    tab.eval("document.querySelector('#plot-rays .point[data-id=s2]')"
-             ".dispatchEvent(new MouseEvent('click', {bubbles: true}))")  # fmt: skip
+    tab.eval(
+        "document.querySelector('#plot-rays .point[data-id=s2]')"
+        ".dispatchEvent(new MouseEvent('click', {bubbles: true}))"
+    )
     tab.wait_for("document.documentElement.dataset.shown === 's2 signed'")
     tab.key("ArrowDown")
     tab.wait_for("document.documentElement.dataset.shown === 's3 signed'")
@@ -58,8 +60,9 @@ def test_cells_of_a_heat_map_choose_settings_and_show_what_is_chosen(
 def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_path: Path) -> None:
     from viscache import report
 
-    alone = report.write_difference(page.pictures["s4"], page.reference, tmp_path / "p.html",
-                                    name="a.exr")  # fmt: skip
+    alone = report.write_difference(
+        page.pictures["s4"], page.reference, tmp_path / "p.html", name="a.exr"
+    )
     tab.open(alone, "map=flip")
     tab.wait_for("document.documentElement.dataset.shown === 's0 flip'")
     assert tab.text("chosen") == "a.exr" and tab.eval("$('against').parentNode.hidden") is True
@@ -83,10 +86,10 @@ def test_a_sweep_without_pictures_has_a_page_that_works(tab: Browser, tmp_path: 
     from viscache import report
 
     cells = {n: (("c_e", "repeat"), [[2.0], [1.0]]) for n in ("rel_l1", "total_s", "rays")}
-    given = {"scene": "room", "metrics": '["rel_l1"]', "size": "[8, 6]", "spp": 1,
-             "integrator": '{"name": "direct"}', "visibility": '{"name": "aqvc"}',
-             "rays": '{"name": "embree"}', "provenance": "{}", "scene_hash": "ab",
-             "cpu": "c"}  # fmt: skip
+    given = {"scene": "room", "metrics": '["rel_l1"]', "size": "[8, 6]", "spp": 1}
+    names = {"integrator": "direct", "visibility": "aqvc", "rays": "embree"}
+    given |= {what: f'{{"name": "{name}"}}' for what, name in names.items()}
+    given |= {"provenance": "{}", "scene_hash": "ab", "cpu": "c"}
     ds = xarray.Dataset(cells, {"c_e": [4, 8], "repeat": [0]}, given)
     tab.open(report.write(ds, tmp_path / "r.html"), "select=s1&zoom=3")
     assert tab.text("chosen") == "C_E = 8"
@@ -132,16 +135,15 @@ def test_everything_that_acts_has_a_name_and_is_reached_by_the_keyboard(
     for _ in range(60):
         tab.key("Tab")
         reached.add(tab.eval("document.activeElement.id || document.activeElement.dataset.id"))
-    wanted = {"theme", "against", "ev", "more-zoom", "full", "stage", "wipe", "flip", "mapstage",
-              "kind", "gain", "s0", "s5"}  # fmt: skip
+    wanted = {"theme", "against", "ev", "more-zoom", "full", "stage", "wipe", "flip", "mapstage"}
+    wanted |= {"kind", "gain", "s0", "s5"}
     assert wanted <= reached
 
 
 def test_errors_of_the_script_and_requests_are_noticed(
     browser: Browser, page: Report, tmp_path: Path
 ) -> None:
-    """What the other tests trust: a page that fails or asks the network is told from one that
-    does not."""
+    """The other tests rely on this: errors of the page and network requests are detected."""
     text, last = page.path.read_text("utf-8"), "readFragment(); show();\n"
     assert text.count(last) == 1
     for bad, complaint in (

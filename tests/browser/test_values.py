@@ -55,9 +55,13 @@ def test_maps_are_computed_from_radiance(tab: Browser, pair: dict[str, np.ndarra
 def test_each_channel_has_its_difference_around_grey(
     tab: Browser, pair: dict[str, np.ndarray]
 ) -> None:
-    found = np.reshape(tab.eval(
-        "(o => { paintChannels(o, shown.picture, shown.reference, 4); return [...o] })"
-        "(new Uint8ClampedArray(9 * 14 * 4))"), (9, 14, 4))  # fmt: skip
+    found = np.reshape(
+        tab.eval(
+            "(o => { paintChannels(o, shown.picture, shown.reference, 4); return [...o] })"
+            "(new Uint8ClampedArray(9 * 14 * 4))"
+        ),
+        (9, 14, 4),
+    )
     delta = packed.values(pair["a"]) - packed.values(pair["b"])
     expected = 127.5 + 127.5 * np.clip(4 * delta, -1, 1)
     assert np.abs(found[:, :, :3] - expected).max() <= 0.51 and (found[:, :, 3] == 255).all()

@@ -1,4 +1,4 @@
-"""The report's difference viewer: what stands on the screen is the radiance in the store."""
+"""The report's difference viewer: the screen shows the radiance of the store."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ def data(page: Report) -> dict[str, Any]:
     return packed.model(page.path.read_text("utf-8"))
 
 
-def shown(tab: Browser, page: Report, fragment: str = "", setting: str = "s4",
-          kind: str = "signed") -> None:  # fmt: skip
+def shown(
+    tab: Browser, page: Report, fragment: str = "", setting: str = "s4", kind: str = "signed"
+) -> None:
     tab.open(page.path, f"select={setting}&{fragment}")
     wait(tab, setting, kind)
 
@@ -33,7 +34,7 @@ def wait(tab: Browser, setting: str, kind: str) -> None:
 
 
 def tones(page: Report, image: np.ndarray, ev: float = 0.0) -> np.ndarray:
-    """A picture as Python shows it."""
+    """A picture, tone-mapped in Python."""
     exposure = tonemap.display_exposure(page.reference)
     return tonemap.to_srgb8(image, exposure * 2**ev).astype(int)
 
@@ -44,8 +45,14 @@ def at(pixels: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return pixels[(v * h).astype(int)[:, None], (u * w).astype(int)[None, :]]
 
 
-def expected(picture: np.ndarray, u: np.ndarray, v: np.ndarray, zoom: float = 1.0,
-             x: float = 0.5, y: float = 0.5) -> np.ndarray:  # fmt: skip
+def expected(
+    picture: np.ndarray,
+    u: np.ndarray,
+    v: np.ndarray,
+    zoom: float = 1.0,
+    x: float = 0.5,
+    y: float = 0.5,
+) -> np.ndarray:
     """Colours that a view has at shares of its stage."""
     columns = ((x + (u - 0.5) / zoom) * WIDTH).astype(int)
     rows = ((y + (v - 0.5) / zoom) * HEIGHT).astype(int)
@@ -53,7 +60,7 @@ def expected(picture: np.ndarray, u: np.ndarray, v: np.ndarray, zoom: float = 1.
 
 
 def middles(n: int, zoom: float, centre: float, size: int) -> np.ndarray:
-    """Shares of the stage that lie in the middle of pixels, away from tags and the grip."""
+    """Positions on the stage, as shares, at pixel centres and away from tags and the grip."""
     first, last = (centre - 0.5 / zoom) * size, (centre + 0.5 / zoom) * size
     pixels = np.unique(np.linspace(first + 1, last - 2, n).astype(int)) + 0.5
     shares = (pixels / size - centre) * zoom + 0.5
@@ -67,8 +74,14 @@ def signed_map(page: Report, data: dict[str, Any], setting: str, gain: float) ->
     return packed.colors(data, "signed")[np.round(255 * share).astype(int)]
 
 
-def check(stage: np.ndarray, picture: np.ndarray, within: int, zoom: float = 1.0,
-          x: float = 0.5, y: float = 0.5) -> None:  # fmt: skip
+def check(
+    stage: np.ndarray,
+    picture: np.ndarray,
+    within: int,
+    zoom: float = 1.0,
+    x: float = 0.5,
+    y: float = 0.5,
+) -> None:
     u, v = middles(12, zoom, x, WIDTH), middles(9, zoom, y, HEIGHT)
     assert len(u) > 2 and len(v) > 2
     off = np.abs(at(stage, u, v) - expected(picture, u, v, zoom, x, y))
@@ -105,8 +118,9 @@ def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(
         stage = tab.screenshot("stage")
         u, v = middles(30, 1, 0.5, WIDTH), middles(9, 1, 0.5, HEIGHT)
         u = u[np.abs(u - share) > 0.05]
-        off_a, off_b = (np.abs(at(stage, u, v) - expected(p, u, v)).max((0, 2))
-                        for p in (picture, reference))  # fmt: skip
+        off_a, off_b = (
+            np.abs(at(stage, u, v) - expected(p, u, v)).max((0, 2)) for p in (picture, reference)
+        )
         assert off_a[u < share].max() <= 2 and off_b[u > share].max() <= 2
         assert off_a[u > share].max() > 4 and off_b[u < share].max() > 4
 
@@ -143,8 +157,10 @@ def test_the_wheel_zooms_about_the_pointer(tab: Browser, page: Report) -> None:
     tab.wait_for("view.zoom === 4")
     assert tab.eval("view.under(0.25, 0.7)") == pytest.approx(before, abs=0.005)
     tab.wait_for("location.hash.includes('zoom=4')")
-    zoom, u, v = (float(re.search(rf"[#&]{n}=([\d.]+)", tab.eval("location.hash"))[1])
-                  for n in ("zoom", "x", "y"))  # fmt: skip
+    zoom, u, v = (
+        float(re.search(rf"[#&]{n}=([\d.]+)", tab.eval("location.hash"))[1])
+        for n in ("zoom", "x", "y")
+    )
     check(tab.screenshot("stage"), tones(page, page.pictures["s4"]), 2, zoom, u, v)
 
 
@@ -180,8 +196,10 @@ def test_two_fingers_pinch(tab: Browser, page: Report) -> None:
     middle, centre = top + height / 2, left + width / 2
 
     def fingers(kind: str, apart: float) -> None:
-        points = [{"x": centre + side * apart / 2, "y": middle - 40, "id": i}
-                  for i, side in enumerate((-1, 1))]  # fmt: skip
+        points = [
+            {"x": centre + side * apart / 2, "y": middle - 40, "id": i}
+            for i, side in enumerate((-1, 1))
+        ]
         tab.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     fingers("touchStart", 60)
@@ -216,9 +234,15 @@ def test_the_view_stays_inside_the_picture(tab: Browser, page: Report) -> None:
 def test_an_address_that_changes_is_followed(tab: Browser, page: Report) -> None:
     shown(tab, page, "zoom=4&x=0.3&y=0.6&flip=1&ev=2&map=absolute", kind="absolute")
     tab.eval("location.hash = '#select=s2&wipe=0.8&zoom=2&x=0.3&y=0.4'")
-    wait(tab, "s2", "signed")  # what a link does not say is as at first
+    wait(tab, "s2", "signed")  # values that a link omits keep their defaults
     assert tab.eval("[view.zoom, view.x, view.y, state.wipe, state.flip, state.ev]") == [
-        2, 0.3, 0.4, 0.8, False, 0]  # fmt: skip
+        2,
+        0.3,
+        0.4,
+        0.8,
+        False,
+        0,
+    ]
 
 
 def test_maps_are_switched_by_menu_key_and_address(
@@ -248,8 +272,7 @@ def test_maps_are_switched_by_menu_key_and_address(
 def test_the_flip_map_is_the_evaluators_with_its_mean_in_the_caption(
     tab: Browser, page: Report, data: dict[str, Any]
 ) -> None:
-    errors, mean = metrics.flip_map(page.pictures["s4"].astype(float),
-                                    page.reference.astype(float))  # fmt: skip
+    errors, mean = metrics.flip_map(page.pictures["s4"].astype(float), page.reference.astype(float))
     shown(tab, page, "map=flip", kind="flip")
     colors = packed.colors(data, "flip")[np.round(255 * errors).astype(int)]
     check(tab.screenshot("mapstage"), colors, 6)
@@ -308,11 +331,14 @@ def test_a_picture_is_compared_with_another_setting(
 
 def test_what_is_no_number_is_magenta(tab: Browser, page: Report) -> None:
     shown(tab, page)
-    assert tab.eval("(o => { paintPicture(o, [0x7e00, 0, 0, 15360, 15360, -15360], 0);"
-                    " return [...o] })(new Uint8ClampedArray(8))") == [
-        255, 0, 255, 255, 255, 255, 0, 255]  # fmt: skip
-    assert tab.eval("(o => { paintMap(o, [NaN], [0, 1], colors.flip); return [...o] })"
-                    "(new Uint8ClampedArray(4))") == [255, 0, 255, 255]  # fmt: skip
+    assert tab.eval(
+        "(o => { paintPicture(o, [0x7e00, 0, 0, 15360, 15360, -15360], 0);"
+        " return [...o] })(new Uint8ClampedArray(8))"
+    ) == [255, 0, 255, 255, 255, 255, 0, 255]
+    assert tab.eval(
+        "(o => { paintMap(o, [NaN], [0, 1], colors.flip); return [...o] })"
+        "(new Uint8ClampedArray(4))"
+    ) == [255, 0, 255, 255]
 
 
 def test_pixels_that_are_large_enough_have_their_values_written_into_them(
@@ -321,7 +347,9 @@ def test_pixels_that_are_large_enough_have_their_values_written_into_them(
     shown(tab, page, "zoom=4")
     assert tab.eval("document.querySelector('#stage .numbers').width") == 0
     shown(tab, page, "zoom=16")
-    ink = ("(c => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]"
-           ".filter((v, i) => i % 4 === 3 && v).length)"
-           "(document.querySelector('#{} .numbers'))")  # fmt: skip
+    ink = (
+        "(c => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]"
+        ".filter((v, i) => i % 4 === 3 && v).length)"
+        "(document.querySelector('#{} .numbers'))"
+    )
     assert tab.eval(ink.format("stage")) > 1000 and tab.eval(ink.format("mapstage")) > 300

@@ -1,4 +1,4 @@
-"""The repository as its own tests see it: the files that git tracks or would track."""
+"""The files of the repository that git tracks or would track."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The API pages show every public name, and docstrings tell of parameters that there are."""
+"""The API pages show every public name, and docstrings describe existing parameters."""
 
 from __future__ import annotations
 
@@ -16,12 +16,25 @@ from codebase.repository import sources
 
 #: Modules whose public names are for users; `viscache.__all__` besides.
 MODULES = (
-    "viscache.correlation", "viscache.correlation.pairs", "viscache.correlation.plots",
-    "viscache.sweeps.designs", "viscache.workers", "viscache.figures", "viscache.metrics",
-    "viscache.notebook", "viscache.plots", "viscache.report", "viscache.scenes",
-    "viscache.temporal", "viscache.tiles", "viscache.sweeps.tune", "viscache.variance",
-    "viscache.vismap", "viscache.vismap.simulation", "viscache.vlf",
-)  # fmt: skip
+    "viscache.correlation",
+    "viscache.correlation.pairs",
+    "viscache.correlation.plots",
+    "viscache.figures",
+    "viscache.metrics",
+    "viscache.notebook",
+    "viscache.plots",
+    "viscache.report",
+    "viscache.scenes",
+    "viscache.sweeps.designs",
+    "viscache.sweeps.tune",
+    "viscache.temporal",
+    "viscache.tiles",
+    "viscache.variance",
+    "viscache.vismap",
+    "viscache.vismap.simulation",
+    "viscache.vlf",
+    "viscache.workers",
+)
 DIRECTIVE = re.compile(r"^\.\. auto(\w+):: (\S+)$|^\.\. currentmodule:: (\S+)$", re.M)
 
 
@@ -34,9 +47,10 @@ def public(name: str) -> dict[str, Any]:
     """Public names of a module: its `__all__`, or what it defines."""
     found = module(name)
     names = getattr(found, "__all__", None) or [
-        n for n, value in vars(found).items()
+        n
+        for n, value in vars(found).items()
         if not n.startswith("_") and getattr(value, "__module__", "") == name
-    ]  # fmt: skip
+    ]
     return {n: getattr(found, n) for n in names if n != "__version__"}
 
 
@@ -87,10 +101,11 @@ def everything() -> list[tuple[str, Any]]:
 @pytest.mark.parametrize("name", ["viscache", *MODULES])
 def test_every_public_name_is_on_a_page(name: str, everything: list[tuple[str, Any]]) -> None:
     missing = [
-        n for n, value in public(name).items()
+        n
+        for n, value in public(name).items()
         if not inspect.ismodule(value)
         and not any(value is one and n == told for told, one in everything)
-    ]  # fmt: skip
+    ]
     assert missing == []
 
 
@@ -159,5 +174,6 @@ def test_functions_with_told_parameters_tell_of_all() -> None:
 
 
 def test_a_wrong_parameter_is_found() -> None:
-    assert parameters("Do.\n\nParameters\n----------\na, b : int\n    Both.\n**c\n\nReturns\n"
-                      "-------\nint\n") == ["a", "b", "c"]  # fmt: skip
+    assert parameters(
+        "Do.\n\nParameters\n----------\na, b : int\n    Both.\n**c\n\nReturns\n-------\nint\n"
+    ) == ["a", "b", "c"]

@@ -1,4 +1,4 @@
-"""Rules of the house that a machine can hold."""
+"""House rules that a test can check."""
 
 import inspect
 import json

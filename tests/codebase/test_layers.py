@@ -1,4 +1,4 @@
-"""The layer rule of docs/design.md, held by scanning #include lines."""
+"""The layer rule of docs/design.md, checked by scanning #include lines."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -8,7 +8,7 @@ import pytest
 
 from codebase.repository import sources
 
-# A folder may include itself and folders of a lower rank; the methods never include each other.
+# A folder may include itself and folders of lower rank; methods never include each other.
 RANKS = {
     "math": 0,
     "sampling": 1,

@@ -10,7 +10,7 @@ import pytest
 from codebase.repository import paths, sources, text
 
 STATES = ("here", "later", "text")
-# Everything that bears a number in the papers. The VLF paper numbers no equations.
+# All numbered items of the papers. The VLF paper does not number equations.
 NUMBERED = {
     "AQVC": {"Eq.": 12, "Alg.": 2, "Fig.": 8},
     "VLF": {"Fig.": 8, "Table": 1},
@@ -46,7 +46,7 @@ def rows(table: str) -> list[Row]:
 
 
 def homes(files: Mapping[str, str]) -> dict[str, list[str]]:
-    """Where each tag stands, `path:line`."""
+    """The place of each tag, `path:line`."""
     found: dict[str, list[str]] = {}
     for path, source in files.items():
         for number, line in enumerate(source.splitlines(), 1):

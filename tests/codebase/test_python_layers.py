@@ -1,4 +1,4 @@
-"""Rooms of the Python package import downward only, held by reading its import statements."""
+"""Rooms of the Python package import downward only, checked in its import statements."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
 )
 RANKS = {room: rank for rank, floor in enumerate(FLOORS) for room in floor}
 PACKAGE = "python/viscache/"
-#: Who finds modules of the package by name: sub-commands, and figures beside each other.
+#: Files that find modules of the package by name: sub-commands and figures.
 BY_NAME = (f"{PACKAGE}cli.py", f"{PACKAGE}figures/__init__.py")
 
 
@@ -48,9 +48,9 @@ def room_of(path: str) -> str:
 
 
 def imported(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Line and room of every import of the package, in functions and under TYPE_CHECKING too.
+    """Line and room of every import of the package, also in functions and under TYPE_CHECKING.
 
-    A name that only an annotation needs says as much of who knows whom as any other import does.
+    An import for annotations is a dependency, too.
     """
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

@@ -51,8 +51,12 @@ def random_points(n: int = 300, n_directions: int = 500, seed: int = 0, groups: 
     normals[1], normals[2] = -normals[0], normals[0]
     shuffled = random.permutation(n)
     group = np.sort(random.integers(0, groups, n)).astype(np.int32)
-    return Points(visible=visible[shuffled], positions=positions[shuffled],
-                  normals=normals[shuffled], group=group)  # fmt: skip
+    return Points(
+        visible=visible[shuffled],
+        positions=positions[shuffled],
+        normals=normals[shuffled],
+        group=group,
+    )
 
 
 def convex_points(n: int, edge: int = 96, seed: int = 0) -> Points:
@@ -61,6 +65,9 @@ def convex_points(n: int, edge: int = 96, seed: int = 0) -> Points:
     directions = reference.equal_area_directions(edge)
     normals = unit(random.normal(size=(n, 3)))
     return Points(
-        visible=normals @ directions.T > 0, positions=random.random((n, 3)).astype(np.float32),
-        normals=normals, group=np.zeros(n, np.int32), directions=directions,
-    )  # fmt: skip
+        visible=normals @ directions.T > 0,
+        positions=random.random((n, 3)).astype(np.float32),
+        normals=normals,
+        group=np.zeros(n, np.int32),
+        directions=directions,
+    )

@@ -55,7 +55,7 @@ def clutter(seed: int = 0, n: int = 300) -> vc.Scene:
 
 
 def unpacked(bits: Array, n_directions: int) -> Array:
-    """Rows of bits as booleans, without numpy's help in their order."""
+    """Rows of bits as booleans; the order of bits does not come from NumPy."""
     k = np.arange(n_directions)
     return (bits[:, k // 64] >> (k % 64).astype(np.uint64) & np.uint64(1)).astype(bool)
 

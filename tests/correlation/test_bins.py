@@ -32,8 +32,10 @@ def test_merging_cells_is_counting_in_bins() -> None:
     rng = np.random.default_rng(0)
     fine, coarse = np.array([0, 0.2, 0.5, 1, 2, np.inf]), np.array([0.2, 1, np.inf])
     values = rng.integers(0, 100, (3, 5))
-    assert (merge(values, 1, fine, coarse) == np.stack(
-        [values[:, 1] + values[:, 2], values[:, 3] + values[:, 4]], axis=1)).all()  # fmt: skip
+    assert (
+        merge(values, 1, fine, coarse)
+        == np.stack([values[:, 1] + values[:, 2], values[:, 3] + values[:, 4]], axis=1)
+    ).all()
     with pytest.raises(ValueError, match="edges must be among those of the cells"):
         merge(values, 1, fine, np.array([0.1, 1.0]))
 
@@ -59,7 +61,8 @@ def test_the_pilot_finds_the_99th_percentile_of_all_distances() -> None:
 def test_the_pilot_takes_any_unit(scale: float) -> None:
     p = np.random.default_rng(1).random((300, 3)).astype(np.float32)
     assert pilot_d_max(p * np.float32(scale), 0) == pytest.approx(
-        pilot_d_max(p, 0) * scale, rel=0.02)  # fmt: skip
+        pilot_d_max(p, 0) * scale, rel=0.02
+    )
 
 
 @pytest.mark.parametrize(

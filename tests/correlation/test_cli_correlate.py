@@ -29,8 +29,9 @@ def test_the_file_holds_what_measure_returns(
     assert cli.main([*words, *more, "--store", str(tmp_path / "s")]) == 0
     got = json.loads(capsys.readouterr().out)
     ds = load_dataset(out)
-    expected = measure(SCENE, n_points=200, map_size=16, d_edges=8, theta_edges_deg=9, seed=3,
-                       d_max=2.5)  # fmt: skip
+    expected = measure(
+        SCENE, n_points=200, map_size=16, d_edges=8, theta_edges_deg=9, seed=3, d_max=2.5
+    )
     assert np.array_equal(ds["mean"], expected["mean"], equal_nan=True)
     assert got["n_points"] == 200 and got["d_max"] == 2.5 and got["n_pairs"] == 19900
     assert got["box_d_max"] == ds.attrs["box_d_max"] and len(got["correlation_lengths"]) == 9
@@ -38,7 +39,7 @@ def test_the_file_holds_what_measure_returns(
     assert all(Path(p).is_file() for p in got["plots"])
     assert [Path(p).name for p in got["plots"][:3]] == ["table.pdf", "table.png", "slices.pdf"]
     assert len(got["plots"]) == 6
-    assert cli.main([*words, "--format", "pdf"]) == 2  # of what?
+    assert cli.main([*words, "--format", "pdf"]) == 2  # without --plot
     assert list((tmp_path / "s").iterdir())
 
 
@@ -73,10 +74,14 @@ sys.exit(cli.main())
 
 
 def test_ctrl_c_ends_with_130_and_keeps_finished_blocks(tmp_path: Path) -> None:
-    words = ["correlate", "room?triangles=20000", "-o", tmp_path / "a.nc", "--points", "40000",
-             "--store", tmp_path / "s"]  # fmt: skip
-    with subprocess.Popen([sys.executable, "-c", INTERRUPTIBLE, *words], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
+    words = ["correlate", "room?triangles=20000", "--points", "40000"]
+    words += ["-o", tmp_path / "a.nc", "--store", tmp_path / "s"]
+    with subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTIBLE, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         assert process.stdout is not None and process.stderr is not None
         process.stdout.readline()
         deadline = time.monotonic() + 60
@@ -103,9 +108,12 @@ def test_ctrl_c_ends_with_130_and_keeps_finished_blocks(tmp_path: Path) -> None:
     ],
 )
 def test_bad_usage_is_one_line_and_status_2(
-    words: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert cli.main(["correlate", SCENE, "--points", "50", "--map-size", "8", *words]) == 2
     captured = capsys.readouterr()
@@ -119,8 +127,9 @@ def test_the_script_measures_scenes_one_after_another(tmp_path: Path) -> None:
     assert len(script.read_text().splitlines()) <= 30
     done = subprocess.run(
         [sys.executable, script, SCENE, "cube_on_plane", "-o", tmp_path, "--", *SMALL],
-        capture_output=True, text=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     made = {p.relative_to(tmp_path).as_posix() for p in tmp_path.glob("*/*")}
     names = ("statistics.nc", "table.png", "slices.png", "map.png")

@@ -1,4 +1,4 @@
-"""The dataset: names, units, what follows from it, and the way to a file and back."""
+"""The dataset: names, units, derived quantities, and saving and loading."""
 
 from __future__ import annotations
 
@@ -38,10 +38,14 @@ def made_up(mean: list[list[float]], n: list[list[int]] | int = 1000) -> xarray.
             "pair_share": ("d", np.ones(len(d))),
         },
         {
-            "d": d, "d_low": ("d", d - 0.5), "d_high": ("d", d + 0.5),
-            "theta": theta, "theta_low": ("theta", theta - 5), "theta_high": ("theta", theta + 5),
+            "d": d,
+            "d_low": ("d", d - 0.5),
+            "d_high": ("d", d + 0.5),
+            "theta": theta,
+            "theta_low": ("theta", theta - 5),
+            "theta_high": ("theta", theta + 5),
         },
-    )  # fmt: skip
+    )
 
 
 def test_the_interface_s_names_and_units_are_there(measured: xarray.Dataset) -> None:
@@ -75,8 +79,14 @@ def test_the_mean_of_squares_is_that_of_mean_and_sigma(measured: xarray.Dataset)
 
 def test_the_jackknife_s_error_is_larger_than_the_naive_one() -> None:
     problem = bumpy(900, seed=1)
-    ds = correlate(problem.bits, problem.positions, problem.normals, n_directions=500,
-                   d_edges=[0, 1, 2, 3], theta_edges_deg=6)  # fmt: skip
+    ds = correlate(
+        problem.bits,
+        problem.positions,
+        problem.normals,
+        n_directions=500,
+        d_edges=[0, 1, 2, 3],
+        theta_edges_deg=6,
+    )
     many = ds["n"].values > 5000
     assert many.sum() > 5
     assert np.median((ds["se"] / ds["se_naive"]).values[many]) > 2
@@ -110,7 +120,7 @@ def test_correlation_lengths_lie_where_the_mean_crosses_the_level() -> None:
 
 
 def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_record() -> None:
-    # Evenly spread points: as many pairs per area
+    # Evenly spread points have equally many pairs per area
     n = [[1000], [3000], [5000]]
     ds = made_up([[0.9], [0.6], [0.0]], n)
     left = 1 - np.array([0.9, 0.6, 0.0]) ** 2 - 0.01
@@ -120,7 +130,7 @@ def test_the_predicted_ratio_is_the_mean_of_one_minus_rho_squared_around_a_recor
     assert found[2] == pytest.approx((left[0] + 3 * left[1]) / 4)
     assert found[3] == pytest.approx((left[0] + 3 * left[1] + 5 * left[2]) / 9)
     assert np.isnan(found[4])
-    half = ds.assign(pair_share=("d", [1.0, 0.5, 0.5]))  # sampled bins count for all of theirs
+    half = ds.assign(pair_share=("d", [1.0, 0.5, 0.5]))  # sampled bins stand for all of their pairs
     assert predicted_variance_ratio(half, 2 * root)[0] == pytest.approx((left[0] + 6 * left[1]) / 7)
     with pytest.raises(ValueError, match="spacing must be > 0"):
         predicted_variance_ratio(ds, 0.0)
@@ -145,11 +155,13 @@ def test_the_box_is_the_largest_whose_pairs_have_a_mean_of_at_least_the_level() 
     assert (box.d_max, box.theta_max_deg) == (2.0, 20.0)
     assert box.mean == pytest.approx((1.0 + 0.9 + 0.9 + 0.7) / 4)
     # Many pairs of low ρ in one bin push the box off it
-    heavy = made_up([[1.0, 0.9, 0.0], [0.9, 0.7, 0.0], [0.5, 0.2, 0.0]],
-                    [[1000, 1000, 1000], [1000, 9000, 1000], [1000, 1000, 1000]])  # fmt: skip
+    heavy = made_up(
+        [[1.0, 0.9, 0.0], [0.9, 0.7, 0.0], [0.5, 0.2, 0.0]],
+        [[1000, 1000, 1000], [1000, 9000, 1000], [1000, 1000, 1000]],
+    )
     assert high_correlation_box(heavy).mean >= 0.8
     assert (high_correlation_box(heavy).d_max, high_correlation_box(heavy).theta_max_deg) != (2, 20)
-    # Empty bins are no area
+    # Empty bins have no area
     empty = made_up([[1.0, 0.9, 0.0], [0.9, 0.7, 0.0]], [[1000, 0, 0], [1000, 0, 0]])
     assert high_correlation_box(empty).theta_max_deg == 10.0
     low = high_correlation_box(made_up([[0.5, 0.4], [0.3, 0.2]]))

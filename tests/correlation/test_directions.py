@@ -42,8 +42,10 @@ def test_the_order_takes_every_cell_once(map_size: int) -> None:
 def test_packets_words_and_sixteens_are_rectangles_of_cells(map_size: int) -> None:
     y, x = np.divmod(patch_order(map_size), map_size)
     for bits, edges in ((512, {(16, 32), (32, 16)}), (64, {(8, 8)}), (16, {(4, 4)})):
-        spans = {tuple(np.ptp([a, b], axis=1) + 1) for a, b in
-                 zip(x.reshape(-1, bits), y.reshape(-1, bits), strict=True)}  # fmt: skip
+        spans = {
+            tuple(np.ptp([a, b], axis=1) + 1)
+            for a, b in zip(x.reshape(-1, bits), y.reshape(-1, bits), strict=True)
+        }
         assert spans <= edges, bits
 
 

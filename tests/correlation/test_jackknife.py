@@ -25,10 +25,13 @@ def sums_of(rho: np.ndarray, group: np.ndarray) -> Sums:
         return np.array([values[pairs].sum() for pairs in own])[:, None, None]
 
     return Sums(
-        n=cells(defined.astype(np.int64)), n_undefined=cells((~defined).astype(np.int64)),
-        q=cells(q * defined), q2=np.array([[sum(int(v) ** 2 for v in q[defined])]], dtype=object),
-        first=np.array([g for g, _ in labels]), second=np.array([h for _, h in labels]),
-    )  # fmt: skip
+        n=cells(defined.astype(np.int64)),
+        n_undefined=cells((~defined).astype(np.int64)),
+        q=cells(q * defined),
+        q2=np.array([[sum(int(v) ** 2 for v in q[defined])]], dtype=object),
+        first=np.array([g for g, _ in labels]),
+        second=np.array([h for _, h in labels]),
+    )
 
 
 def draw(rng: np.random.Generator, groups: int = 16, points: int = 10) -> tuple[Sums, float]:

@@ -22,8 +22,12 @@ from viscache.correlation import near as near_pass
 
 SCENE = "bumpy_spheres?triangles=3000"
 SMALL: dict[str, Any] = {
-    "n_points": 300, "map_size": 16, "d_edges": 16, "theta_edges_deg": 18, "threads": 2
-}  # fmt: skip
+    "n_points": 300,
+    "map_size": 16,
+    "d_edges": 16,
+    "theta_edges_deg": 18,
+    "threads": 2,
+}
 
 
 def assert_same(a: xarray.Dataset, b: xarray.Dataset) -> None:
@@ -80,8 +84,13 @@ def test_slices_have_their_own_bins_from_their_own_pairs(problem: Problem) -> No
 
 def test_points_of_a_convex_body_correlate_by_angle_alone() -> None:
     problem = half_spaces(700)
-    ds = correlate(problem.bits, problem.positions, problem.normals,
-                   d_edges=[0.0, np.inf], theta_edges_deg=np.linspace(0, 180, 91))  # fmt: skip
+    ds = correlate(
+        problem.bits,
+        problem.positions,
+        problem.normals,
+        d_edges=[0.0, np.inf],
+        theta_edges_deg=np.linspace(0, 180, 91),
+    )
     low, high = ds["theta_low"].values, ds["theta_high"].values
     enough = ds["n"].values[0] > 500
     assert enough.sum() > 75
@@ -92,9 +101,13 @@ def test_points_of_a_convex_body_correlate_by_angle_alone() -> None:
     pairs = pair_tables.all_pairs(problem.visible, problem.positions, problem.normals)
     single = pairs.rho - (1 - 2 * np.radians(pairs.theta_deg) / np.pi)
     assert np.abs(single).max() < 0.02
-    exact = np.array([(1 - pairs.theta_deg[own] / 90).mean() if own.any() else np.nan
-                      for a, b in zip(low, high, strict=True)
-                      for own in [(pairs.theta_deg >= a) & (pairs.theta_deg < b)]])  # fmt: skip
+    exact = np.array(
+        [
+            (1 - pairs.theta_deg[own] / 90).mean() if own.any() else np.nan
+            for a, b in zip(low, high, strict=True)
+            for own in [(pairs.theta_deg >= a) & (pairs.theta_deg < b)]
+        ]
+    )
     error = ds["mean"].values[0] - exact
     assert np.nanmax(np.abs(error[enough])) < 5e-4
     spread = 0.03 / np.sqrt(ds["n"].values[0])
@@ -102,21 +115,28 @@ def test_points_of_a_convex_body_correlate_by_angle_alone() -> None:
 
 
 def test_a_convex_scene_measured_end_to_end_falls_as_a_straight_line() -> None:
-    """Test 9 of the specification: rays, rows, pairs and bins together."""
+    """Rays, rows, pairs and bins together."""
     sphere = convex_sphere()
     d_edges = [0, 0.5, 1, 1.5, np.inf]
-    ds = measure(sphere, n_points=1500, points="area", d_edges=d_edges, theta_edges_deg=45,
-                 spatial=False)  # fmt: skip
+    ds = measure(
+        sphere, n_points=1500, points="area", d_edges=d_edges, theta_edges_deg=45, spatial=False
+    )
     normals = ds["normal"].values.astype(float)
     p = ds["position"].values.astype(float)
     i, j = np.triu_indices(len(p), 1)
-    theta = np.degrees(2 * np.arctan2(np.linalg.norm(normals[i] - normals[j], axis=1),
-                                      np.linalg.norm(normals[i] + normals[j], axis=1)))  # fmt: skip
+    theta = np.degrees(
+        2
+        * np.arctan2(
+            np.linalg.norm(normals[i] - normals[j], axis=1),
+            np.linalg.norm(normals[i] + normals[j], axis=1),
+        )
+    )
     d = np.linalg.norm(p[i] - p[j], axis=1)
     line = pair_tables.binned(
         pair_tables.Pairs(i=i, j=j, rho=1 - theta / 90, d=d, theta_deg=theta),
-        np.append(ds["d_low"].values, np.inf), np.append(ds["theta_low"].values, 180.0),
-    )  # fmt: skip
+        np.append(ds["d_low"].values, np.inf),
+        np.append(ds["theta_low"].values, 180.0),
+    )
     enough = ds["n"].values >= 500
     assert enough.sum() > 20 and enough.any(axis=1).all()
     assert np.abs(ds["mean"].values - line["mean"])[enough].max() < 5e-4
@@ -275,8 +295,9 @@ def test_groups_may_be_given_and_points_come_in_any_order(problem: Problem) -> N
 )
 def test_bad_arguments_are_refused(problem: Problem, change: dict[str, Any], says: str) -> None:
     with pytest.raises(ValueError, match=says):
-        correlate(problem.bits, problem.positions, problem.normals,
-                  **{"n_directions": 500} | change)  # fmt: skip
+        correlate(
+            problem.bits, problem.positions, problem.normals, **{"n_directions": 500} | change
+        )
 
 
 def test_bad_arrays_are_refused(problem: Problem) -> None:
@@ -314,7 +335,7 @@ def test_measurements_that_cannot_be_are_refused(change: dict[str, Any], says: s
 
 
 def count_work(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """Counts blocks that are worked on from here on."""
+    """Count the blocks computed from now on."""
     done = {"rows": 0, "pairs": 0}
 
     def traced(*args: Any) -> Any:

@@ -20,8 +20,12 @@ def clustered(n: int, seed: int) -> Points:
     positions[: n // 2, 2] = 0
     positions[n // 2 : 3 * n // 4] *= np.float32(0.01)
     positions[-n // 10 :] = positions[0]
-    return Points(visible=points.visible, positions=positions + np.float32(100),
-                  normals=points.normals, group=points.group)  # fmt: skip
+    return Points(
+        visible=points.visible,
+        positions=positions + np.float32(100),
+        normals=points.normals,
+        group=points.group,
+    )
 
 
 @pytest.mark.parametrize("d_near", [1e-4, 0.02, 0.3, 5])
@@ -39,10 +43,12 @@ def test_near_pairs_are_those_of_brute_force(d_near: float, seed: int) -> None:
 def test_near_pairs_do_not_depend_on_threads_or_instruction_set() -> None:
     points = clustered(800, 3)
     tables = [
-        pairs.near_pairs(*points.arguments, [0, 0.1, 0.2], [0, 90, 180], d_near=0.2,
-                         threads=threads, isa=isa)
-        for threads in (1, 2, 8) for isa in AVAILABLE
-    ]  # fmt: skip
+        pairs.near_pairs(
+            *points.arguments, [0, 0.1, 0.2], [0, 90, 180], d_near=0.2, threads=threads, isa=isa
+        )
+        for threads in (1, 2, 8)
+        for isa in AVAILABLE
+    ]
     for table in tables[1:]:
         for name in (*SUMS, "sum_q2_high", "sum_q2_low"):
             assert getattr(table, name).tobytes() == getattr(tables[0], name).tobytes()
@@ -52,8 +58,12 @@ def test_near_pairs_do_not_depend_on_threads_or_instruction_set() -> None:
 @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
 def test_the_grid_holds_scenes_of_any_size(scale: float) -> None:
     points = random_points(200, 70)
-    points = Points(visible=points.visible, positions=points.positions * np.float32(scale),
-                    normals=points.normals, group=points.group)  # fmt: skip
+    points = Points(
+        visible=points.visible,
+        positions=points.positions * np.float32(scale),
+        normals=points.normals,
+        group=points.group,
+    )
     edges, angles = np.array([0, 0.05, 0.3]) * scale, [0, 180]
     table = pairs.near_pairs(*points.arguments, edges, angles, d_near=edges[-1])
     assert_sums(table, expected(points, edges, angles))
@@ -65,8 +75,9 @@ def test_a_scene_much_larger_than_the_distance_bins_exactly() -> None:
     points = random_points(300, 70)
     positions = points.positions.copy()
     positions[::2] *= np.float32(1e9)
-    points = Points(visible=points.visible, positions=positions, normals=points.normals,
-                    group=points.group)  # fmt: skip
+    points = Points(
+        visible=points.visible, positions=positions, normals=points.normals, group=points.group
+    )
     table = pairs.near_pairs(*points.arguments, [0, 0.1], [0, 180], d_near=0.1)
     assert_sums(table, expected(points, [0, 0.1], [0, 180]))
 
@@ -86,8 +97,9 @@ def brute_force_map(points: Points, d_max: float, theta_max_deg: float) -> Any:
 @pytest.mark.parametrize(("d_max", "theta_max_deg"), [(0.2, 60), (0.5, 20), (3, 180)])
 def test_the_spatial_map_is_the_mean_over_neighbours(d_max: float, theta_max_deg: float) -> None:
     points = random_points(600, 300)
-    found = pairs.spatial_map(points.bits, points.positions, points.normals, d_max, theta_max_deg,
-                              n_directions=300)  # fmt: skip
+    found = pairs.spatial_map(
+        points.bits, points.positions, points.normals, d_max, theta_max_deg, n_directions=300
+    )
     wanted = brute_force_map(points, d_max, theta_max_deg)
     assert found.dtype == np.float32
     assert 0 < np.isnan(wanted).sum() < 500
@@ -96,8 +108,14 @@ def test_the_spatial_map_is_the_mean_over_neighbours(d_max: float, theta_max_deg
 
 def test_a_point_without_neighbours_has_no_mean() -> None:
     points = random_points(50, 100)
-    found = pairs.spatial_map(points.bits, np.arange(150, dtype=np.float32).reshape(50, 3),
-                              points.normals, 1.0, 90, n_directions=100)  # fmt: skip
+    found = pairs.spatial_map(
+        points.bits,
+        np.arange(150, dtype=np.float32).reshape(50, 3),
+        points.normals,
+        1.0,
+        90,
+        n_directions=100,
+    )
     assert np.isnan(found).all()
 
 

@@ -15,13 +15,24 @@ D_EDGES = np.linspace(0.1, 1.3, 25)
 ANGLES = np.arange(0, 180.5, 2.0)
 
 
-def expected(points: Points, d_edges: Any = D_EDGES, angles: Any = ANGLES, domain: str = "sphere",
-             **rules: Any) -> dict[str, Any]:  # fmt: skip
-    found = reference.all_pairs(points.visible, points.positions, points.normals, domain=domain,
-                                directions=points.directions)  # fmt: skip
+def expected(
+    points: Points,
+    d_edges: Any = D_EDGES,
+    angles: Any = ANGLES,
+    domain: str = "sphere",
+    **rules: Any,
+) -> dict[str, Any]:
+    found = reference.all_pairs(
+        points.visible,
+        points.positions,
+        points.normals,
+        domain=domain,
+        directions=points.directions,
+    )
     q, defined = reference.quantized_rho(found, single=domain == "sphere", **rules)
-    return reference.pair_sums(found, q, defined, points.group, np.array(d_edges, float),
-                               np.array(angles, float))  # fmt: skip
+    return reference.pair_sums(
+        found, q, defined, points.group, np.array(d_edges, float), np.array(angles, float)
+    )
 
 
 def assert_sums(table: pairs.PairTable, sums: dict[str, Any]) -> None:
@@ -44,8 +55,9 @@ def test_sums_equal_the_transcription(isa: str, n_directions: int) -> None:
 @pytest.mark.parametrize(("min_bits", "undefined"), [(60, "skip"), (30, "one_if_both")])
 def test_rules_for_pairs_without_correlation(isa: str, min_bits: int, undefined: Any) -> None:
     points = random_points()
-    table = pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, isa=isa, undefined=undefined,
-                                  min_bits=min_bits)  # fmt: skip
+    table = pairs.pair_statistics(
+        *points.arguments, D_EDGES, ANGLES, isa=isa, undefined=undefined, min_bits=min_bits
+    )
     rules = {"min_bits": min_bits, "one_if_both": undefined == "one_if_both"}
     assert_sums(table, expected(points, **rules))
 
@@ -60,20 +72,34 @@ def test_domains_equal_the_transcription(domain: Any, rules: dict[str, Any]) -> 
     visible[:10] = convex.visible[:10]
     visible[20:30] |= random.random((10, 256)) < 0.1
     points = Points(
-        visible=visible, positions=convex.positions, normals=convex.normals,
-        group=(np.arange(120) // 60).astype(np.int32), directions=convex.directions,
-    )  # fmt: skip
+        visible=visible,
+        positions=convex.positions,
+        normals=convex.normals,
+        group=(np.arange(120) // 60).astype(np.int32),
+        directions=convex.directions,
+    )
     sums = expected(points, domain=domain, **rules)
     for isa in AVAILABLE:
         table = pairs.pair_statistics(
-            *points.arguments, D_EDGES, ANGLES, domain=domain, directions=points.directions,
-            undefined="one_if_both" if rules else "skip", isa=isa, tile=50,
-        )  # fmt: skip
+            *points.arguments,
+            D_EDGES,
+            ANGLES,
+            domain=domain,
+            directions=points.directions,
+            undefined="one_if_both" if rules else "skip",
+            isa=isa,
+            tile=50,
+        )
         assert_sums(table, sums)
     near = pairs.near_pairs(
-        *points.arguments, D_EDGES, ANGLES, d_near=D_EDGES[-1], domain=domain,
-        directions=points.directions, undefined="one_if_both" if rules else "skip",
-    )  # fmt: skip
+        *points.arguments,
+        D_EDGES,
+        ANGLES,
+        d_near=D_EDGES[-1],
+        domain=domain,
+        directions=points.directions,
+        undefined="one_if_both" if rules else "skip",
+    )
     assert_sums(near, sums)
 
 
@@ -103,8 +129,12 @@ def test_scenes_of_any_size_bin_exactly(scale: float) -> None:
     """Where d² overflows it is infinite, and lies in the open bin."""
     points = random_points(n=100, n_directions=70, groups=1)
     with np.errstate(over="ignore", under="ignore"):
-        points = Points(visible=points.visible, positions=points.positions * np.float32(scale),
-                        normals=points.normals, group=points.group)  # fmt: skip
+        points = Points(
+            visible=points.visible,
+            positions=points.positions * np.float32(scale),
+            normals=points.normals,
+            group=points.group,
+        )
         edges = np.array([0, 0.1, 0.5, 0.9, np.inf]) * scale
         sums = expected(points, edges)
     for isa in AVAILABLE:
@@ -126,14 +156,13 @@ def test_pairs_at_an_edge_lie_in_the_bin_past_it() -> None:
     visible = np.zeros((4, 64), bool)
     visible[:, :32] = 1
     points = Points(
-        visible=visible, group=np.zeros(4, np.int32),
+        visible=visible,
+        group=np.zeros(4, np.int32),
         positions=np.array([[0, 0, 0], [0, 0, 0], [0.5, 0, 0], [1, 0, 0]], np.float32),
         normals=np.array([[0, 0, 1], [0, 0, 1], [0, 1, 0], [0, 0, -1]], np.float32),
-    )  # fmt: skip
+    )
     for isa in AVAILABLE:
-        table = pairs.pair_statistics(
-            *points.arguments, [0, 0.5, 1, 2], [0, 90, 179, 180], isa=isa
-        )  # fmt: skip
+        table = pairs.pair_statistics(*points.arguments, [0, 0.5, 1, 2], [0, 90, 179, 180], isa=isa)
         # 0-1: d 0; 0-2, 1-2: d ½, 90°; 0-3, 1-3: d 1, 180°; 2-3: d ½, 90°
         assert table.n[0].tolist() == [[1, 0, 0], [0, 3, 0], [0, 0, 2]]
 
@@ -146,10 +175,14 @@ def test_an_angle_in_degrees_is_the_one_between_the_normals() -> None:
     visible = np.arange(64) < 32
     for angle, normal in zip(angles, normals, strict=True):
         table = pairs.pair_statistics(
-            reference.packed(np.stack([visible, visible])), 64, np.zeros((2, 3), np.float32),
-            np.array([[0, 0, 1], normal], np.float32), np.zeros(2, np.int32),
-            [0, 1], [0, angle - 5e-4, angle + 5e-4, 180],
-        )  # fmt: skip
+            reference.packed(np.stack([visible, visible])),
+            64,
+            np.zeros((2, 3), np.float32),
+            np.array([[0, 0, 1], normal], np.float32),
+            np.zeros(2, np.int32),
+            [0, 1],
+            [0, angle - 5e-4, angle + 5e-4, 180],
+        )
         assert table.n[0, 0].tolist() == [0, 1, 0], angle
 
 
@@ -187,9 +220,11 @@ def test_the_sum_of_squares_has_room_for_a_full_cell() -> None:
     visible[::2, :32] = 1
     visible[1::2, 32:] = 1
     points = Points(
-        visible=visible, positions=np.zeros((n, 3), np.float32),
-        normals=np.tile(np.array([[0, 0, 1]], np.float32), (n, 1)), group=np.zeros(n, np.int32),
-    )  # fmt: skip
+        visible=visible,
+        positions=np.zeros((n, 3), np.float32),
+        normals=np.tile(np.array([[0, 0, 1]], np.float32), (n, 1)),
+        group=np.zeros(n, np.int32),
+    )
     table = pairs.pair_statistics(*points.arguments, [0, 1], [0, 180], tile=n)
     same, all_ = 2 * (n // 2) * (n // 2 - 1) // 2, n * (n - 1) // 2
     assert table.n.item() == all_ > 4 * 2**21

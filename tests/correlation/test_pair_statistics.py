@@ -144,8 +144,9 @@ def test_tables_of_other_bins_do_not_add(points: Points) -> None:
         table + table_of(points, n_groups=5)
     full = np.full_like(table.n, MAX_PAIRS)
     sums = {name: getattr(table, name) for name in ("sum_q", "sum_q2_high", "sum_q2_low")}
-    crowded = pairs.PairTable(n=full, n_undefined=table.n, d_edges=D_EDGES, theta_edges_deg=ANGLES,
-                              **sums)  # fmt: skip
+    crowded = pairs.PairTable(
+        n=full, n_undefined=table.n, d_edges=D_EDGES, theta_edges_deg=ANGLES, **sums
+    )
     with pytest.raises(ValueError, match="a cell must hold at most"):
         crowded + crowded
 
@@ -203,9 +204,15 @@ def wrong(points: Points) -> dict[str, tuple[dict[str, Any], str]]:
 @pytest.mark.parametrize("case", wrong(random_points(n=50)).keys())
 def test_wrong_arguments_are_refused(case: str) -> None:
     points = random_points(n=700)
-    good = dict(bits=points.bits, n_directions=500, positions=points.positions,
-                normals=points.normals, group=points.group, d_edges=D_EDGES,
-                theta_edges_deg=ANGLES)  # fmt: skip
+    good = dict(
+        bits=points.bits,
+        n_directions=500,
+        positions=points.positions,
+        normals=points.normals,
+        group=points.group,
+        d_edges=D_EDGES,
+        theta_edges_deg=ANGLES,
+    )
     bad, message = wrong(points)[case]
     with pytest.raises(ValueError, match=message):
         pairs.pair_statistics(**(good | bad))
@@ -214,8 +221,9 @@ def test_wrong_arguments_are_refused(case: str) -> None:
 def test_progress_counts_pairs_and_may_stop_the_call() -> None:
     points = random_points(n=4000, n_directions=9000, groups=1)
     calls = []
-    pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, tile=200, threads=1, isa="portable",
-                          tiles=np.arange(20), progress=lambda *c: calls.append(c))  # fmt: skip
+    some: dict[str, Any] = {"tile": 200, "tiles": np.arange(20), "threads": 1, "isa": "portable"}
+    some["progress"] = lambda *c: calls.append(c)
+    pairs.pair_statistics(*points.arguments, D_EDGES, ANGLES, **some)
     tiles = pairs.tile_list(points.group, 200)
     assert calls[-1] == (tiles["pairs"][:20].sum(),) * 2
 

@@ -54,7 +54,7 @@ def test_padding_bits_are_zero(map_size: int) -> None:
 
 
 def test_rays_are_the_directions_above_the_planes() -> None:
-    """Test 30: the lower hemisphere is 0 by definition and costs nothing."""
+    """The lower hemisphere is 0 by definition and costs nothing."""
     points, rows = rows_of(clutter(), 500)
     assert rows.n_rays == above(points.normals, SKY.directions).sum()
     assert rows.rays_per_second == rows.n_rays / rows.seconds > 0
@@ -69,7 +69,7 @@ def test_records_of_even_maps_cost_half_their_cells() -> None:
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 @pytest.mark.parametrize("where", ["camera", "area"])
 def test_points_of_a_convex_body_see_all_that_lies_above(scale: float, where: Any) -> None:
-    """Test 9, the half of the rows: ρ = 1 − 2θ/π follows from these bits."""
+    """ρ = 1 − 2θ/π follows from these bits."""
     points, rows = rows_of(convex(scale), 2000, where=where)
     seen = unpacked(rows.bits, rows.n_directions)
     np.testing.assert_array_equal(seen, above(points.normals, SKY.directions))
@@ -115,8 +115,9 @@ UNDER = np.array([[0.5, 0.5, -1]]), np.array([[0, 0, 1.0]])
 def test_instances_stop_rays() -> None:
     d = vc.SceneDescription()
     vertices, triangles = squares()
-    card = d.add_mesh(vertices - [0.5, 0.5, 0], triangles, material=d.add_material(),
-                      in_world=False)  # fmt: skip
+    card = d.add_mesh(
+        vertices - [0.5, 0.5, 0], triangles, material=d.add_material(), in_world=False
+    )
     d.add_instance([card], np.array([[3.9, 0, 0, 0.5], [0, 3.9, 0, 0.5], [0, 0, 1, 0.0]]))
     rows = trace_rows(vc.Scene.from_description(d), *UNDER, SKY)
     hidden = above(np.float32(UNDER[1]), SKY.directions) & ~unpacked(rows.bits, 24**2)
@@ -140,9 +141,14 @@ def test_neither_threads_nor_packets_nor_the_order_of_points_change_a_bit() -> N
 
     def traced(order: Any, threads: int, which: Any = slice(None)) -> Any:
         return _core.correlation.visibility_rows(
-            scene._core, scene.caster(), points.positions[which], points.normals[which],
-            SKY.directions, order=order, threads=threads,
-        )  # fmt: skip
+            scene._core,
+            scene.caster(),
+            points.positions[which],
+            points.normals[which],
+            SKY.directions,
+            order=order,
+            threads=threads,
+        )
 
     bits, rays = traced(None, 1)
     for order in (None, *_core.PacketOrder):

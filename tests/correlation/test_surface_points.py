@@ -1,4 +1,4 @@
-"""Points on surfaces: where they should be, as many as asked for, in blocks, for any threads."""
+"""Points on surfaces: right places, requested number, equal for any blocks and threads."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_points_are_uniform_inside_their_pixels() -> None:
 
 
 def test_pixels_are_left_out_at_random() -> None:
-    """What is dropped beyond the wanted number favours no part of the image."""
+    """Points dropped beyond the requested number are uniform over the image."""
     found = points(clutter(), 3000, seed=11)
     rows = found.stratum // found.width
     hits = points(clutter(), 3000, seed=12).stratum // found.width
@@ -168,7 +168,7 @@ def test_shading_normals_are_for_the_angle_alone() -> None:
         np.testing.assert_array_equal(plain.theta_normals, plain.normals)
 
 
-# What is no surface
+# What is not a surface
 
 
 @pytest.mark.parametrize("where", ["camera", "area"])
@@ -185,8 +185,9 @@ def test_a_scene_that_is_all_holes_is_refused() -> None:
     d = vc.SceneDescription()
     hole = d.add_image(np.zeros((1, 1, 4), np.float32))
     vertices, triangles = squares()
-    d.add_mesh(vertices, triangles, material=d.add_material(alpha_texture=hole),
-               uvs=vertices[:, :2])  # fmt: skip
+    d.add_mesh(
+        vertices, triangles, material=d.add_material(alpha_texture=hole), uvs=vertices[:, :2]
+    )
     with pytest.raises(ValueError, match="at least 1/1024 of the scene's area must be solid"):
         points(vc.Scene.from_description(d), 100, points="area")
 

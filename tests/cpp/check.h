@@ -9,13 +9,13 @@
 namespace viscache::test {
 
 struct Test {
-    std::string name;  ///< a sentence of the claim
+    std::string name;  ///< a sentence that states the claim
     std::function<void()> body;
 };
 
 /// All tests linked into the executable.
 std::vector<Test>& registry();
-/// Records a failure of the running test and goes on.
+/// Records a failure of the running test; the test continues.
 void fail(const std::string& what);
 
 struct Suite {

@@ -1,4 +1,4 @@
-// Runs every test (or those whose name contains the first argument); prints failures and the totals.
+// Runs all tests, or those whose name contains the first argument. Prints failures and totals.
 #include <cstdio>
 #include <exception>
 
@@ -16,11 +16,11 @@ int failures_of_test = 0;
 }
 
 void fail(const std::string& what) {
-    // Twenty lines say enough about a test that fails everywhere.
+    // Print at most twenty failures per test.
     if (++failures_of_test <= 20) std::printf("    %s\n", what.c_str());
 }
 
-/// Whether the test passed.
+/// Returns true if the test passed.
 bool run(const Test& test) {
     failures_of_test = 0;
     try {
@@ -28,7 +28,7 @@ bool run(const Test& test) {
     } catch (const std::exception& e) {
         fail(std::string("threw ") + e.what());
     } catch (...) {
-        fail("threw something that is no std::exception");
+        fail("threw something other than a std::exception");
     }
     if (failures_of_test) std::printf("FAILED %s (%d checks)\n", test.name.c_str(), failures_of_test);
     return failures_of_test == 0;

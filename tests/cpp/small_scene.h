@@ -14,7 +14,7 @@ inline void add_quad(SceneDescription& d, Vec3 corner, Vec3 a, Vec3 b, int mater
     d.meshes.push_back(std::move(mesh));
 }
 
-/// A floor and a board over it; two lamps, a sun and a small area light.
+/// A floor and a board above it, with two lamps, a sun and a small area light.
 inline std::shared_ptr<const Scene> lit_board() {
     SceneDescription d;
     d.materials.push_back({.base_color = {0.6f, 0.5f, 0.4f}});

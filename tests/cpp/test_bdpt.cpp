@@ -1,5 +1,5 @@
-// Bidirectional path tracing on several threads over one table: batched it does not depend on them, racing it
-// is free of data races.
+// Bidirectional path tracing on several threads with one table. With batches the result does not depend on
+// the number of threads; with racing threads there are no data races.
 #include <cstring>
 #include <random>
 #include <thread>
@@ -17,11 +17,12 @@ void add_quad(SceneDescription& d, Vec3 corner, Vec3 a, Vec3 b, int material, Rg
     Mesh mesh;
     mesh.vertices = {corner, corner + a, corner + a + b, corner + b};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.material = material, mesh.emission = emission;
+    mesh.material = material;
+    mesh.emission = emission;
     d.meshes.push_back(std::move(mesh));
 }
 
-/// Floor, wall, a board of glass, a lamp, a point light and a sky.
+/// A floor, a wall, a glass board, a lamp, a point light and a sky.
 std::shared_ptr<const Scene> scene() {
     SceneDescription d;
     d.materials.push_back({.base_color = {0.6f, 0.5f, 0.4f}});
@@ -51,7 +52,9 @@ struct Setup {
 
 AqvcParameters parameters(Storage storage) {
     AqvcParameters p;
-    p.storage = storage, p.res_rule = ResolutionRule::kEq6, p.refinement = Refinement::kOff;
+    p.storage = storage;
+    p.res_rule = ResolutionRule::kEq6;
+    p.refinement = Refinement::kOff;
     p.table_bytes = 1 << 14;
     return p;
 }
@@ -73,18 +76,18 @@ void races_are_counted() {
     const AqvcParameters p = parameters(Storage::kShared);
     const Counters c = setup.render(4, p).counters;
     check(c.rays() < c.queries(), "the cache answers");
-    check_equal(c.table_writes + c.bypassed, c.rays(), "every ray is written or passed by");
+    check_equal(c.table_writes + c.bypassed, c.rays(), "every ray is written or bypassed");
     check_equal(c.table_slots, largest_prime(p.table_bytes / 4), "slots");
 }
 
-/// Every word that a thread reads is one that some thread wrote for that slot.
+/// Every word that a thread reads was written by some thread for that slot.
 void racing_words_are_never_mixed() {
     RacingBitTable table(64, 31, HashScheme::kScheme2);
     const auto work = [&](uint32_t who) {
         TableCounts counts;
         for (uint32_t i = 0; i < 20000; ++i) {
             const uint32_t n = (i * 7 + who * 13) % 512;
-            // The bit belongs to the digest: a mixed word would show
+            // The bit follows from the digest, so a mixed word is detected
             const KeyHash h{n, n * 2654435761u >> 1 | 1};
             const auto found = table.get_hashed(h);
             if (found) check_equal(*found, bool(n & 1), "value of a word");
@@ -111,7 +114,7 @@ struct WholePath {
         return v;
     }
     size_t size() const { return by_eye.size(); }
-    /// Whether s vertices by the light and the rest by the eye make the path.
+    /// True if s vertices from the light and the others from the eye can form the path.
     bool possible(size_t s) const {
         const size_t t = size() - s;
         if (s == 0) return rules.hittable;
@@ -129,7 +132,7 @@ struct WholePath {
         if (s > 1) join.light_before = by_eye[t + 1];
         return path_weight(eye, light, join, rules);
     }
-    /// The balance heuristic as it is written: the density of one strategy over the sum of all.
+    /// The balance heuristic as printed: the density of one strategy divided by the sum of all.
     double expected(size_t s) const {
         double own = 0, sum = 0;
         for (size_t k = 0; k < size(); ++k) {
@@ -149,7 +152,8 @@ void weights_are_the_balance_heuristic() {
         WholePath path;
         const size_t n = 2 + random() % 7;
         for (size_t i = 0; i < n; ++i) {
-            path.by_eye.push_back(i ? uniform(random) : 1), path.by_light.push_back(uniform(random));
+            path.by_eye.push_back(i ? uniform(random) : 1);
+            path.by_light.push_back(uniform(random));
             path.connects.push_back(i == 0 || i == n - 1 || random() % 4 > 0);
         }
         path.rules = {random() % 2 == 0, random() % 2 == 0};
@@ -157,7 +161,8 @@ void weights_are_the_balance_heuristic() {
         bool any = false;
         for (size_t s = 0; s < n; ++s) {
             if (!path.possible(s)) continue;
-            any = true, sum += path.weight(s);
+            any = true;
+            sum += path.weight(s);
             check_near(path.weight(s), path.expected(s), 1e-9, "weight of a strategy");
         }
         if (any) check_near(sum, 1, 1e-9, "weights of all strategies");
@@ -168,7 +173,7 @@ void weights_are_the_balance_heuristic() {
 
 const Suite suite{
     {"bdpt: weights are the balance heuristic", weights_are_the_balance_heuristic},
-    {"bdpt: threads do not matter to a table written between rounds", threads_do_not_matter},
+    {"bdpt: a table written between rounds gives the same values on any threads", threads_do_not_matter},
     {"bdpt: racing threads count every ray", races_are_counted},
     {"bdpt: racing words are never mixed", racing_words_are_never_mixed},
 };

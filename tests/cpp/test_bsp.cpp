@@ -1,4 +1,5 @@
-// The single-ray BSP: trees on several threads, rays through odd places, and trees that would never end.
+// The single-ray BSP: builds on several threads, rays through special positions, and builds that exceed their
+// limits.
 #include <random>
 
 #include "check.h"
@@ -21,7 +22,7 @@ std::vector<FlatTriangle> soup(int n, float size) {
     return triangles;
 }
 
-/// A slab of triangles side by side.
+/// A slab of adjacent triangles.
 std::vector<FlatTriangle> slab(int n) {
     const auto near = [](Vec3 p) { return p + in_cube() * Vec3{0.5f, 0.5f, 0.02f}; };
     std::vector<FlatTriangle> triangles;
@@ -54,7 +55,8 @@ void trees_are_the_same_on_any_threads() {
     const auto triangles = soup(300, 0.4f);
     for (const auto& [depth, leaf] : {std::array{1, 8}, {6, 1}, {9, 4}, {0, 8}}) {
         BspSettings s;
-        s.max_depth = depth, s.leaf_size = leaf;
+        s.max_depth = depth;
+        s.leaf_size = leaf;
         const BspTree one = build_bsp(triangles, s, 1, Control{});
         check(same(one, build_bsp(triangles, s, 4, Control{})), "the tree of four threads");
         check(one.depth <= s.depth(triangles.size()), "no leaf lies deeper than allowed");
@@ -66,7 +68,9 @@ void hits_are_those_of_one_large_leaf() {
     for (const TriangleKernel kernel : {TriangleKernel::kWatertight, TriangleKernel::kWald}) {
         Control control;
         BspSettings list, tree;
-        list.leaf_size = 1024, tree.max_depth = 9, tree.leaf_size = 2;
+        list.leaf_size = 1024;
+        tree.max_depth = 9;
+        tree.leaf_size = 2;
         list.kernel = tree.kernel = kernel;
         const BspCaster all(scene, list, 1, control), some(scene, tree, 2, control);
         for (int i = 0; i < 4000; ++i) {
@@ -86,7 +90,7 @@ void hits_are_those_of_one_large_leaf() {
     }
 }
 
-void a_tree_that_would_never_end_is_refused() {
+void a_tree_that_exceeds_its_limits_is_refused() {
     BspSettings s;
     s.max_depth = kMostBspDepth;
     for (const int threads : {1, 3}) {
@@ -99,7 +103,8 @@ void a_tree_that_would_never_end_is_refused() {
         check(refused, "a hundred triangles side by side, forty halvings deep");
     }
     s.max_depth = 0;
-    check_equal(build_bsp(slab(100), s, 2, Control{}).max_depth, 12, "the default depth is none too deep");
+    check_equal(build_bsp(slab(100), s, 2, Control{}).max_depth, 12,
+                "the default depth follows from the number of triangles");
 }
 
 void a_cancelled_build_ends() {
@@ -117,7 +122,7 @@ void a_cancelled_build_ends() {
 const Suite suite{
     {"trees are the same on any threads", trees_are_the_same_on_any_threads},
     {"hits are those of one large leaf", hits_are_those_of_one_large_leaf},
-    {"a tree that would never end is refused", a_tree_that_would_never_end_is_refused},
+    {"a tree that exceeds its limits is refused", a_tree_that_exceeds_its_limits_is_refused},
     {"a cancelled build ends", a_cancelled_build_ends},
 };
 

@@ -1,4 +1,4 @@
-// aqvc: what a kept table says of its slots.
+// aqvc: entries of a kept table.
 #include "check.h"
 #include "viscache/aqvc/kept_table.h"
 
@@ -9,7 +9,7 @@ constexpr uint32_t kSlots = 101;
 
 KeptTable table() { return KeptTable(kSlots * 4, 31, HashScheme::kScheme2); }
 
-/// Ends a frame in which one tile wrote these slots, each with the digest and bit given.
+/// Runs a frame in which one tile writes these slots with the given digests and bits.
 void write(KeptTable& table, std::vector<uint32_t> slots, uint32_t digest, bool visible) {
     std::vector<PackedWrite> writes;
     for (uint32_t slot : slots) writes.push_back(pack_write({slot, digest}, visible));

@@ -1,4 +1,4 @@
-// math/: bits and their transposes, the kernels' ISA choice, affine transforms.
+// math/: bit rows and their transposes, the choice of the ISA, affine transforms.
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -41,7 +41,7 @@ void set_bits_are_visited_in_order() {
     for_each_bit(m.row_span(0), [&](size_t k) { visited.push_back(k); });
     check(visited == expected, "for_each_bit visits exactly the set bits, lowest first");
     clear_bit(m.row(0), 64);
-    check(!m.get(0, 64) && m.get(0, 63), "clear_bit clears its own bit alone");
+    check(!m.get(0, 64) && m.get(0, 63), "clear_bit clears only its own bit");
 }
 
 // Blocks that start inside, at and past the last row: lanes past the end read as 0.
@@ -64,7 +64,7 @@ void columns_are_the_transpose() {
 void columns_written_back_give_the_matrix() {
     const BitMatrix m = random_bits(37, 130, 2);
     BitMatrix copy(37, 130);
-    copy.set(0, 0);  // or_columns16 adds to what is there
+    copy.set(0, 0);  // or_columns16 keeps bits that are set
     for (size_t first = 0; first < 37; first += 16)
         for (size_t w = 0; w < 3; ++w) {
             uint16_t columns[64];
@@ -99,8 +99,8 @@ void normals_stay_perpendicular() {
     }
 }
 
-// A mirrored surface keeps its normal on the side of the transformed one: n' · (A n) > 0 for A = diag(-1, 1,
-// 1).
+// A mirrored surface keeps its normal on the side of the transformed normal: n' · (A n) > 0 for a mirror A =
+// diag(-1, 1, 1).
 void normals_keep_their_side_under_mirrors() {
     Affine mirror;
     mirror.m[0][0] = -1;

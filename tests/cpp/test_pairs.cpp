@@ -1,4 +1,4 @@
-// correlation: pair statistics of a few points on several threads, in every instruction set.
+// correlation: pair statistics of a few points on several threads and in every instruction set.
 #include <random>
 
 #include "check.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kPoints = 150, kWords = 5;
 
-/// Rows of 300 bits, points and normals, in two groups.
+/// Rows of 300 bits with points and normals in two groups.
 struct Example {
     Example() {
         std::mt19937 random(1);

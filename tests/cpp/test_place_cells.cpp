@@ -1,4 +1,4 @@
-// Cells of sixteen eye points at a time equal those of one at a time, in every variant of the kernel.
+// Cells of 16 eye points at a time equal single ones, in every variant of the kernel.
 #include <random>
 
 #include "check.h"
@@ -7,7 +7,7 @@
 namespace viscache::test {
 namespace {
 
-/// Points on slopes in all directions, some without a normal, some not finite, some far away.
+/// Points on slopes in all directions; some have no normal, are not finite or are far away.
 EyeBlock points(float scale) {
     EyeBlock eyes;
     std::mt19937 random(5);

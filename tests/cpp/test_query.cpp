@@ -1,4 +1,4 @@
-// visibility/query.h: the one home of self-intersection offsets.
+// visibility/query.h: offsets against self-intersection.
 #include <cmath>
 
 #include "check.h"

@@ -1,4 +1,4 @@
-// scene/camera.h: the pinhole camera's frame. scene/description_bytes.h: there and back.
+// scene/camera.h: the frame of the pinhole camera. scene/description_bytes.h: conversion to bytes and back.
 #include "check.h"
 #include "viscache/scene/camera.h"
 #include "viscache/scene/content_hash.h"
@@ -25,9 +25,13 @@ SceneDescription of_everything() {
     SceneDescription d;
     d.name = "everything";
     Mesh mesh;
-    mesh.name = "one", mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, mesh.triangles = {{0, 1, 2}};
-    mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, mesh.uvs = {{0, 0}, {1, 0}, {0, 1}};
-    mesh.emission = {1, 2, 3}, mesh.in_world = false;
+    mesh.name = "one";
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    mesh.uvs = {{0, 0}, {1, 0}, {0, 1}};
+    mesh.emission = {1, 2, 3};
+    mesh.in_world = false;
     d.meshes = {mesh};
     d.instances = {{{0}, {}}, {{0}, {}}};
     d.materials = {{MaterialKind::kGlossy}};

@@ -1,4 +1,5 @@
-// Shadow maps: look-ups stay in their maps whatever asks, and threads trace the same texels.
+// Shadow maps: look-ups stay inside their maps for any receiver, and the texels are the same for any number
+// of threads.
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -28,11 +29,16 @@ public:
 
 FarEnds lights_at(Semantic semantic, std::vector<Vec3> places) {
     FarEnds l;
-    l.semantic = semantic, l.count = places.size();
+    l.semantic = semantic;
+    l.count = places.size();
     l.group = int(semantic == Semantic::kPoint ? LightGroup::kPoint : LightGroup::kDirectional);
     for (const Vec3 p : places) {
-        l.x.push_back(p.x), l.y.push_back(p.y), l.z.push_back(p.z);
-        l.tx.push_back(p.x), l.ty.push_back(p.y), l.tz.push_back(p.z);
+        l.x.push_back(p.x);
+        l.y.push_back(p.y);
+        l.z.push_back(p.z);
+        l.tx.push_back(p.x);
+        l.ty.push_back(p.y);
+        l.tz.push_back(p.z);
     }
     return l;
 }
@@ -59,8 +65,12 @@ void any_receiver_gets_an_answer() {
         for (int repeat = 0; repeat < 500; ++repeat) {
             Receivers16 r;
             for (int i = 0; i < 16; ++i) {
-                r.x[i] = odd(), r.y[i] = odd(), r.z[i] = odd();
-                r.nx[i] = odd(), r.ny[i] = odd(), r.nz[i] = odd();
+                r.x[i] = odd();
+                r.y[i] = odd();
+                r.z[i] = odd();
+                r.nx[i] = odd();
+                r.ny[i] = odd();
+                r.nz[i] = odd();
             }
             for (const FarEnds* lights : {&kLamps, &kSuns})
                 for (size_t k = 0; k < lights->count; ++k) seen |= maps.lit16(*lights, k, r);
@@ -73,7 +83,9 @@ void points_above_the_floor_are_lit_and_points_below_are_not() {
     const ShadowMaps maps = maps_of_floor(64, 2);
     Receivers16 r{};
     for (int i = 0; i < 16; ++i) {
-        r.x[i] = 0.05f * float(i) - 0.4f, r.z[i] = 0.1f, r.ny[i] = 1;
+        r.x[i] = 0.05f * float(i) - 0.4f;
+        r.z[i] = 0.1f;
+        r.ny[i] = 1;
         r.y[i] = i % 2 ? 0.f : -0.3f;
     }
     for (const FarEnds* lights : {&kLamps, &kSuns})

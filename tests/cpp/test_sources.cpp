@@ -1,5 +1,5 @@
-// Sources of oracles: what they prepare, keep and report does not depend on threads, and a corrected answer
-// is right in expectation.
+// Sources of oracles: preparation, tables and reports do not depend on the number of threads, and corrected
+// answers are unbiased.
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -77,7 +77,7 @@ void roulette_learns_before_the_frame() {
                 "each query is traced or discarded");
 }
 
-void a_kept_table_hands_bits_on() {
+void a_kept_table_passes_bits_to_the_next_frame() {
     Setup setup;
     AqvcParameters p;
     p.c_e = 6;
@@ -100,7 +100,7 @@ void a_share_of_one_is_exact() {
     AqvcSource inner(*setup.world, setup.caster, p, 1), alone(*setup.world, setup.caster, p, 1);
     ResidualSource source(*setup.world, setup.caster, inner, 1, 3);
     const FrameResult exact = setup.exact(), wrong = setup.render(alone), right = setup.render(source);
-    check(!same_pixels(exact, wrong), "the cache errs at this size");
+    check(!same_pixels(exact, wrong), "the cache has errors at this C_E");
     check(same_pixels(exact, right), "all queries corrected");
     check_equal(reported(right, "corrections"), right.counters.queries(), "corrections");
     check(reported(right, "contradicted") > 0, "some answers were wrong");
@@ -128,10 +128,10 @@ void corrected_frames_are_right_in_expectation() {
     Setup setup;
     const double exact = mean_of(setup.exact());
     const auto [mean, error] = corrected_mean(setup, true);
-    check(error < 0.01 * exact, "one percent would be seen");
+    check(error < 0.01 * exact, "an error of one percent is detectable");
     check_near(mean, exact, 3.5 * error, "mean of corrected frames");
     const auto [wrong, wrong_error] = corrected_mean(setup, false);
-    check(std::fabs(wrong - exact) > 5 * wrong_error, "without weights it shows");
+    check(std::fabs(wrong - exact) > 5 * wrong_error, "the bias without weights is detected");
 }
 
 EyeBlock random_eyes(const Setup& setup, size_t n) {
@@ -159,7 +159,7 @@ SharedLights lamps() {
     return lights;
 }
 
-void arrays_are_answered_as_rays_are() {
+void queries_by_arrays_equal_rays() {
     Setup setup;
     const EyeBlock eyes = random_eyes(setup, 3000);
     const SharedLights lights = lamps();
@@ -173,13 +173,13 @@ void arrays_are_answered_as_rays_are() {
     ExactSource first(*setup.world, setup.caster), second(*setup.world, setup.caster);
     AqvcSource tiny(*setup.world, setup.caster, p, 1);
     const BlockAnswer exact = ask(first, 1 << 14, 1);
-    check(exact.bits == ask(second, 500, 4).bits, "any tiles, any threads");
+    check(exact.bits == ask(second, 500, 4).bits, "same bits for any tiles and threads");
     check(exact.bits == ask(tiny, 700, 3).bits, "vanishing cells");
     check_equal(exact.counters.rays(), uint64_t{3000 * 70}, "rays");
     p.c_e = 8;
     AqvcSource one(*setup.world, setup.caster, p, 1), four(*setup.world, setup.caster, p, 1);
     const BlockAnswer a = ask(one, 1000, 1, true), b = ask(four, 1000, 4, true);
-    check(a.bits == b.bits, "threads do not matter");
+    check(a.bits == b.bits, "same bits on any threads");
     check_equal(a.log.size(), size_t{3000 * 70}, "every query is logged once");
     uint64_t traced = 0;
     for (const AskedQuery& q : a.log) {
@@ -188,7 +188,7 @@ void arrays_are_answered_as_rays_are() {
         const size_t source = q.representative * a.words + q.column / 64;
         const bool own = a.bits[word] >> (q.column % 64) & 1,
                    other = exact.bits[source] >> (q.column % 64) & 1;
-        if (own != other) return fail("a query is answered by its representative's ray");
+        if (own != other) return fail("a query has the answer of its representative");
     }
     check(traced > 0 && traced <= a.counters.rays(), "rays that answered their own query");
 }
@@ -224,10 +224,10 @@ void given_answers_make_the_same_frame() {
 const Suite suite{
     {"shadow maps are traced once for all threads", shadow_maps_are_traced_once_for_all_threads},
     {"roulette learns before the frame", roulette_learns_before_the_frame},
-    {"a kept table hands bits on", a_kept_table_hands_bits_on},
+    {"a kept table passes bits to the next frame", a_kept_table_passes_bits_to_the_next_frame},
     {"a share of one is exact", a_share_of_one_is_exact},
     {"corrected frames are right in expectation", corrected_frames_are_right_in_expectation},
-    {"arrays are answered as rays are", arrays_are_answered_as_rays_are},
+    {"queries by arrays equal rays", queries_by_arrays_equal_rays},
     {"given answers make the same frame", given_answers_make_the_same_frame},
 };
 

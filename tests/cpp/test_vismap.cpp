@@ -1,4 +1,4 @@
-// vismap: insertion on several threads, by lock and in batches.
+// vismap: insertion on several threads, with a lock and in batches.
 #include <cmath>
 
 #include "check.h"
@@ -14,7 +14,10 @@ public:
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence) const override {
         for (size_t i = 0; i < rays.size(); ++i) {
             hits[i] = {};
-            if (const float t = distance(rays[i].o, rays[i].d); t > 0) hits[i].t = t, hits[i].mesh = 0;
+            if (const float t = distance(rays[i].o, rays[i].d); t > 0) {
+                hits[i].t = t;
+                hits[i].mesh = 0;
+            }
         }
     }
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override {
@@ -28,7 +31,7 @@ public:
     }
 
 private:
-    /// To the ball, of a unit direction; 0: missed.
+    /// Distance to the ball along a unit direction; 0 for a miss.
     static float distance(Vec3 origin, Vec3 direction) {
         const Vec3 to = Vec3{0, 0.4f, 0} - origin;
         const float along = dot(to, direction), inside = along * along - length2(to) + 0.09f;
@@ -36,7 +39,7 @@ private:
     }
 };
 
-/// Points of the plane, 60 × 60.
+/// 60 × 60 points of the plane.
 std::vector<CachePoint> points() {
     std::vector<CachePoint> all;
     for (int y = 0; y < 60; ++y)
@@ -66,7 +69,7 @@ void all_records_are_found_and_no_point_wants_more(MapCache& cache, const std::s
     size_t wanting = 0;
     NeighbourList around;
     for (const CachePoint& p : points()) wanting += wants_record(cache.judge(p, cache.select(p, around)));
-    check_equal(wanting, size_t{0}, what + ": points that want a record");
+    check_equal(wanting, size_t{0}, what + ": points that need a record");
 }
 
 void threads_under_a_lock_serve_every_point() {
@@ -81,7 +84,8 @@ void threads_under_a_lock_serve_every_point() {
 
 void batches_give_the_same_records_on_any_number_of_threads() {
     MapCache one = cache_of(Criterion::kVisibility), four = cache_of(Criterion::kVisibility);
-    filled(one, InsertionMode::kBatch, 1), filled(four, InsertionMode::kBatch, 4);
+    filled(one, InsertionMode::kBatch, 1);
+    filled(four, InsertionMode::kBatch, 4);
     check_equal(four.size(), one.size(), "batch: records");
     for (uint32_t id = 0; id < std::min(one.size(), four.size()); ++id) {
         check(one.records().head(id).position == four.records().head(id).position, "batch: position");
@@ -125,7 +129,7 @@ void fractions_of_rays_are_right_on_average() {
     constexpr uint32_t n = 4000;
     for (uint32_t i = 0; i < n; ++i) cache.add({{float(i), 0, 0}, {0, 1, 0}}, map.data(), {});
     RecordTally tally(n);
-    // Under D = 4 a ray counts a quarter, under D = 0.3 three and a third: 3.583, of which 0.25 wrong
+    // D = 4 counts 0.25 rays and D = 0.3 counts 1/0.3; of their sum, 0.25 are misses
     for (uint32_t i = 0; i < n; ++i) {
         tally.compare(i, false, true, RecordTally::weight(4));
         tally.compare(i, false, false, RecordTally::weight(0.3));
@@ -135,7 +139,8 @@ void fractions_of_rays_are_right_on_average() {
     for (uint32_t i = 0; i < n; ++i) {
         const RecordHead& h = cache.records().head(i);
         check(h.misses <= 1 && (h.rays == 3 || h.rays == 4) && h.misses <= h.rays, "next whole numbers");
-        rays += h.rays, misses += h.misses;
+        rays += h.rays;
+        misses += h.misses;
     }
     check(std::abs(double(rays) / n - (0.25 + 1 / 0.3)) < 0.03, "rays on average");
     check(std::abs(double(misses) / n - 0.25) < 0.03, "misses on average");

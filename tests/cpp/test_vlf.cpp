@@ -1,4 +1,4 @@
-// The visibility field: walks that stay in their lists whatever the ray, and stores asked by many threads.
+// The visibility field: traversals stay inside their lists for any ray, and many threads share a store.
 #include <cmath>
 #include <random>
 
@@ -33,11 +33,14 @@ std::shared_ptr<const Scene> soup(uint32_t n) {
 
 FieldSettings small(uint32_t l, int n, int depth) {
     FieldSettings s;
-    s.n_directions = l, s.n_tiles = n, s.bsp_depth = depth, s.leaf_target = 1;
+    s.n_directions = l;
+    s.n_tiles = n;
+    s.bsp_depth = depth;
+    s.leaf_target = 1;
     return s;
 }
 
-/// Rays that hardly go deeper, along borders, through corners, from far away and of any length.
+/// Rays with small depth components, along borders, through corners, from far away and of any length.
 Ray odd_ray() {
     Vec3 o = in_cube() * 1.5f, d = in_cube();
     const auto tiny = [] { return std::ldexp(uniform(-1, 1), -int(random() % 140)); };
@@ -57,23 +60,25 @@ void odd_rays_stay_in_their_lists() {
         for (const DepthSplit split : {DepthSplit::kUniform, DepthSplit::kObject})
             for (const LeafWalk walk : {LeafWalk::kLinear, LeafWalk::kStack}) {
                 FieldSettings s = small(uint32_t(l), n, depth);
-                s.split = split, s.walk = walk;
+                s.split = split;
+                s.walk = walk;
                 const VisibilityField field(scene, s, 2, control);
                 for (int i = 0; i < 4000; ++i) {
                     const Ray ray = odd_ray();
                     Hit hit;
                     uint8_t any = 0;
-                    field.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent),
-                        field.occluded({&ray, 1}, {&any, 1});
+                    field.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent);
+                    field.occluded({&ray, 1}, {&any, 1});
                     check_equal(bool(any), hit.valid(), "any hit of a ray with a nearest one");
                     check(!hit.valid() || (hit.t >= ray.t_min && hit.t <= ray.t_max), "hits lie on the ray");
                 }
             }
 }
 
-void many_threads_ask_a_small_store() {
+void many_threads_use_a_small_store() {
     FieldSettings s = small(33, 16, 3);
-    s.lazy = true, s.max_bytes = 60000;
+    s.lazy = true;
+    s.max_bytes = 60000;
     Control control;
     const VisibilityField field(soup(100), s, 1, control);
     parallel_for(64, 4, [&](size_t, int) {
@@ -84,8 +89,8 @@ void many_threads_ask_a_small_store() {
         field.occluded(rays, occluded);
     });
     const FieldStats stats = field.stats();
-    check(stats.given_up > 0, "a small store gives subfields up");
-    check_equal(stats.built - stats.given_up, stats.subfields, "built subfields but those given up");
+    check(stats.given_up > 0, "a small store drops subfields");
+    check_equal(stats.built - stats.given_up, stats.subfields, "built subfields without the dropped ones");
 }
 
 void objects_come_go_and_move() {
@@ -102,7 +107,8 @@ void objects_come_go_and_move() {
                 for (uint32_t i = 0; i < 1 + random() % 6; ++i) triangles.push_back(triangle(0.5f));
                 objects.push_back(field.insert(std::move(triangles), 2));
             } else if (what == 1) {
-                field.remove(objects.back(), 2), objects.pop_back();
+                field.remove(objects.back(), 2);
+                objects.pop_back();
             } else {
                 Affine place;
                 for (int i = 0; i < 3; ++i) place.m[size_t(i)][3] = uniform(-0.4f, 0.4f);
@@ -119,7 +125,7 @@ void objects_come_go_and_move() {
 
 const Suite suite{
     {"odd rays stay in their lists", odd_rays_stay_in_their_lists},
-    {"many threads ask a small store", many_threads_ask_a_small_store},
+    {"many threads use a small store", many_threads_use_a_small_store},
     {"objects come, go and move", objects_come_go_and_move},
 };
 

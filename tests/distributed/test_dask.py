@@ -1,9 +1,10 @@
-"""A dask scheduler and two worker processes on the loopback, for real; one of them is killed."""
+"""A real dask scheduler with two local worker processes, one of which is killed."""
 
 from __future__ import annotations
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import threading
@@ -26,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from logged import Logged
 
 pytest.importorskip("distributed", reason="dask comes with the test extra")
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # dask's own are not ours
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # warnings of dask itself
 
 SCENE = "room?triangles=3000"
 
@@ -52,8 +53,8 @@ class Cluster:
         raise AssertionError((self.folder / "scheduler.log").read_text())
 
     def add_worker(self) -> None:
-        words = ["worker", "--no-nanny", "--nthreads", "1", "--host", "127.0.0.1", "--name",
-                 str(len(self.workers)), "--local-directory", str(self.folder)]  # fmt: skip
+        words = shlex.split("worker --no-nanny --nthreads 1 --host 127.0.0.1")
+        words += ["--name", str(len(self.workers)), "--local-directory", str(self.folder)]
         self.workers.append(_dask(self.folder, *words))
 
     def kill_within_a_task(self, run: Logged, after: int) -> int:
@@ -73,10 +74,13 @@ class Cluster:
 
 def _dask(folder: Path, *words: str) -> subprocess.Popen[bytes]:
     here = [str(Path(__file__).parent), *(p for p in sys.path if p)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(here), "DASK_DISTRIBUTED__WORKER__"
-                   "MEMORY__TERMINATE": "0"}  # fmt: skip
-    command = [sys.executable, "-m", "dask", words[0], *words[1:], "--no-dashboard",
-               "--scheduler-file", str(folder / "scheduler.json")]  # fmt: skip
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(here),
+        "DASK_DISTRIBUTED__WORKER__MEMORY__TERMINATE": "0",
+    }
+    command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
+    command += ["--scheduler-file", str(folder / "scheduler.json")]
     with (folder / f"{words[0]}.log").open("ab") as log:
         return subprocess.Popen(command, env=environment, stdout=log, stderr=log)
 
@@ -106,9 +110,12 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     cluster: Cluster, run: Logged, tmp_path: Path
 ) -> None:
     arguments: dict[str, Any] = {
-        "over": {"c_e": [4, 6, 8, 10, 12, 16]}, "repeats": 3, "size": (48, 32), "threads": 1,
+        "over": {"c_e": [4, 6, 8, 10, 12, 16]},
+        "repeats": 3,
+        "size": (48, 32),
+        "threads": 1,
         "metrics": ["rel_l1", "rmse"],
-    }  # fmt: skip
+    }
     whitted = vc.Whitted(n_vpls=32)
     here = sweep(SCENE, whitted, **arguments)
     killed: list[int] = []
@@ -116,9 +123,13 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     killer.start()
     steps: list[int] = []
     there = sweep(
-        SCENE, whitted, executor=run, directory=tmp_path / "sweep",
-        progress=lambda done, total: steps.append(done), **arguments,
-    )  # fmt: skip
+        SCENE,
+        whitted,
+        executor=run,
+        directory=tmp_path / "sweep",
+        progress=lambda done, total: steps.append(done),
+        **arguments,
+    )
     killer.join()
     frames = 3 + 18
     assert steps == list(range(1, 1 + frames)) and run.submitted == frames
@@ -126,7 +137,7 @@ def test_a_sweep_loses_nothing_and_has_nothing_twice_when_a_worker_is_killed(
     begun = [pid for word, pid in lines if word == "begin"]
     ended = [pid for word, pid in lines if word == "end"]
     assert begun.count(killed[0]) > ended.count(killed[0])
-    # What the dead one had under way, and at most what it had not handed over yet, is done again
+    # Only running tasks of the dead worker, and results not handed over, are repeated
     assert 1 <= len(begun) - frames <= 3
     assert len(set(begun)) == 2
     for name in ("rel_l1", "rmse", "rays", "queries"):
@@ -144,8 +155,12 @@ def test_a_correlation_is_the_same_when_a_worker_is_killed(
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
     monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 8000)
     arguments: dict[str, Any] = {
-        "n_points": 900, "map_size": 16, "d_edges": 16, "theta_edges_deg": 18, "threads": 1,
-    }  # fmt: skip
+        "n_points": 900,
+        "map_size": 16,
+        "d_edges": 16,
+        "theta_edges_deg": 18,
+        "threads": 1,
+    }
     here = measure(SCENE, **arguments)
     killed: list[int] = []
     killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 3)))
@@ -163,8 +178,12 @@ def test_tiles_give_the_bytes_of_the_frame_when_a_worker_is_killed(
     cluster: Cluster, run: Logged
 ) -> None:
     arguments: dict[str, Any] = {
-        "visibility": vc.Aqvc(c_e=8), "size": (200, 150), "spp": 16, "threads": 1, "seed": 7,
-    }  # fmt: skip
+        "visibility": vc.Aqvc(c_e=8),
+        "size": (200, 150),
+        "spp": 16,
+        "threads": 1,
+        "seed": 7,
+    }
     whitted = vc.Whitted(n_vpls=64)
     whole = vc.render(vc.scenes.build(SCENE), whitted, **arguments)
     killer = threading.Thread(target=cluster.kill_within_a_task, args=(run, 4))

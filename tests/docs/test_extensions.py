@@ -1,4 +1,4 @@
-"""What the site's own extensions find. The site itself is built by a stage of CI."""
+"""The site's own Sphinx extensions. A CI stage builds the site itself."""
 
 from __future__ import annotations
 
@@ -27,8 +27,10 @@ def test_missed_goals_are_found_with_their_section_and_column() -> None:
     )
     rows = extension("missed_rows")
     found = [(row.section, row.what, row.words) for row in rows.missed(page)]
-    assert found == [("A part: two", "one", "goal: 5: missed"), ("A part: two", "three",
-                                                                 "missed, just")]  # fmt: skip
+    assert found == [
+        ("A part: two", "one", "goal: 5: missed"),
+        ("A part: two", "three", "missed, just"),
+    ]
     assert rows.anchor("A part: two") == "a-part-two"
 
 

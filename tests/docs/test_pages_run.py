@@ -1,4 +1,4 @@
-"""The documentation does what it says: its code runs, and prints what stands below it."""
+"""The code of the documentation runs and prints the output shown below it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from codebase.repository import paths, text
 from viscache import cli
 from viscache.sweeps.sweep import SweepFile
 
-#: How far a printed number may be off.
+#: Tolerance of printed numbers.
 TOLERANCE = 0.25
 #: Pages that take more than a second or two.
 SLOW = {
@@ -51,19 +51,22 @@ def blocks(source: str) -> Iterator[Block]:
 
 
 def alike(said: str, printed: str) -> bool:
-    """Equal, but for numbers with a decimal point, or from 10 on, which may be off a little."""
+    """Equal text; numbers with a decimal point, or from 10 on, may differ a little."""
     if re.sub(r"\s", "", NUMBER.sub("#", said)) != re.sub(r"\s", "", NUMBER.sub("#", printed)):
         return False
     pairs = zip(NUMBER.findall(said), NUMBER.findall(printed), strict=True)
     return all(
-        a == b or ((float(a) >= 10 or "." in a) and abs(float(a) - float(b))
-                   <= TOLERANCE * max(abs(float(a)), abs(float(b))))
+        a == b
+        or (
+            (float(a) >= 10 or "." in a)
+            and abs(float(a) - float(b)) <= TOLERANCE * max(abs(float(a)), abs(float(b)))
+        )
         for a, b in pairs
-    )  # fmt: skip
+    )
 
 
 def run(source: str, name: str) -> int:
-    """Run a page's Python in one namespace and compare its outputs; how many blocks there were."""
+    """Run a page's Python in one namespace and compare its outputs; return the number of blocks."""
     space: dict[str, object] = {"__name__": "page"}
     printed, ran = "", 0
     for block in blocks(source):

@@ -1,4 +1,4 @@
-"""What the tests of bands share."""
+"""Shared by the tests of bands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the quantized cache: their parts against what they stand for."""
+"""Parts of the quantized cache's figures."""
 
 from __future__ import annotations
 
@@ -39,8 +39,9 @@ def test_a_shift_is_found_to_the_right_and_down(moved: tuple[float, float]) -> N
 
 @pytest.fixture(scope="module")
 def trade() -> Trade:
-    shot = Shot(scene=vc.scenes.cornell_box(), size=(40, 40),
-                integrator=vc.Whitted(n_vpls=16, n_area=4))  # fmt: skip
+    shot = Shot(
+        scene=vc.scenes.cornell_box(), size=(40, 40), integrator=vc.Whitted(n_vpls=16, n_area=4)
+    )
     return Trade(frame=shot.frame(vc.Aqvc(c_e=16)), exact=shot.frame())
 
 
@@ -78,8 +79,11 @@ def test_presets_stand_side_by_side_with_what_was_given() -> None:
 
 
 def test_false_colours_are_equal_where_keys_are() -> None:
-    shot = Shot(scene=vc.scenes.bumpy_spheres(triangles=2000, spheres=4), size=(48, 40),
-                integrator=vc.Direct())  # fmt: skip
+    shot = Shot(
+        scene=vc.scenes.bumpy_spheres(triangles=2000, spheres=4),
+        size=(48, 40),
+        integrator=vc.Direct(),
+    )
     samples = aqvc_clusters.eye_samples(shot)
     keys = samples.keys(vc.Aqvc(c_e=8))
     image = aqvc_clusters.false_colors(samples, keys, (40, 48)).reshape(-1, 3)

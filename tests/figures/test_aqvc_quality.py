@@ -1,4 +1,4 @@
-"""Quality choices of the quantized cache: measures against what they stand for, and small parts."""
+"""Quality choices of the quantized cache: measures with known values, and small parts."""
 
 from __future__ import annotations
 
@@ -46,8 +46,9 @@ def test_refinement_loses_thin_shadows_and_thin_light() -> None:
     """Majority filtering brightens below slats and darkens below slits."""
     for name, sign in (("slats", 1), ("slits", -1)):
         scene = getattr(vc.scenes, name)()
-        found = aqvc_bias.biases(Shot(scene=scene, integrator=vc.Direct(), size=(160, 100)),
-                                 "waves", 16)  # fmt: skip
+        found = aqvc_bias.biases(
+            Shot(scene=scene, integrator=vc.Direct(), size=(160, 100)), "waves", 16
+        )
         plain, refined = (found[v][0] for v in aqvc_bias.VARIANTS)
         assert abs(plain.mean) < 3 * plain.half
         assert sign * refined.mean > 1.5 * refined.half

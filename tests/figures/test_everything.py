@@ -1,4 +1,4 @@
-"""`viscache reproduce all`: one page, resumable figure by figure, and a status that tells."""
+"""`viscache reproduce all`: one page, resumable figure by figure, and its exit status."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         CALLS.append("varies")
         if state["raises"] is not None:
             raise state["raises"]
-        return Outcome(rows=[Row(what="speed", measured=state["measured"], printed=4,
-                                 band=Band(2.5, 5.0, "the paper"))])  # fmt: skip
+        band = Band(2.5, 5.0, "the paper")
+        return Outcome(rows=[Row("speed", state["measured"], printed=4, band=band)])
 
     monkeypatch.setitem(figures.FIGURES, "holds", FigureInfo(description="one", function=holds))
     monkeypatch.setitem(figures.FIGURES, "varies", FigureInfo(description="two", function=varies))
@@ -53,7 +53,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 
 class Page(HTMLParser):
-    """What a page holds."""
+    """The content of a page."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -79,8 +79,8 @@ def test_the_page_has_every_row_and_picture_and_needs_nothing_else(
     assert cli.main(["reproduce", "all", "-o", str(tmp_path), "--quick"]) == 0
     page = Page((tmp_path / "index.html").read_text())
     assert {"holds", "varies"} <= page.ids and {"#holds", "#varies"} <= page.links
-    for words in ("a <b>", "speed", "0.5 … ∞", "2.5 … 5", "said so", "far away: absent",
-                  "2 figures and tables", "2 of 2 bands hold, 0 do not"):  # fmt: skip
+    rows = ("a <b>", "speed", "0.5 … ∞", "2.5 … 5", "said so", "far away: absent")
+    for words in (*rows, "2 figures and tables", "2 of 2 bands hold, 0 do not"):
         assert words in page.text.replace("|", ""), words
     assert "0.75" in page.text  # measured over printed
     (source,) = page.sources

@@ -1,4 +1,4 @@
-"""What the paper prints of its cache agrees with itself, and bands say what they come from."""
+"""Numbers of the visibility-map paper are consistent, and bands name their source."""
 
 from __future__ import annotations
 

@@ -19,11 +19,13 @@ def slices(over_theta: np.ndarray, over_d: np.ndarray) -> xarray.Dataset:
     theta, d = (np.arange(64) + 0.5) * 180 / 64, (np.arange(64) + 0.5) / 8
     return xarray.Dataset(
         {
-            "near_mean": ("theta_near", over_theta), "near_n": ("theta_near", np.full(64, 1000)),
-            "aligned_mean": ("d_aligned", over_d), "aligned_n": ("d_aligned", np.full(64, 1000)),
+            "near_mean": ("theta_near", over_theta),
+            "near_n": ("theta_near", np.full(64, 1000)),
+            "aligned_mean": ("d_aligned", over_d),
+            "aligned_n": ("d_aligned", np.full(64, 1000)),
         },
         {"theta_near": theta, "d_aligned": d, "d_aligned_high": ("d_aligned", d + 1 / 16)},
-    )  # fmt: skip
+    )
 
 
 def test_a_straight_fall_is_straight_and_a_bent_one_is_not() -> None:

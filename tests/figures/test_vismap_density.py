@@ -1,4 +1,4 @@
-"""Where records lie, ranked against what attracts them."""
+"""Density of records, and its rank correlation with what attracts them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the visibility field's paper prints agrees with itself and lies in the bands."""
+"""Numbers of the visibility field's paper are consistent and lie in the bands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the visibility field: their parts against what they stand for."""
+"""Parts of the visibility field's figures."""
 
 from __future__ import annotations
 

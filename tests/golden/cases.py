@@ -1,7 +1,7 @@
-"""Frames, caches and statistics whose bytes must not change, and how each is made.
+"""Frames, caches and statistics whose bytes must not change.
 
-Rays go through the package's own BSP: Embree's answers within rounding of an edge depend on its
-version and on the instruction set, the BSP's do not.
+Rays use the package's own BSP. Embree's answers at edges depend, by rounding, on its version and on
+the instruction set; the BSP's do not.
 """
 
 import hashlib
@@ -42,10 +42,17 @@ def kept_frames() -> str:
     """Three frames over one table of the quantized cache."""
     table, scene = vc.AqvcTable(table_bytes=1 << 20, check=0.25), vc.scenes.build(ROOM)
     frames = [
-        vc.render(scene, vc.Whitted(n_vpls=32), visibility=vc.Aqvc(c_e=8), size=SIZE, seed=seed,
-                  rays=vc.Bsp(), keep=table)
+        vc.render(
+            scene,
+            vc.Whitted(n_vpls=32),
+            visibility=vc.Aqvc(c_e=8),
+            size=SIZE,
+            seed=seed,
+            rays=vc.Bsp(),
+            keep=table,
+        )
         for seed in range(3)
-    ]  # fmt: skip
+    ]
     counts = [[f.counters["rays"], f.counters["checked_kept"]] for f in frames]
     return digest(*(f.image for f in frames), np.array(counts, dtype=np.int64))
 
@@ -57,9 +64,12 @@ def correlation() -> str:
     normals = random.normal(size=(300, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     measured = vc.correlation.correlate(
-        bits, random.random((300, 3)), normals,
-        d_edges=np.linspace(0, 2, 9), theta_edges_deg=np.linspace(0, 180, 7),
-    )  # fmt: skip
+        bits,
+        random.random((300, 3)),
+        normals,
+        d_edges=np.linspace(0, 2, 9),
+        theta_edges_deg=np.linspace(0, 180, 7),
+    )
     return digest(measured["n"].values, measured["n_undefined"].values)
 
 
@@ -76,9 +86,13 @@ def swept() -> str:
     """Errors and rays of a small sweep."""
     over = {"visibility.c_e": [4.0, 16.0]}
     table = vc.sweep(
-        vc.scenes.build(ROOM), vc.Whitted(n_vpls=16), over=over, visibility=vc.Aqvc(),
-        rays=vc.Bsp(), size=SIZE,
-    )  # fmt: skip
+        vc.scenes.build(ROOM),
+        vc.Whitted(n_vpls=16),
+        over=over,
+        visibility=vc.Aqvc(),
+        rays=vc.Bsp(),
+        size=SIZE,
+    )
     return digest(table["rel_l1"].values, np.asarray(table["rays"].values, dtype=np.int64))
 
 
@@ -115,8 +129,13 @@ def cases() -> dict[str, Callable[[], str]]:
         found[f"environment maps {use}"] = frame(
             "cube_on_plane", product, env=env, use=use, visibility=vc.VisMaps()
         )
-    found["sky shared"] = frame("cube_on_plane", vc.Direct(environment="shared"), env=env,
-                                visibility=vc.Aqvc(c_e=8))  # fmt: skip
-    found |= {"kept table": kept_frames, "correlation": correlation, "map records": map_records,
-              "sweep": swept}  # fmt: skip
+    found["sky shared"] = frame(
+        "cube_on_plane", vc.Direct(environment="shared"), env=env, visibility=vc.Aqvc(c_e=8)
+    )
+    found |= {
+        "kept table": kept_frames,
+        "correlation": correlation,
+        "map records": map_records,
+        "sweep": swept,
+    }
     return found

@@ -1,4 +1,4 @@
-"""Bytes stay as they were: digests taken before the seam was redesigned."""
+"""Bytes equal the stored digests."""
 
 import json
 from pathlib import Path

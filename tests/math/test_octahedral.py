@@ -88,7 +88,7 @@ def test_the_border_of_the_square_is_folded_onto_itself(pair) -> None:  # type: 
 
 
 def equal_area_there(d: Array) -> Array:
-    """Section 3.1 of the specification, in double."""
+    """The equal-area octahedral map in double."""
     x, y, z = np.abs(d).T
     r = np.sqrt((x * x + y * y) / (1 + z))
     phi = np.where((x == 0) & (y == 0), 0, 2 / np.pi * np.arctan2(y, x))

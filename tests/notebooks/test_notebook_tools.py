@@ -142,8 +142,10 @@ def test_the_c_e_slider_of_the_room_answers_within_0_3_seconds_of_two_cores() ->
     direct, size = vc.Direct(), (480, 270)
 
     def cpu_s(c_e: float) -> float:
-        frames = (vc.render(scene, direct, visibility=vc.Aqvc(c_e=c_e), size=size, threads=2)
-                  for _ in range(3))  # fmt: skip
+        frames = (
+            vc.render(scene, direct, visibility=vc.Aqvc(c_e=c_e), size=size, threads=2)
+            for _ in range(3)
+        )
         return statistics.median(f.timings["cpu_s"] for f in frames)
 
     cpu_s(8)

@@ -25,9 +25,19 @@ def test_a_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     notebook = nbformat.read(path, as_version=4)
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
-    printed = [o.text for c in notebook.cells if c.cell_type == "code" for o in c.outputs
-               if o.output_type == "stream" and o.name == "stdout"]  # fmt: skip
+    printed = [
+        o.text
+        for c in notebook.cells
+        if c.cell_type == "code"
+        for o in c.outputs
+        if o.output_type == "stream" and o.name == "stdout"
+    ]
     assert printed
-    pictures = [o for c in notebook.cells if c.cell_type == "code" for o in c.outputs
-                if "image/png" in o.get("data", {})]  # fmt: skip
+    pictures = [
+        o
+        for c in notebook.cells
+        if c.cell_type == "code"
+        for o in c.outputs
+        if "image/png" in o.get("data", {})
+    ]
     assert len(pictures) >= (2 if path.stem[:2].isdigit() else 0)

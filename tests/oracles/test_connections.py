@@ -1,4 +1,4 @@
-"""The renderer's taps: answers to its own questions make its own frames."""
+"""The renderer's connections: answers to its queries give its frames."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROOM = "room?triangles=3000"
 
 
 def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) -> tuple[Any, Any]:
-    """The frame that answers make, and the renderer's."""
+    """The frame from answers, and the renderer's."""
     use = options.pop("use", None)
     conn = vc.connections(scene, integrator, size=SIZE, **options)
     made = conn.frame(conn.answers(visibility, use=use))
@@ -24,10 +24,15 @@ def frames(scene: vc.Scene, integrator: Any, visibility: Any, **options: Any) ->
 @pytest.mark.parametrize("spp", [1, 4])
 @pytest.mark.parametrize(
     "visibility",
-    [vc.Exact(), vc.Aqvc(c_e=8), vc.Aqvc(c_e=6, preset="paper"), vc.ShadowMap(resolution=64),
-     vc.Aqvc(preset="fast", c_e=8)],
+    [
+        vc.Exact(),
+        vc.Aqvc(c_e=8),
+        vc.Aqvc(c_e=6, preset="paper"),
+        vc.ShadowMap(resolution=64),
+        vc.Aqvc(preset="fast", c_e=8),
+    ],
     ids=["exact", "aqvc", "paper", "shadow maps", "fast"],
-)  # fmt: skip
+)
 def test_answers_make_the_renderers_frame_byte_for_byte(visibility: Any, spp: int) -> None:
     made, rendered = frames(
         vc.scenes.build(ROOM), vc.Whitted(n_vpls=80), visibility, spp=spp, seed=3
@@ -78,8 +83,10 @@ def test_plain_arrays_are_answers_too() -> None:
     scene = vc.scenes.build(ROOM)
     conn = vc.connections(scene, vc.Direct(), size=SIZE)
     rendered = vc.render(scene, vc.Direct(), size=SIZE)
-    bits = {group: conn.oracle(vc.Exact()).block(conn.eyes, ends).visible
-            for group, ends in conn.groups.items()}  # fmt: skip
+    bits = {
+        group: conn.oracle(vc.Exact()).block(conn.eyes, ends).visible
+        for group, ends in conn.groups.items()
+    }
     assert conn.frame(bits).sha256 == rendered.sha256
     half = {group: (seen, np.full(seen.shape, 0.5)) for group, seen in bits.items()}
     np.testing.assert_allclose(
@@ -112,8 +119,10 @@ def test_wrong_answers_are_refused() -> None:
 
 def test_own_virtual_lights_and_arrays_of_lamps() -> None:
     d = vc.SceneDescription()
-    d.add_mesh(np.array([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], dtype=np.float32),
-               np.array([(0, 2, 1), (0, 3, 2)]))  # fmt: skip
+    d.add_mesh(
+        np.array([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], dtype=np.float32),
+        np.array([(0, 2, 1), (0, 3, 2)]),
+    )
     d.add_point_lights([(0, 1, 0), (1, 2, 0)], [(1, 1, 1), (2, 1, 0)])
     scene = vc.Scene.from_description(d)
     assert [light["kind"] for light in scene.lights] == ["point", "point"]

@@ -92,10 +92,17 @@ def test_without_weights_the_bias_shows() -> None:
 def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> None:
     scene, light = vc.scenes.build(ROOM), vc.Whitted(n_vpls=64)
     frames = [
-        vc.render(scene, light, size=SIZE, visibility=vc.Aqvc(c_e=12), threads=n, rays=vc.Bsp(),
-                  use=vc.Correct(share=0.2))
+        vc.render(
+            scene,
+            light,
+            size=SIZE,
+            visibility=vc.Aqvc(c_e=12),
+            threads=n,
+            rays=vc.Bsp(),
+            use=vc.Correct(share=0.2),
+        )
         for n in (1, 3)
-    ]  # fmt: skip
+    ]
     assert frames[0].sha256 == frames[1].sha256
     assert frames[0].parameters["use"] == {"name": "correct", "share": 0.2}
     counters = frames[0].counters

@@ -1,4 +1,4 @@
-"""Caches as modules: arrays of points in, bits out."""
+"""Caches as modules that take arrays of points and return bits."""
 
 from __future__ import annotations
 
@@ -53,11 +53,16 @@ def bits_of(visible: Any) -> int:
 def test_exact_answers_are_those_of_single_rays(room: vc.Scene, points: vc.EyePoints) -> None:
     ends = lamps(room)
     answer = room.oracle(vc.Exact()).block(points, ends)
-    # Segments without normals start elsewhere by an offset: they differ at grazing angles alone
-    seen = np.stack([
-        room.visible(points.positions + 1e-4 * points.normals, np.broadcast_to(p, (len(points), 3)))
-        for p in ends.positions
-    ], axis=1)  # fmt: skip
+    # Segments without normals have another offset; answers differ only at grazing angles
+    seen = np.stack(
+        [
+            room.visible(
+                points.positions + 1e-4 * points.normals, np.broadcast_to(p, (len(points), 3))
+            )
+            for p in ends.positions
+        ],
+        axis=1,
+    )
     assert np.mean(answer.visible != seen) < 2e-3
     assert answer.counters["queries"] == answer.counters["rays"] == len(points) * len(ends)
     assert answer.bits.shape == (len(points), 1)
@@ -85,10 +90,15 @@ def test_larger_cells_cost_fewer_rays_and_more_errors(room: vc.Scene, points: vc
 
 @pytest.mark.parametrize(
     "visibility",
-    [vc.Exact(), vc.Aqvc(c_e=6), vc.Aqvc(c_e=6, preset="paper"), vc.ShadowMap(resolution=64),
-     vc.NeePlusPlus(n_voxels=4, learn_pixels=200)],
+    [
+        vc.Exact(),
+        vc.Aqvc(c_e=6),
+        vc.Aqvc(c_e=6, preset="paper"),
+        vc.ShadowMap(resolution=64),
+        vc.NeePlusPlus(n_voxels=4, learn_pixels=200),
+    ],
     ids=["exact", "waves", "paper", "shadow maps", "nee++"],
-)  # fmt: skip
+)
 def test_answers_do_not_depend_on_threads(
     room: vc.Scene, points: vc.EyePoints, visibility: Any
 ) -> None:
@@ -232,8 +242,10 @@ def test_bad_questions_are_refused_and_lose_nothing(room: vc.Scene, points: vc.E
         (lambda: oracle.block(points, ends, np.ones((2, 3), dtype=bool)), "wanted must be"),
         (lambda: oracle.block(points, ends, np.ones((len(points), 3))), "wanted must be"),
         (lambda: oracle.block(points, ends, contributions=np.ones((4, 4))), "contributions"),
-        (lambda: oracle.block(points, ends, contributions=np.full((len(points), 3), np.nan)),
-         "finite"),
+        (
+            lambda: oracle.block(points, ends, contributions=np.full((len(points), 3), np.nan)),
+            "finite",
+        ),
         (lambda: oracle.block(points.positions, ends), "eyes must be"),
         (lambda: oracle.pairs(points, [0, 1], ends), "index must be"),
         (lambda: oracle.pairs(points, [0, 1, len(points)], ends), "index must be in"),
@@ -244,7 +256,7 @@ def test_bad_questions_are_refused_and_lose_nothing(room: vc.Scene, points: vc.E
         (lambda: room.oracle(vc.Exact(), threads=0), "threads"),
         (lambda: room.oracle(vc.Exact(), seed=-1), "seed"),
         (lambda: oracle.block(vc.EyePoints([(1e20, 0, 0)], [(0, 0, 1)]), ends), "1e16"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(ValueError, match=match):
             call()
     assert oracle.block(points, ends).visible.shape == (len(points), 3)

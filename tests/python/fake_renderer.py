@@ -67,10 +67,20 @@ STOP: list[int] = []
 
 
 def fake_render(
-    scene: Any, integrator: Any, *, rays: Any = None, visibility: Any = None, use: Any = None,
-    size: tuple[int, int] = (64, 48), spp: int = 1, seed: int = 0, threads: Any = None,
-    camera: Any = None, env: Any = None, progress: bool = False,
-) -> Frame:  # fmt: skip
+    scene: Any,
+    integrator: Any,
+    *,
+    rays: Any = None,
+    visibility: Any = None,
+    use: Any = None,
+    size: tuple[int, int] = (64, 48),
+    spp: int = 1,
+    seed: int = 0,
+    threads: Any = None,
+    camera: Any = None,
+    env: Any = None,
+    progress: bool = False,
+) -> Frame:
     if STOP and len(CALLS) >= STOP[0]:
         raise KeyboardInterrupt
     CALLS.append({"visibility": visibility, "integrator": integrator, "seed": seed, "spp": spp})
@@ -85,10 +95,17 @@ def fake_render(
     traced = queries if exact else int(queries / visibility.c_e**2)
     return Frame(
         layers={"color": color, "vpl": color * 0.5},
-        counters={"queries": queries, "rays": traced, "ray_reduction": queries / max(traced, 1),
-                  "groups": {"vpl": {"queries": queries, "occluded": queries // 3, "rays": traced}},
-                  "rays_per_level": [traced, 0]},
-        timings={"total_s": 1.0 if exact else 0.2 + 0.5 / visibility.c_e,
-                 "visibility_s": traced * 1e-7, "shading_s": 0.1},
+        counters={
+            "queries": queries,
+            "rays": traced,
+            "ray_reduction": queries / max(traced, 1),
+            "groups": {"vpl": {"queries": queries, "occluded": queries // 3, "rays": traced}},
+            "rays_per_level": [traced, 0],
+        },
+        timings={
+            "total_s": 1.0 if exact else 0.2 + 0.5 / visibility.c_e,
+            "visibility_s": traced * 1e-7,
+            "shading_s": 0.1,
+        },
         parameters={"seed": seed},
-    )  # fmt: skip
+    )

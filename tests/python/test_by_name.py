@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -80,9 +81,15 @@ def test_a_description_makes_the_settings_again_and_leaves_the_preset_its_part(
 
 def test_a_sweep_reaches_what_the_papers_form_has_by_both_names(tmp_path: Path) -> None:
     scene = vc.scenes.cube_on_plane()
-    table = vc.sweep(scene, vc.Direct(), visibility=vc.Aqvc(preset="paper", c_e=8, table_bytes=400),
-                     over={"digest_bits": [1, 31], "paper.hash": ["scheme1", "scheme2"]},
-                     size=(32, 20), metrics=["rel_l1"], directory=tmp_path)  # fmt: skip
+    table = vc.sweep(
+        scene,
+        vc.Direct(),
+        visibility=vc.Aqvc(preset="paper", c_e=8, table_bytes=400),
+        over={"digest_bits": [1, 31], "paper.hash": ["scheme1", "scheme2"]},
+        size=(32, 20),
+        metrics=["rel_l1"],
+        directory=tmp_path,
+    )
     errors = table.rel_l1.mean("repeat")
     assert set(errors.dims) == {"digest_bits", "hash"}
     plain = errors.sel(digest_bits=31, hash="scheme2")
@@ -91,9 +98,10 @@ def test_a_sweep_reaches_what_the_papers_form_has_by_both_names(tmp_path: Path) 
 
 def test_the_command_line_sets_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "a.exr")
-    words = ["render", "cube_on_plane", "--integrator", "direct", "--visibility", "aqvc",
-             "--size", "16x10", "--set", "hash=scheme1", "--set", "paper.batch=1",
-             "-o", out, "--json"]  # fmt: skip
+    words = shlex.split(
+        "render cube_on_plane --integrator direct --visibility aqvc --size 16x10 --json"
+    )
+    words += ["--set", "hash=scheme1", "--set", "paper.batch=1", "-o", out]
     assert cli.main(words) == 0
     capsys.readouterr()
     used = vc.Frame.load(out).parameters["visibility"]

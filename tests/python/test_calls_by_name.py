@@ -29,12 +29,17 @@ def test_render_takes_names_for_everything(scene: vc.Scene) -> None:
     assert named.parameters["rays"]["name"] == "Bsp"
     assert named.parameters["visibility"] == made.parameters["visibility"]
     for name, settings in (
-        ("exact", vc.Exact()), ("shadow_map", vc.ShadowMap()), ("nee_plus_plus", vc.NeePlusPlus()),
-    ):  # fmt: skip
+        ("exact", vc.Exact()),
+        ("shadow_map", vc.ShadowMap()),
+        ("nee_plus_plus", vc.NeePlusPlus()),
+    ):
         a, b = (vc.render(scene, "direct", visibility=v, size=SIZE) for v in (name, settings))
         assert a.sha256 == b.sha256
-    for name, integrator in (("whitted", vc.Whitted()), ("ao", vc.AmbientOcclusion()),
-                             ("bdpt", vc.Bdpt(max_depth=8))):  # fmt: skip
+    for name, integrator in (
+        ("whitted", vc.Whitted()),
+        ("ao", vc.AmbientOcclusion()),
+        ("bdpt", vc.Bdpt(max_depth=8)),
+    ):
         shown = vc.render(scene, name, size=(8, 5)).sha256
         assert shown == vc.render(scene, integrator, size=(8, 5)).sha256
 
@@ -125,9 +130,16 @@ def test_a_keyword_that_contradicts_the_settings_is_refused_by_name(
         vc.VisibilityField("cube_on_plane", settings=settings, **given)  # type: ignore[arg-type]
 
 
-SIZED = ("viscache.render", "viscache.tune", "viscache.sweep", "viscache.cached_ambient_occlusion",
-         "viscache.Relighting", "viscache.VisibilityMapCache.update", "viscache.tiles.render",
-         "viscache.vismap.simulation.simulate")  # fmt: skip
+SIZED = (
+    "viscache.render",
+    "viscache.tune",
+    "viscache.sweep",
+    "viscache.cached_ambient_occlusion",
+    "viscache.Relighting",
+    "viscache.VisibilityMapCache.update",
+    "viscache.tiles.render",
+    "viscache.vismap.simulation.simulate",
+)
 
 
 @pytest.mark.parametrize("name", SIZED)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -37,8 +38,9 @@ def test_diff_prints_every_metric_as_one_json_object(
     capsys: pytest.CaptureFixture[str], pair: tuple[str, str], tmp_path: Path
 ) -> None:
     png = tmp_path / "d.png"
-    status, out, err = run(capsys, "diff", *pair, "--json", "--png", str(png),
-                           "--html", str(tmp_path / "d.html"))  # fmt: skip
+    status, out, err = run(
+        capsys, "diff", *pair, "--json", "--png", str(png), "--html", str(tmp_path / "d.html")
+    )
     got = json.loads(out)
     assert status == 0 and err == "" and png.read_bytes()[:4] == b"\x89PNG"
     assert set(got) == {"rmse", "rel_mse", "rel_l1", "energy", "flip", "ssim", "max_abs"}
@@ -95,9 +97,12 @@ def test_diff_against_black_prints_null(
     ],
 )  # fmt: skip
 def test_bad_usage_is_one_line_and_status_2(
-    capsys: pytest.CaptureFixture[str], words: list[str], says: str,
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.chdir(tmp_path)
     status, out, err = run(capsys, *words)
     assert status == 2 and out == "" and says in err
@@ -158,11 +163,12 @@ def test_ctrl_c_gives_130_and_keeps_what_was_finished(
     assert len(fake_vc.CALLS) == 4
     status, text, _ = run(capsys, "report", out)
     assert status == 0 and Path(text.strip()).read_text("utf-8").startswith("<!doctype html>")
-    status, text, _ = run(capsys, "report", out, "--flip-maps", "0", "--plots", f"{out}/figures",
-                          "--format", "pdf", "--format", "svg", "--json")  # fmt: skip
+    words = shlex.split("--flip-maps 0 --format pdf --format svg --json")
+    status, text, _ = run(capsys, "report", out, "--plots", f"{out}/figures", *words)
     drawn = [Path(p) for p in json.loads(text)["plots"]]
-    assert [p.name for p in drawn] == [f"trade-{c}.{k}" for c in ("total_s", "rays")
-                                       for k in ("pdf", "svg")]  # fmt: skip
+    assert [p.name for p in drawn] == [
+        f"trade-{c}.{k}" for c in ("total_s", "rays") for k in ("pdf", "svg")
+    ]
     assert all(p.stat().st_size > 2000 for p in drawn)
     status, _, err = run(capsys, "report", out, "--format", "pdf")
     assert status == 2 and "--format must come with --plots FOLDER" in err
@@ -211,8 +217,13 @@ def test_help_needs_no_heavy_imports() -> None:
         " file=sys.stderr)"
     )
     path = str(Path(viscache.__file__).parents[1])
-    done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": path, "PATH": ""},
-                          capture_output=True, text=True, check=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": path, "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert "--visibility" in done.stdout and done.stderr.strip() == ""
 
 
@@ -226,11 +237,11 @@ def test_render_writes_the_picture_its_json_describes(
 ) -> None:
     (tmp_path / "m.obj").write_text(CUBE)
     out = tmp_path / "o.exr"
-    status, text, _ = run(
-        capsys, "render", str(tmp_path / "m.obj"), "-o", str(out), "--integrator", "ao",
-        "--visibility", "aqvc", "--set", "c_e=4", "--set", "integrator.n_samples=8",
-        "--size", "24x16", "--json",
-    )  # fmt: skip
+    words = shlex.split(
+        "--integrator ao --visibility aqvc --set c_e=4 --set integrator.n_samples=8"
+    )
+    words += ["--size", "24x16", "--json"]
+    status, text, _ = run(capsys, "render", str(tmp_path / "m.obj"), "-o", str(out), *words)
     assert status == 0
     got = json.loads(text)
     assert {"counters", "timings", "parameters", "sha256", "warnings"} <= set(got)
@@ -256,10 +267,11 @@ def test_render_writes_pictures_to_look_at(
 def test_bidirectional_path_tracing_is_an_integrator(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    status, text, _ = run(
-        capsys, "render", "cornell_box", "-o", str(tmp_path / "o.exr"), "--integrator", "bdpt",
-        "--set", "integrator.max_depth=3", "--size", "16x16", "--spp", "2", "--json",
-    )  # fmt: skip
+    words = shlex.split(
+        "--integrator bdpt --set integrator.max_depth=3 --size 16x16 --spp 2 --json"
+    )
+    out = str(tmp_path / "o.exr")
+    status, text, _ = run(capsys, "render", "cornell_box", "-o", out, *words)
     assert status == 0
     got = json.loads(text)
     assert got["parameters"]["integrator"]["max_depth"] == 3
@@ -270,8 +282,9 @@ def test_a_camera_is_named_by_index_too_and_env_takes_a_number(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     words = ["-o", str(tmp_path / "o.exr"), "--integrator", "direct", "--size", "8x5", "--json"]
-    status, text, _ = run(capsys, "render", "room?triangles=2000&lights=0", "--camera", "1",
-                          "--env", "0.5", *words)  # fmt: skip
+    status, text, _ = run(
+        capsys, "render", "room?triangles=2000&lights=0", "--camera", "1", "--env", "0.5", *words
+    )
     got = json.loads(text)
     assert status == 0 and got["parameters"]["camera"] == "corner"
     assert "environment" in got["counters"]["groups"] and got["warnings"] == []
@@ -286,10 +299,14 @@ from viscache import cli
 print(flush=True)
 sys.exit(cli.main())
 """
-    words = ["render", "room?triangles=2000", "--size", "1280x800", "--spp", "64",
-             "-o", str(tmp_path / "o.exr")]  # fmt: skip
-    with subprocess.Popen([sys.executable, "-c", code, *words], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True) as process:  # fmt: skip
+    words = shlex.split("render room?triangles=2000 --size 1280x800 --spp 64 -o")
+    words.append(str(tmp_path / "o.exr"))
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
         assert process.stdout is not None and process.stderr is not None
         process.stdout.readline()
         time.sleep(0.7)

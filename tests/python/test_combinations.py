@@ -28,8 +28,7 @@ BROKEN: list[dict[str, Any]] = [
     {"integrator": vc.Direct(environment="product"), "visibility": Own()},
     {"integrator": vc.Direct(passes=2)},
     {"integrator": vc.AmbientOcclusion(n_samples=33, directions="shared"), "rays": vc.Bsp()},
-    {"integrator": vc.AmbientOcclusion(n_samples=33, directions="shared"),
-     "visibility": vc.Aqvc()},
+    {"integrator": vc.AmbientOcclusion(n_samples=33, directions="shared"), "visibility": vc.Aqvc()},
     {"visibility": vc.Exact(sky_engine="auto"), "rays": vc.Bsp()},
     {"visibility": vc.Exact(sky_engine="auto"), "integrator": vc.Bdpt()},
     {"keep": True},
@@ -39,14 +38,16 @@ BROKEN: list[dict[str, Any]] = [
     {"parts": 2, "integrator": vc.Bdpt()},
     {"parts": 2, "visibility": vc.Aqvc(paper=vc.PaperForm(storage="paper_tiles"))},
     {"parts": 2, "batch": True},
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("number", range(len(RULES)), ids=[rule.must[:50] for rule in RULES])
 def test_each_rule_is_the_one_that_is_broken(number: int) -> None:
     whole: dict[str, Any] = {
-        "integrator": vc.Direct(), "rays": vc.Embree(), "visibility": vc.Exact()
-    }  # fmt: skip
+        "integrator": vc.Direct(),
+        "rays": vc.Embree(),
+        "visibility": vc.Exact(),
+    }
     request = Request(**whole | BROKEN[number])
     broken = [i for i, rule in enumerate(RULES) if rule.refused(request)]
     assert broken == [number]

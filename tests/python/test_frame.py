@@ -1,4 +1,4 @@
-"""Frames: what goes in comes out, from memory and from disk."""
+"""Frames: values in memory and on disk."""
 
 from __future__ import annotations
 
@@ -28,9 +28,12 @@ def make(height: int = 6, width: int = 9) -> Frame:
     }
     counters = {"queries": 2**60 + 1, "groups": {"vpl": {"rays": 3}}, "levels": [1, 2]}
     return Frame(
-        layers=layers, counters=counters, timings={"total_s": 0.1},
-        parameters={"c_e": 4, "ö": None}, warnings=["no film"],
-    )  # fmt: skip
+        layers=layers,
+        counters=counters,
+        timings={"total_s": 0.1},
+        parameters={"c_e": 4, "ö": None},
+        warnings=["no film"],
+    )
 
 
 def test_a_saved_frame_comes_back_bit_for_bit_with_its_records(tmp_path: Path) -> None:
@@ -120,8 +123,10 @@ def test_bad_files_are_refused_with_a_reason(tmp_path: Path) -> None:
         make().save(tmp_path / "no" / "such" / "folder.exr")
 
 
-@pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".jpg", b"\xff\xd8\xff"),
-                                               (".JPEG", b"\xff\xd8\xff")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("suffix", "magic"),
+    [(".png", b"\x89PNG"), (".jpg", b"\xff\xd8\xff"), (".JPEG", b"\xff\xd8\xff")],
+)
 def test_a_suffix_names_the_kind_of_file(tmp_path: Path, suffix: str, magic: bytes) -> None:
     from PIL import Image
 
@@ -175,8 +180,14 @@ def test_a_notebook_shows_six_numbers_and_folds_the_rest() -> None:
     shown, folded = frame._repr_html_().split("<details>")
     assert shown.count("<tr>") == 6 and folded.count("<tr>") == 3
     assert "3 more</summary>" in folded and "clamped" in folded
-    for name in ("total_s (wall)", "cpu_s (CPU)", "visibility_s (wall)", "queries", "rays<",
-                 "ray_reduction"):  # fmt: skip
+    for name in (
+        "total_s (wall)",
+        "cpu_s (CPU)",
+        "visibility_s (wall)",
+        "queries",
+        "rays<",
+        "ray_reduction",
+    ):
         assert name in shown, name
     assert "visibility_cpu_s (CPU)" in folded
     few = Frame(layers={"color": np.zeros((2, 2, 3))}, counters={"records": 3})

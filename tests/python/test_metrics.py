@@ -1,4 +1,4 @@
-"""Metrics against numbers worked out by hand and by other people's programs."""
+"""Metrics against numbers calculated by hand and by other programs."""
 
 from __future__ import annotations
 
@@ -88,8 +88,13 @@ def test_flips_threads_sleep_while_they_wait_unless_told_otherwise(
     """
     environment = {k: v for k, v in os.environ.items() if k != "OMP_WAIT_POLICY"}
     environment |= {"OMP_WAIT_POLICY": asked} if asked else {}
-    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=environment,
-                          capture_output=True, text=True, check=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert done.stdout.split() == [str(found), str(asked)]
 
 

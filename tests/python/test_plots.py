@@ -39,8 +39,14 @@ def test_a_notebook_shows_a_plot_without_pyplot() -> None:
 def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
     import matplotlib.pyplot as plt
 
-    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, repeats=2, size=(32, 24),
-               metrics=["rel_l1"])  # fmt: skip
+    ds = sweep(
+        "room",
+        "whitted",
+        over={"c_e": [4, 8, 16], "c_n": [4, 8]},
+        repeats=2,
+        size=(32, 24),
+        metrics=["rel_l1"],
+    )
     figure = plots.trade(ds, x="rays")
     axes = figure.axes[0]
     assert axes.get_xlabel() == "shadow rays" and "INF" in axes.get_ylabel()
@@ -59,8 +65,12 @@ def test_plots_are_labelled_and_leave_pyplot_alone(fake_vc: Any) -> None:
 def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Path) -> None:
     import matplotlib.pyplot as plt
 
-    over = {"c_e": Range(2, 32, "log"), "c_n": Range(2, 16, whole=True), "preset": ["a", "b"],
-            "integrator.n_vpls": [1, 2, 3]}  # fmt: skip
+    over = {
+        "c_e": Range(2, 32, "log"),
+        "c_n": Range(2, 16, whole=True),
+        "preset": ["a", "b"],
+        "integrator.n_vpls": [1, 2, 3],
+    }
     points = designs.latin_hypercube(over, 12)
     ds = sweep("room", "whitted", over=points, size=(32, 24), metrics=["rel_l1"])
     figure = plots.pairs(ds)
@@ -77,13 +87,19 @@ def test_pairs_show_every_two_parameters_of_a_design(fake_vc: Any, tmp_path: Pat
         assert (tmp_path / f"a.{kind}").stat().st_size > 2000
     assert plt.get_fignums() == []
     with pytest.raises(ValueError, match=r"two swept parameters of numbers, got \['c_e'\]"):
-        plots.pairs(sweep("room", "whitted", over={"c_e": [4, 8]}, size=(32, 24),
-                          metrics=["rel_l1"]))  # fmt: skip
+        plots.pairs(
+            sweep("room", "whitted", over={"c_e": [4, 8]}, size=(32, 24), metrics=["rel_l1"])
+        )
 
 
 def grid(fake_vc: Any) -> Any:
-    return sweep("room", "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, size=(32, 24),
-                 metrics=["rel_l1"])  # fmt: skip
+    return sweep(
+        "room",
+        "whitted",
+        over={"c_e": [4, 8, 16], "c_n": [4, 8]},
+        size=(32, 24),
+        metrics=["rel_l1"],
+    )
 
 
 def pdf_text(file: Path) -> str:
@@ -136,8 +152,10 @@ def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(
     random = sweep("room", "whitted", over=points, size=(16, 12), metrics=["rel_l1"])
     over = {"c_e": [4, 8], "c_n": [4, 8], "integrator.n_vpls": [1, 2]}
     three = sweep("room", "whitted", over=over, size=(16, 12), metrics=["rel_l1"])
-    kinds = [{f.name.split("-")[0] for f in plots.save_all(ds, tmp_path, "svg")}
-             for ds in (random, three)]  # fmt: skip
+    kinds = [
+        {f.name.split("-")[0] for f in plots.save_all(ds, tmp_path, "svg")}
+        for ds in (random, three)
+    ]
     assert kinds == [{"trade", "pairs"}, {"trade", "heatmap", "pairs"}]
 
 

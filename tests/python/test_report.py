@@ -19,8 +19,15 @@ from viscache.sweeps.sweep import sweep
 
 
 def page(fake_vc: Any, directory: Path | None, target: Path, scene: str = "room") -> str:
-    ds = sweep(scene, "whitted", over={"c_e": [4, 8, 16], "c_n": [4, 8]}, repeats=2,
-               size=(48, 32), metrics=["rel_l1", "rmse"], directory=directory)  # fmt: skip
+    ds = sweep(
+        scene,
+        "whitted",
+        over={"c_e": [4, 8, 16], "c_n": [4, 8]},
+        repeats=2,
+        size=(48, 32),
+        metrics=["rel_l1", "rmse"],
+        directory=directory,
+    )
     return report.write(ds, target).read_text("utf-8")
 
 
@@ -61,16 +68,19 @@ def test_the_second_swept_parameter_is_a_shape_with_a_key_of_its_own(
     points, key = series(page(fake_vc, tmp_path / "s", tmp_path / "r.html"))
     assert len(points) == len(set(points)) == 6
     assert len({fill for fill, _ in points}) == 3 and len({shape for _, shape in points}) == 2
-    first, second = ([f"<i>C</i><sub>{n}</sub> = {v}" for v in values]
-                     for n, values in (("E", (4, 8, 16)), ("N", (4, 8))))  # fmt: skip
+    first, second = (
+        [f"<i>C</i><sub>{n}</sub> = {v}" for v in values]
+        for n, values in (("E", (4, 8, 16)), ("N", (4, 8)))
+    )
     assert key == [first, second, ["Pareto front: nothing is better in both"]]
 
 
 def test_many_levels_of_one_parameter_have_colours_of_their_own(
     fake_vc: Any, tmp_path: Path
 ) -> None:
-    ds = sweep("room", "whitted", over={"c_e": list(range(4, 14))}, size=(16, 12),
-               metrics=["rel_l1"])  # fmt: skip
+    ds = sweep(
+        "room", "whitted", over={"c_e": list(range(4, 14))}, size=(16, 12), metrics=["rel_l1"]
+    )
     points, key = series(report.write(ds, tmp_path / "r.html").read_text("utf-8"))
     assert len({fill for fill, _ in points}) == 10 and len({shape for _, shape in points}) == 1
     assert [len(row) for row in key] == [10, 1]

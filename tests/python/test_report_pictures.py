@@ -34,8 +34,11 @@ def random_picture(seed: int, shape: tuple[int, ...] = (9, 14, 3)) -> np.ndarray
 def data_of(a: np.ndarray, b: np.ndarray, step: int) -> tuple[dict[str, Any], dict[str, Any]]:
     """The page's data of one picture and its reference."""
     packed = {"difference": pictures.pack_difference(a, b, step), "reference": "r"}
-    data = {"frame": {"width": b.shape[1]}, "step": step,
-            "pictures": {"r": pictures.pack_reference(b)}}  # fmt: skip
+    data = {
+        "frame": {"width": b.shape[1]},
+        "step": step,
+        "pictures": {"r": pictures.pack_reference(b)},
+    }
     return data, packed
 
 
@@ -120,15 +123,13 @@ def test_colour_blind_readers_tell_too_bright_from_too_dark(kind: str) -> None:
 
 def run(directory: Path, metrics: tuple[str, ...] = ("rel_l1",), flip_maps: int = 0) -> str:
     over: dict[str, Any] = {"c_e": [4, 8, 16], "c_n": [4, 8]}
-    sweep("room", "whitted", over=over, size=(48, 32), metrics=list(metrics),
-          directory=directory)  # fmt: skip
+    sweep("room", "whitted", over=over, size=(48, 32), metrics=list(metrics), directory=directory)
     return report.write(directory, flip_maps=flip_maps).read_text("utf-8")
 
 
 def frames_of(directory: Path, setting: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     with Store(directory) as store:
-        point = next(p for p in store.definition()["points"]
-                     if p["index"][:-1] == setting["index"])  # fmt: skip
+        point = next(p for p in store.definition()["points"] if p["index"][:-1] == setting["index"])
         return store.frame(point["key"]).image, store.frame(point["paired"]).image
 
 
@@ -137,12 +138,14 @@ def test_the_page_has_every_settings_radiance_and_flip_map(fake_vc: Any, tmp_pat
     assert data["frame"] == {"width": 48, "height": 32} and data["step"] == 1
     for setting in data["settings"]:
         image, reference = frames_of(tmp_path, setting)
-        for found, true in ((page.picture(data, setting), image),
-                            (page.reference(data, setting["reference"]), reference)):  # fmt: skip
+        for found, true in (
+            (page.picture(data, setting), image),
+            (page.reference(data, setting["reference"]), reference),
+        ):
             np.testing.assert_allclose(page.values(found) * data["white"], true, rtol=6e-4)
-        errors, mean, _ = flip_evaluator.evaluate(reference, image, "HDR", inputsRGB=False,
-                                                  applyMagma=False,
-                                                  parameters={"ppd": 67.0})  # fmt: skip
+        errors, mean, _ = flip_evaluator.evaluate(
+            reference, image, "HDR", inputsRGB=False, applyMagma=False, parameters={"ppd": 67.0}
+        )
         np.testing.assert_allclose(page.flip(data, setting), errors[:, :, 0], atol=0.5 / 255 + 1e-6)
         assert setting["flip"]["mean"] == pytest.approx(float(mean), rel=1e-6)
         assert setting["flip"]["mean"] == pytest.approx(setting["cells"]["flip"][0], rel=1e-6)

@@ -57,9 +57,17 @@ def test_an_integrator_of_defaults_is_the_struct_of_defaults(cls: type[Any]) -> 
 
 def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
     changed = {
-        "n_vpls": 3, "max_depth": 5, "vpl_max_depth": 7, "vpl_candidates": 9, "vpl_eye_points": 11,
-        "vpl_bound": 0.5, "n_area": 2, "n_environment": 4, "n_brdf": 6, "cosmin": 0.25,
-    }  # fmt: skip
+        "n_vpls": 3,
+        "max_depth": 5,
+        "vpl_max_depth": 7,
+        "vpl_candidates": 9,
+        "vpl_eye_points": 11,
+        "vpl_bound": 0.5,
+        "n_area": 2,
+        "n_environment": 4,
+        "n_brdf": 6,
+        "cosmin": 0.25,
+    }
     plain = values(core_settings(vc.Whitted()))
     for name, value in changed.items():
         made = values(core_settings(dataclasses.replace(vc.Whitted(), **{name: value})))
@@ -87,8 +95,10 @@ def test_bidirectional_path_tracing_has_the_names_and_defaults_of_its_struct() -
     assert values(vc.Bdpt().core()) == struct
     changed = values(vc.Bdpt(max_depth=3, camera_connections="off", cosmin=0.5).core())
     assert changed == {
-        "max_depth": 3, "camera_connections": _core.CameraConnections.OFF, "cosmin": 0.5,
-    }  # fmt: skip
+        "max_depth": 3,
+        "camera_connections": _core.CameraConnections.OFF,
+        "cosmin": 0.5,
+    }
 
 
 def test_the_quantized_cache_has_the_names_and_defaults_of_its_struct() -> None:
@@ -110,9 +120,14 @@ def test_nee_plus_plus_has_the_names_and_defaults_of_its_struct() -> None:
     assert {f.name for f in dataclasses.fields(vc.NeePlusPlus)} == set(struct)
     assert values(vc.NeePlusPlus().core()) == struct
     changed = {
-        "n_voxels": 7, "n_directions": 9, "learn_pixels": 3, "min_probability": 0.25,
-        "exponent": 0.5, "symmetric": False, "max_bytes": 9,
-    }  # fmt: skip
+        "n_voxels": 7,
+        "n_directions": 9,
+        "learn_pixels": 3,
+        "min_probability": 0.25,
+        "exponent": 0.5,
+        "symmetric": False,
+        "max_bytes": 9,
+    }
     assert values(vc.NeePlusPlus(**changed).core()) == changed  # type: ignore[arg-type]
 
 
@@ -123,9 +138,11 @@ def test_the_bsp_has_the_names_and_defaults_of_its_struct() -> None:
     changed = vc.Bsp(max_depth=9, leaf_size=2, kernel="wald", max_bytes=10**6)
     made = values(changed.core())
     assert made == {
-        "max_depth": 9, "leaf_size": 2, "kernel": _core.visibility.TriangleKernel.WALD,
+        "max_depth": 9,
+        "leaf_size": 2,
+        "kernel": _core.visibility.TriangleKernel.WALD,
         "max_bytes": 10**6,
-    }  # fmt: skip
+    }
 
 
 def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None:
@@ -135,14 +152,29 @@ def test_the_visibility_field_has_the_names_and_defaults_of_its_struct() -> None
     open_ = values(vc.Vlf(n_directions="auto", n_tiles="auto", bsp_depth="auto").core())
     assert (open_["n_directions"], open_["n_tiles"], open_["bsp_depth"]) == (0, 0, -1)
     changed = {
-        "n_directions": 33, "n_tiles": 7, "bsp_depth": 2, "leaf_target": 9, "split": "object",
-        "walk": "stack", "tile_ranges": False, "fit": "psf_box", "kernel": "wald", "head_room": 1.5,
-        "lazy": True, "snap": True, "max_bytes": 10**6, "max_build_s": 2.5,
-    }  # fmt: skip
+        "n_directions": 33,
+        "n_tiles": 7,
+        "bsp_depth": 2,
+        "leaf_target": 9,
+        "split": "object",
+        "walk": "stack",
+        "tile_ranges": False,
+        "fit": "psf_box",
+        "kernel": "wald",
+        "head_room": 1.5,
+        "lazy": True,
+        "snap": True,
+        "max_bytes": 10**6,
+        "max_build_s": 2.5,
+    }
     for name, value in changed.items():
         made = values(vc.Vlf(**{name: value}).core())
-        enums = {"split": _core.vlf.DepthSplit, "walk": _core.vlf.LeafWalk,
-                 "fit": _core.vlf.FieldFit, "kernel": _core.visibility.TriangleKernel}  # fmt: skip
+        enums = {
+            "split": _core.vlf.DepthSplit,
+            "walk": _core.vlf.LeafWalk,
+            "fit": _core.vlf.FieldFit,
+            "kernel": _core.visibility.TriangleKernel,
+        }
         expected = enums[name][value.upper()] if name in enums else value
         assert {n: v for n, v in made.items() if v != struct[n]} == {name: expected}
 

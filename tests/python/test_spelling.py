@@ -30,8 +30,14 @@ RESULTS = {
 
 def constructors() -> list[type[Any]]:
     """Public classes that take keywords and have one to be misspelt."""
-    modules = ["viscache", "viscache.vlf", "viscache.vismap", "viscache.correlation",
-               "viscache.sweeps.designs", "viscache.sweeps.sweep"]  # fmt: skip
+    modules = [
+        "viscache",
+        "viscache.vlf",
+        "viscache.vismap",
+        "viscache.correlation",
+        "viscache.sweeps.designs",
+        "viscache.sweeps.sweep",
+    ]
     found = {}
     for name in modules:
         module = importlib.import_module(name)
@@ -41,9 +47,10 @@ def constructors() -> list[type[Any]]:
             if by_us and "_core" not in value.__module__:
                 found[f"{name}.{public}"] = value
     kept = [
-        c for c in found.values()
+        c
+        for c in found.values()
         if not issubclass(c, NOT_CONSTRUCTED) and c.__name__ not in RESULTS
-    ]  # fmt: skip
+    ]
     return sorted(set(kept), key=str)
 
 

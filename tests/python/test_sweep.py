@@ -85,8 +85,14 @@ def test_an_interrupted_sweep_resumes_and_repeats_nothing(fake_vc: Any, tmp_path
 def test_a_larger_grid_and_a_new_metric_use_what_is_there(fake_vc: Any, tmp_path: Path) -> None:
     sweep("room", "whitted", over={"c_e": [4, 8]}, directory=tmp_path, **SMALL)
     assert len(fake_vc.CALLS) == 3
-    ds = sweep("room", "whitted", over={"c_e": [4, 8, 16]}, directory=tmp_path,
-               size=(32, 24), metrics=["rel_l1", "ssim"])  # fmt: skip
+    ds = sweep(
+        "room",
+        "whitted",
+        over={"c_e": [4, 8, 16]},
+        directory=tmp_path,
+        size=(32, 24),
+        metrics=["rel_l1", "ssim"],
+    )
     assert len(fake_vc.CALLS) == 4
     assert ds.ssim.notnull().all() and "rmse" not in ds
 
@@ -153,8 +159,15 @@ def test_the_csv_has_a_row_per_point_and_repeat_and_is_there_after_each_point(
         assert done <= total == 6
         lengths.append(len(rows_of(tmp_path)) if (tmp_path / "table.csv").exists() else 0)
 
-    sweep("room", "whitted", over={"c_e": [4, 8]}, repeats=2, directory=tmp_path,
-          progress=progress, **SMALL)  # fmt: skip
+    sweep(
+        "room",
+        "whitted",
+        over={"c_e": [4, 8]},
+        repeats=2,
+        directory=tmp_path,
+        progress=progress,
+        **SMALL,
+    )
     assert lengths == sorted(lengths) and lengths[0] == 0 and max(lengths) >= 3
     rows = rows_of(tmp_path)
     names = ["c_e", "repeat", "seed", "rel_l1", "rmse", "rays", "queries"]
@@ -303,14 +316,21 @@ def test_the_ready_sweeps_name_parameters_that_exist(path: Path) -> None:
 
     loaded = SweepFile.load(path)
     roles = {r: by_name.make(r, getattr(loaded, r)) for r in by_name.ROLES}
-    common = {"scene": loaded.scene, "use": None, "camera": None, "env": None, "threads": None,
-              "size": (640, 400), "spp": loaded.spp}  # fmt: skip
+    common = {
+        "scene": loaded.scene,
+        "use": None,
+        "camera": None,
+        "env": None,
+        "threads": None,
+        "size": (640, 400),
+        "spp": loaded.spp,
+    }
 
     class Anything:
         content_hash = "00"
 
-    plan = make_plan(Anything(), roles, common, over=loaded.over, repeats=loaded.repeats, seed=0,
-                     converged=loaded.converged, metrics=list(loaded.metrics))  # fmt: skip
+    asked = {name: getattr(loaded, name) for name in ("over", "repeats", "converged")}
+    plan = make_plan(Anything(), roles, common, seed=0, metrics=list(loaded.metrics), **asked)
     assert len(plan.points) >= 9
 
 
@@ -321,8 +341,15 @@ def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_pat
     import viscache as vc
     from viscache.commands.doctor import _scene
 
-    ds = sweep(_scene(), vc.Direct(), over={"c_e": [0.01, 4, 16]}, size=(64, 48),
-               metrics=["rel_l1"], repeats=2, directory=tmp_path)  # fmt: skip
+    ds = sweep(
+        _scene(),
+        vc.Direct(),
+        over={"c_e": [0.01, 4, 16]},
+        size=(64, 48),
+        metrics=["rel_l1"],
+        repeats=2,
+        directory=tmp_path,
+    )
     errors, rays = ds.rel_l1.mean("repeat").values, ds.rays.mean("repeat").values
     assert errors[0] == 0.0 and 0 < errors[1] < errors[2] < 0.2
     assert rays[0] > rays[1] > rays[2] > 0

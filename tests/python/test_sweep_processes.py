@@ -238,8 +238,15 @@ def test_a_scene_gets_its_environment_once_and_not_once_per_frame(
     scene = vc.scenes.build("cube_on_plane")
     sky = np.full((8, 16, 3), 0.5, np.float32)
     direct = vc.Direct(n_environment=4)
-    ds = sweep(scene, direct, over={"c_e": [4, 8]}, env=sky, size=(24, 16), metrics=["rel_l1"],
-               directory=tmp_path)  # fmt: skip
+    ds = sweep(
+        scene,
+        direct,
+        over={"c_e": [4, 8]},
+        env=sky,
+        size=(24, 16),
+        metrics=["rel_l1"],
+        directory=tmp_path,
+    )
     assert len(made) == 1 and ds.rel_l1.notnull().all()
     for row in rows_of(tmp_path):
         alone = vc.render(
@@ -268,6 +275,12 @@ def test_a_worker_loads_a_scene_once(monkeypatch: pytest.MonkeyPatch) -> None:
             return super().submit(function, task, None)
 
     with Here(2) as pool:
-        sweep("cube_on_plane", vc.Direct(), over={"c_e": [1, 2, 4, 8]}, executor=pool,
-              size=(24, 16), metrics=["rel_l1"])  # fmt: skip
+        sweep(
+            "cube_on_plane",
+            vc.Direct(),
+            over={"c_e": [1, 2, 4, 8]},
+            executor=pool,
+            size=(24, 16),
+            metrics=["rel_l1"],
+        )
     assert opened == ["cube_on_plane"] * 2  # the sweep itself, and its workers together

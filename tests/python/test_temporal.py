@@ -35,7 +35,7 @@ def test_what_is_white_on_the_screen_cannot_flicker() -> None:
     found = temporal.flicker(frames(5.0, 9.0), frames(5.0, 3.0), exposure=1.0)
     assert found == temporal.Flicker(0.0, 0.0, 0.0)
     shown = temporal.flicker(frames(5.0, 9.0), frames(5.0, 3.0))
-    assert shown.exact > 0  # the first reference's own exposure
+    assert shown.exact > 0  # the exposure of the first reference
 
 
 def test_sequences_must_be_equally_long_and_have_two_frames() -> None:

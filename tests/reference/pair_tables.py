@@ -41,10 +41,12 @@ def all_pairs(visible: Array, positions: Array, normals: Array) -> Pairs:
     apart = np.linalg.norm(m[i] - m[j], axis=1)
     together = np.linalg.norm(m[i] + m[j], axis=1)
     return Pairs(
-        i=i, j=j, rho=correlation(visible, visible)[i, j],
+        i=i,
+        j=j,
+        rho=correlation(visible, visible)[i, j],
         d=np.linalg.norm(p[i] - p[j], axis=1),
         theta_deg=np.degrees(2 * np.arctan2(apart, together)),
-    )  # fmt: skip
+    )
 
 
 def binned(pairs: Pairs, d_edges: Array, theta_edges_deg: Array) -> dict[str, Array]:

@@ -70,9 +70,13 @@ class Pairs:
 
 
 def all_pairs(
-    visible: Bools, positions: Floats, normals: Floats, *, domain: str = "sphere",
+    visible: Bools,
+    positions: Floats,
+    normals: Floats,
+    *,
+    domain: str = "sphere",
     directions: Floats | None = None,
-) -> Pairs:  # fmt: skip
+) -> Pairs:
     """Counts by brute force, a row of pairs at a time."""
     n, n_directions = visible.shape
     inside = np.ones((n, n_directions), bool)
@@ -89,9 +93,15 @@ def all_pairs(
         rows.append(np.stack([np.full(len(j), i), j, *counts]))
     i, j, of, n1, n2, n11 = np.concatenate(rows, axis=1)
     return Pairs(
-        i=i, j=j, of=of, n1=n1, n2=n2, n11=n11, d2=_squared(positions[j] - positions[i]),
+        i=i,
+        j=j,
+        of=of,
+        n1=n1,
+        n2=n2,
+        n11=n11,
+        d2=_squared(positions[j] - positions[i]),
         chord2=_squared(normals[j] - normals[i]),
-    )  # fmt: skip
+    )
 
 
 def _facing(normals: Floats, directions: Floats) -> Bools:
@@ -124,9 +134,13 @@ def quantized_rho(
 
 
 def pair_sums(
-    p: Pairs, q: Ints, defined: Bools, group: Ints, d_edges: npt.NDArray[np.float64],
+    p: Pairs,
+    q: Ints,
+    defined: Bools,
+    group: Ints,
+    d_edges: npt.NDArray[np.float64],
     theta_edges_deg: npt.NDArray[np.float64],
-) -> dict[str, npt.NDArray[np.object_]]:  # fmt: skip
+) -> dict[str, npt.NDArray[np.object_]]:
     """n, n_undefined, Σq and Σq² per pair of groups, bin of distance and bin of angle."""
     d, t = distance_bins(p.d2, d_edges), angle_bins(p.chord2, theta_edges_deg)
     groups = int(group.max()) + 1

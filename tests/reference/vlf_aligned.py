@@ -83,9 +83,12 @@ def blocked(x: Array, y: Array, z: Array, up: bool, reach: np.float32) -> bool:
 def functions(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     """Edge functions, their sum, and depth times that sum."""
     edge = np.stack(
-        [x[:, (i + 1) % 3] * y[:, (i + 2) % 3] - y[:, (i + 1) % 3] * x[:, (i + 2) % 3]
-         for i in range(3)], 1
-    )  # fmt: skip
+        [
+            x[:, (i + 1) % 3] * y[:, (i + 2) % 3] - y[:, (i + 1) % 3] * x[:, (i + 2) % 3]
+            for i in range(3)
+        ],
+        1,
+    )
     det = edge[:, 0] + edge[:, 1] + edge[:, 2]
     return edge, det, edge[:, 0] * z[:, 0] + edge[:, 1] * z[:, 1] + edge[:, 2] * z[:, 2]
 

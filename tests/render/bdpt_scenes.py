@@ -12,9 +12,7 @@ BLOCK = box((-0.7, 0, -0.6), (-0.1, 1.1, -0.1), look=Look(base_color=(0.3, 0.5, 
 GLOBE = ball((0.45, 0.35, 0.2), 0.35, look=Look(base_color=(0.8, 0.3, 0.2)))
 
 #: A closed room with an area light.
-ROOM = Model(
-    (WALLS, LAMP, BLOCK, GLOBE), origin=(0, 1, 0.95), target=(0, 0.8, -1), fov_deg=70
-)  # fmt: skip
+ROOM = Model((WALLS, LAMP, BLOCK, GLOBE), origin=(0, 1, 0.95), target=(0, 0.8, -1), fov_deg=70)
 MIRROR = replace(BLOCK, look=Look(kind="mirror", specular=(0.9, 0.8, 0.7)))
 GLASS = ball((0.45, 0.4, 0.2), 0.35, 16, smooth=True, look=Look(kind="dielectric"))
 #: The same with a mirror and a glass ball: caustics.

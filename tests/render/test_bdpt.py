@@ -123,18 +123,20 @@ EDGES: dict[str, Model] = {
     "no light": scenes.OUTSIDE,
     "nothing but mirrors": Model(
         (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(kind="mirror")),),
-        points=(((0, 2, 0), (1, 1, 1)),), env=(0.2, 0.3, 0.4),
+        points=(((0, 2, 0), (1, 1, 1)),),
+        env=(0.2, 0.3, 0.4),
     ),
     "the camera in glass": Model(
         (scenes.FLOOR, ball((0, 1.5, 3), 1, 16, smooth=True, look=Look(kind="dielectric"))),
-        points=(((0, 4, 0), (9, 9, 9)),), env=(0.2, 0.3, 0.4), origin=(0, 1.5, 3),
+        points=(((0, 4, 0), (9, 9, 9)),),
+        env=(0.2, 0.3, 0.4),
+        origin=(0, 1.5, 3),
     ),
     "a light that is black": Model((scenes.FLOOR,), points=(((0, 2, 0), (0, 0, 0)),)),
     "a black surface": Model(
-        (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(base_color=(0, 0, 0))),),
-        env=(1, 1, 1),
+        (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=Look(base_color=(0, 0, 0))),), env=(1, 1, 1)
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", EDGES)

@@ -26,14 +26,23 @@ def room() -> vc.Scene:
 
 
 def cached(
-    integrator: Any = PLAIN, scene: vc.Scene | None = None, spp: int = 4, seed: int = 0,
-    threads: int | None = None, **aqvc: Any,
-) -> vc.Frame:  # fmt: skip
+    integrator: Any = PLAIN,
+    scene: vc.Scene | None = None,
+    spp: int = 4,
+    seed: int = 0,
+    threads: int | None = None,
+    **aqvc: Any,
+) -> vc.Frame:
     visibility = replaced(vc.Aqvc(table_bytes=16 * MIB), aqvc, "visibility")
     return vc.render(
-        scene or room(), integrator, size=SIZE, spp=spp, seed=seed, threads=threads,
+        scene or room(),
+        integrator,
+        size=SIZE,
+        spp=spp,
+        seed=seed,
+        threads=threads,
         visibility=visibility,
-    )  # fmt: skip
+    )
 
 
 @cache
@@ -61,8 +70,9 @@ def test_vanishing_clusters_give_the_exact_image_bit_for_bit(camera: str, storag
         np.testing.assert_array_equal(frame.layers[name], pixels, err_msg=name)
     assert frame.counters["rays"] == frame.counters["queries"] == reference.counters["queries"]
     groups = frame.counters["groups"]
-    assert all(groups[g]["occluded"] == c["occluded"]
-               for g, c in reference.counters["groups"].items())  # fmt: skip
+    assert all(
+        groups[g]["occluded"] == c["occluded"] for g, c in reference.counters["groups"].items()
+    )
 
 
 # Determinism
@@ -141,7 +151,7 @@ def test_equation_6_errs_less_than_equation_7_at_equal_rays() -> None:
 
 
 def test_connections_with_the_camera_pass_by_the_cache_unless_they_are_keyed() -> None:
-    """A27."""
+    """See deviation A27."""
     bypassing = cached(vc.Bdpt(max_depth=4, camera_connections="bypass"))
     keyed = cached(vc.Bdpt(max_depth=4))
     camera = bypassing.counters["groups"]["camera"]
@@ -169,7 +179,7 @@ def test_mirrors_and_glass_lie_between_clusters() -> None:
     assert rel_l1(frame.image, reference.image) < 0.05
 
 
-# What is asked for
+# Arguments
 
 
 def test_what_is_not_given_is_what_the_paper_takes_for_this_renderer() -> None:

@@ -190,9 +190,12 @@ def test_a_sphere_light_reflects_nothing() -> None:
     """It has no material: the scene's first is a mirror, and a point light shines at the sphere."""
     mirror = replace(PLANE, look=Look(kind="mirror"))
     model = Model(
-        (mirror,), spheres=(((0, 1, 0), 0.5, (1, 1, 1)),), points=(((0, 3, 3), (100, 100, 100)),),
-        target=(0, 1, 0), fov_deg=1,
-    )  # fmt: skip
+        (mirror,),
+        spheres=(((0, 1, 0), 0.5, (1, 1, 1)),),
+        points=(((0, 3, 3), (100, 100, 100)),),
+        target=(0, 1, 0),
+        fov_deg=1,
+    )
     frame = vc.render(model.to_viscache(), vc.Whitted(n_vpls=16), size=(1, 1))
     np.testing.assert_array_equal(frame.image, 1)
     assert model.to_viscache().with_environment(0.5).triangles == 2
@@ -303,9 +306,13 @@ def test_shadows_stay_where_they_are_at_any_scale_and_place(scale: float, away: 
 def test_point_light_keeps_the_inverse_square_law_at_any_scale(scale: float) -> None:
     plane = replace(PLANE, vertices=PLANE.vertices * np.float32(scale))
     model = Model(
-        (plane,), points=(((0, 2 * scale, 0), (1, 2, 3)),),
-        origin=(0, 3 * scale, 0), target=(0, 0, 0), up=(0, 0, 1), fov_deg=60,
-    )  # fmt: skip
+        (plane,),
+        points=(((0, 2 * scale, 0), (1, 2, 3)),),
+        origin=(0, 3 * scale, 0),
+        target=(0, 0, 0),
+        up=(0, 0, 1),
+        fov_deg=60,
+    )
     frame = vc.render(model.to_viscache(), vc.Direct(), size=SIZE)
     r = radius_on_plane(frame, 3 * scale)
     expected = RHO / np.pi * [1, 2, 3] * (2 * scale / (r**2 + (2 * scale) ** 2) ** 1.5)[..., None]

@@ -99,9 +99,14 @@ def given_maps(scene: vc.Scene, maps: npt.NDArray[np.bool_], seed: int) -> Any:
     core, caster = core_settings(integrator), scene.caster()
     given = _core.given_maps(settings, maps, np.full(3, 1 / 3, np.float32), dilations(maps))
     made = _core.render_frame(
-        scene._core, caster, scene.cameras[0], core, frame, _core.ExactSource(scene._core, caster),
+        scene._core,
+        caster,
+        scene.cameras[0],
+        core,
+        frame,
+        _core.ExactSource(scene._core, caster),
         maps=given,
-    )  # fmt: skip
+    )
     return made["layers"]["environment"]
 
 
@@ -238,9 +243,11 @@ def test_the_records_learn_how_often_they_were_wrong(scene: vc.Scene) -> None:
     cache.update(scene=bare, size=(40, 24))
     cache.reset_errors()
     vc.render(
-        bare, direct(), visibility=vc.VisMaps(cache=cache, update=False, count_misses=True),
+        bare,
+        direct(),
+        visibility=vc.VisMaps(cache=cache, update=False, count_misses=True),
         size=(40, 24),
-    )  # fmt: skip
+    )
     after = cache.records()
     before = counted[0][1].sum() / counted[0][0].sum()
     assert after.misses.sum() / after.rays.sum() > 1.5 * before

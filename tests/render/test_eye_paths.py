@@ -138,8 +138,11 @@ def test_packets_of_primary_rays_find_what_single_rays_find(spec: str) -> None:
     up = np.tan(0.5 * camera.fov_rad)
     x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
     forward, right, top = (np.asarray(v) for v in (camera.forward, camera.right, camera.up))
-    directions = (forward + (2 * x - 1)[..., None] * right * (up * width / height)
-                  + (1 - 2 * y)[..., None] * top * up)  # fmt: skip
+    directions = (
+        forward
+        + (2 * x - 1)[..., None] * right * (up * width / height)
+        + (1 - 2 * y)[..., None] * top * up
+    )
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     single = (
         scene.caster()

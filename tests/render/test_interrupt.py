@@ -141,9 +141,12 @@ def test_ctrl_c_stops_a_long_query_soon() -> None:
 def test_progress_counts_tiles_to_the_end() -> None:
     seen: list[tuple[int, int]] = []
     vc.render(
-        busy_scene(), vc.Direct(n_area=8), size=(256, 256), spp=16,
+        busy_scene(),
+        vc.Direct(n_area=8),
+        size=(256, 256),
+        spp=16,
         progress=lambda done, total: seen.append((done, total)),
-    )  # fmt: skip
+    )
     assert seen[-1][0] == seen[-1][1] > 1
     assert [d for d, _ in seen] == sorted(d for d, _ in seen)
     assert len({t for _, t in seen if t}) == 1

@@ -71,7 +71,7 @@ BLOCK = box((-0.9, 0, -0.5), (-0.3, 0.9, 0.2), look=Look(base_color=(0.2, 0.5, 0
 GLOBE = ball((0.6, 0.5, 0.2), 0.5, look=Look(base_color=(0.8, 0.3, 0.2)))
 
 
-# The three scenes of the contract
+# Three scenes for comparison
 
 
 @pytest.fixture(scope="module")

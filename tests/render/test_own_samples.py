@@ -1,4 +1,4 @@
-"""Light that every eye point samples for itself, in whole frames with the quantized cache."""
+"""Light samples per eye point in whole frames with the quantized cache."""
 
 import numpy as np
 import pytest

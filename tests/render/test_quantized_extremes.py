@@ -1,4 +1,4 @@
-"""Whole frames at the edges: section 9 of the cache's specification, a test per row."""
+"""Whole frames with extreme inputs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ QUAD = np.uint32([[0, 1, 2], [0, 2, 3]])
 
 
 def check(scene, integrator=DIRECT, size=q.SIZE, **options):
-    """A finite frame with C_E = 8 that keeps every query, beside the exact one; both returned."""
+    """A frame with C_E = 8 and the exact one; the cached one is finite and counts every query."""
     exact = q.exact(scene, integrator, size)
     frame = q.render(scene, integrator, size=size, **{"c_e": 8, **options})
     assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
@@ -56,7 +56,7 @@ def table():
     return np.array([[-0.5, 0.6, 0.5], [0.5, 0.6, 0.5], [0.5, 0.6, -0.5], [-0.5, 0.6, -0.5]]), QUAD
 
 
-# Where the scene is, and how large
+# Place and size of the scene
 
 
 @pytest.mark.parametrize("form", FORMS, ids=["waves", "pairs"])
@@ -114,7 +114,7 @@ def test_c_e_near_zero_is_exact_and_counted(form, c_e):
 @pytest.mark.parametrize("form", q.FORMS)
 @pytest.mark.parametrize("c_e", [1e9, 1e30])
 def test_huge_c_e_leaves_a_ray_per_normal_bin_slab_and_light(form, c_e):
-    """R = 1: few rays, finite, within what the lights can give; refined it still ends."""
+    """R = 1: few rays, and finite values within the lights' range; refinement still ends."""
     frame, exact = check(q.lit_box(), q.SHARED, c_e=c_e, refinement="off", **q.FORMS[form])
     assert frame.counters["ray_reduction"] > 40 and frame.counters["clamped_low"] > 0
     assert 0.01 < q.rel_l1(frame.image, exact.image) < 0.3
@@ -154,7 +154,7 @@ def test_odd_c_n_works_but_costs_rays_on_axis_aligned_walls(mode):
 
 @pytest.mark.parametrize("storage", [{"digest_bits": 1}, {"table_bytes": 4}], ids=str)
 def test_tiny_digests_and_tables_stay_within_what_the_lights_give(storage):
-    """A table of one slot remembers the last key; digests of one bit lie, and say how often."""
+    """A table of one slot keeps the last key; digests of one bit cause errors, and are counted."""
     options = {**q.FORMS["pairs-table"], **storage, "c_e": 1e-3}
     frame, exact = check(q.lit_box(), q.SHARED, **options)
     counts = frame.counters
@@ -237,7 +237,7 @@ def test_grazing_views_keep_finite_cells(form):
 
 @pytest.mark.parametrize("height", [0.0, 1e-7, -1e-7, 1e-3])
 def test_a_light_in_or_just_off_the_surface_is_answered(height):
-    """On the plane itself its cosine is 0: only what stands on the floor asks."""
+    """On the plane itself the cosine is 0, so only points above the floor have queries."""
     wall = np.array([[-1, 0, -1], [1, 0, -1], [1, 1, -1], [-1, 1, -1]]), QUAD
     scene = with_parts(floor(), table(), wall, lights=(((0.0, height, 1.0), (1, 1, 1)),))
     for form in FORMS:

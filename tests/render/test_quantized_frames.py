@@ -1,4 +1,4 @@
-"""Whole frames with the quantized cache: what AQVC promises, seen through `viscache.render`."""
+"""Whole frames with the quantized cache: the properties that AQVC promises."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def z_of_mean(values):
     return float(np.mean(values) / max(error, 1e-12))
 
 
-# The exact limit, and what a query costs
+# The exact limit, and costs of a query
 
 
 @pytest.mark.parametrize("form", q.FORMS)
@@ -89,7 +89,7 @@ def test_refinement_adds_levels_and_at_most_one_ray_per_query(form):
     plain = q.render(q.lit_box(), refinement="off", **options).counters
     refined = q.render(q.lit_box(), level_rule="log2", level_step=2, **options).counters
     assert len(plain["rays_per_level"]) == 1 and len(refined["rays_per_level"]) == 4
-    # A lossy table may have dropped a key by the time it is asked for again
+    # A lossy table may drop a key before its next query
     slack = 0.01 if form == "pairs-table" else 0
     assert refined["rays_per_level"][0] == pytest.approx(plain["rays_per_level"][0], rel=slack)
     for group in refined["groups"].values():

@@ -86,7 +86,7 @@ COUNTERS = (
 @pytest.mark.parametrize("refinement", ["off", "on"])
 @pytest.mark.parametrize("form", q.FORMS)
 def test_counters_are_present_finite_and_add_up(form, refinement):
-    """Stats of section 14, for every form and light group."""
+    """Counters for every form and light group."""
     scene = q.lit_box().with_environment(0.5)
     integrator = vc.Whitted(n_vpls=12, n_area=4, n_environment=2, n_brdf=2)
     c = q.render(scene, integrator, c_e=8, refinement=refinement, **q.FORMS[form]).counters
@@ -135,7 +135,7 @@ def test_c_e_of_a_light_group_changes_that_group_alone(group):
         assert finer < q.rel_l1(whole.layers[name], exact[name])
 
 
-# Section 5: densities, and light that every eye point samples for itself
+# Densities, and light samples per eye point
 
 
 def mirror_filling_the_view(bend):

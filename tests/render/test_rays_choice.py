@@ -48,10 +48,17 @@ def test_records_of_visibility_maps_are_traced_by_the_same_caster(
 ) -> None:
     scene = vc.scenes.build("courtyard?triangles=6000")
     frames = [
-        vc.render(scene, vc.Direct(environment="product"), rays=rays, use=use, size=SIZE,
-                  visibility=vc.VisMaps(), env=(1, 1, 1))
+        vc.render(
+            scene,
+            vc.Direct(environment="product"),
+            rays=rays,
+            use=use,
+            size=SIZE,
+            visibility=vc.VisMaps(),
+            env=(1, 1, 1),
+        )
         for rays in (None, BSP)
-    ]  # fmt: skip
+    ]
     assert frames[1].counters["records"] > 0
     difference = np.abs(frames[1].image - frames[0].image).mean() / frames[0].image.mean()
     assert difference < 0.05
@@ -62,8 +69,15 @@ def test_records_of_visibility_maps_are_traced_by_the_same_caster(
     # The control: where Embree cannot be had, a frame by the BSP still comes out
     monkeypatch.setattr(vc.Embree, "build", forbidden)
     fresh = vc.scenes.build("courtyard?triangles=6000")
-    alone = vc.render(fresh, vc.Direct(environment="product"), rays=BSP, use=use, size=SIZE,
-                      visibility=vc.VisMaps(), env=(1, 1, 1))  # fmt: skip
+    alone = vc.render(
+        fresh,
+        vc.Direct(environment="product"),
+        rays=BSP,
+        use=use,
+        size=SIZE,
+        visibility=vc.VisMaps(),
+        env=(1, 1, 1),
+    )
     assert alone.sha256 == frames[1].sha256
     with pytest.raises(AssertionError, match="Embree was asked"):
         vc.render(fresh, vc.Direct(), size=SIZE)
@@ -90,6 +104,7 @@ def test_the_command_line_names_it(
     shown = json.loads(capsys.readouterr().out)
     rays, visibility = shown["parameters"]["rays"], shown["parameters"]["visibility"]
     assert (rays["name"], rays["max_depth"], visibility["name"]) == ("Bsp", 9, "Exact")
-    frame = vc.render(vc.scenes.cube_on_plane(), vc.Whitted(), rays=vc.Bsp(max_depth=9),
-                      size=(24, 16))  # fmt: skip
+    frame = vc.render(
+        vc.scenes.cube_on_plane(), vc.Whitted(), rays=vc.Bsp(max_depth=9), size=(24, 16)
+    )
     assert shown["sha256"] == frame.sha256

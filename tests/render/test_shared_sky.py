@@ -30,9 +30,9 @@ def frame_of(
 def test_means_over_seeds_are_those_of_samples_of_each_points_own() -> None:
     """z-test over independent frames of mean pixel values; the control is 2 % brighter."""
     common: dict[str, Any] = {"size": (24, 18)}
-    shared = np.array([
-        frame_of(seed=s, **common).layers["environment"].mean((0, 1)) for s in range(64)
-    ])  # fmt: skip
+    shared = np.array(
+        [frame_of(seed=s, **common).layers["environment"].mean((0, 1)) for s in range(64)]
+    )
     truth = (
         frame_of(integrator=vc.Direct(n_environment=512, n_brdf=512, n_area=0), **common, spp=4)
         .layers["environment"]
@@ -113,9 +113,7 @@ def test_directional_lights_and_whitted_go_the_same_way() -> None:
 def test_the_quantized_cache_with_small_cells_gives_the_exact_sky() -> None:
     """Fixed sky directions are a shared group of the cache too (level waves)."""
     exact = frame_of(size=(40, 30))
-    cached = vc.render(
-        SPHERES, SKY, visibility=vc.Aqvc(c_e=1e-3), size=(40, 30), env=gradient()
-    )  # fmt: skip
+    cached = vc.render(SPHERES, SKY, visibility=vc.Aqvc(c_e=1e-3), size=(40, 30), env=gradient())
     np.testing.assert_array_equal(cached.layers["environment"], exact.layers["environment"])
     coarse = vc.render(SPHERES, SKY, visibility=vc.Aqvc(c_e=8), size=(160, 120), env=gradient())
     assert coarse.counters["ray_reduction"] > 1.2

@@ -173,8 +173,13 @@ def bent(part: Part, degrees: float) -> Part:
 
 def on_the_wall(floor: Part, direction: tuple[float, float, float] = (0, 1, 0)) -> float:
     wall = quad((-1.5, 0.3, -1.6), (3, 0, 0), (0, 2, 0), look=WHITE)
-    scene = Model((floor, wall), directions=((direction, (3, 3, 3)),), origin=(0, 1.2, 3),
-                  target=(0, 1.2, -1.6), fov_deg=15)  # fmt: skip
+    scene = Model(
+        (floor, wall),
+        directions=((direction, (3, 3, 3)),),
+        origin=(0, 1.2, 3),
+        target=(0, 1.2, -1.6),
+        fov_deg=15,
+    )
     light = indirect(scene.to_viscache(), 1, n_vpls=512, vpl_max_depth=1)
     return float(light.mean())
 
@@ -229,11 +234,15 @@ def test_a_mirror_with_bent_normals_sends_photons_where_eyes_look() -> None:
     view: dict[str, Any] = {"origin": (0, 2.5, -2.5), "target": (0, 2.5, 2), "fov_deg": 30}
     seen = [
         indirect(
-            Model((mirror, catcher, screen), directions=(((0, 1, 0), (3, 3, 3)),), **view)
-            .to_viscache(), 4, vpl_max_depth=2, n_vpls=512,
+            Model(
+                (mirror, catcher, screen), directions=(((0, 1, 0), (3, 3, 3)),), **view
+            ).to_viscache(),
+            4,
+            vpl_max_depth=2,
+            n_vpls=512,
         ).mean()
         for mirror in (bent(flat, 20), turned, bent(flat, 0))
-    ]  # fmt: skip
+    ]
     assert seen[0] == pytest.approx(seen[1], rel=0.02) and seen[0] > 1e-3
     assert seen[2] == 0
 

@@ -267,3 +267,9 @@ def test_a_glb_cut_anywhere_is_refused(tmp_path):
         (tmp_path / "cut.glb").write_bytes(data[:cut])
         with pytest.raises(core.SceneError):
             core.load_scene_file(str(tmp_path / "cut.glb"))
+
+
+@pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_draco_mesh_compression"])
+def test_a_compressed_file_is_named_as_such_before_its_buffers_are_read(tmp_path, name):
+    with pytest.raises(core.SceneError, match=f"requires the extension '{name}'.*gltf-transform"):
+        load(tmp_path, document(buffers=[{"byteLength": 60}], extensionsRequired=[name]))

@@ -276,6 +276,33 @@ def test_instances_of_a_shapegroup_count_once_for_each_placement(tmp_path):
     np.testing.assert_allclose(scene.bounds(), [(-1, -1, -1), (11, 1, 1)])
 
 
+def test_files_are_sought_in_paths_then_beside_the_main_file_then_beside_the_included_one(tmp_path):
+    triangle = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n"
+    places = {"meshes": 4, "more": 3, "": 2, "sub": 1}
+    for folder, size in places.items():
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / "a.obj").write_text(triangle.format(size))
+    shape = '<shape type="obj"><string name="filename" value="a.obj"/></shape>'
+    (tmp_path / "sub" / "part.xml").write_text(f"<scene>{shape}</scene>")
+    body = '<path value="more"/><path value="meshes"/><include filename="sub/part.xml"/>'
+    for folder, size in places.items():
+        assert load(tmp_path, body).bounds()[1][0] == size
+        (tmp_path / folder / "a.obj").unlink()
+    with pytest.raises(core.SceneError, match=r"a.obj: the file does not exist"):
+        load(tmp_path, body)
+    with pytest.raises(core.SceneError, match=r"scene.xml:2: the folder '.*nowhere' is not there"):
+        load(tmp_path, '<path value="nowhere"/>')
+
+
+def test_includes_that_multiply_are_refused(tmp_path):
+    for level in range(12):
+        includes = f'<include filename="{level + 1}.xml"/>' * 10
+        (tmp_path / f"{level}.xml").write_text(f"<scene>{includes}</scene>")
+    (tmp_path / "12.xml").write_text("<scene/>")
+    with pytest.raises(core.SceneError, match=r"the scene includes more than 10,000 files"):
+        load(tmp_path, '<include filename="0.xml"/>')
+
+
 def test_includes_are_merged_and_a_cycle_is_refused(tmp_path):
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "part.xml").write_text(

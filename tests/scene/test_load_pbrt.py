@@ -112,6 +112,32 @@ def test_named_materials_and_textures_are_looked_up(tmp_path):
         load(tmp_path, 'Material "matte" "texture Kd" "x"')
 
 
+def test_what_is_not_defined_is_warned_of_as_pbrt_does(tmp_path):
+    scene = load(
+        tmp_path,
+        f"""Material "matte" "rgb Kd" [.1 .2 .3] NamedMaterial "x" {TRIANGLE}
+        Material "matte" "texture Kd" "x" {TRIANGLE}""",
+        strict=False,
+    )
+    colors = [scene.materials[m["material"]]["base_color"] for m in scene.meshes]
+    assert colors == [pytest.approx([0.1, 0.2, 0.3]), pytest.approx([0.5] * 3)]
+    texts = [": ".join(w) for w in scene.warnings]
+    assert "scene.pbrt:3: the material 'x' is not defined; the one before is kept" in texts[0]
+    assert "scene.pbrt:5: the texture 'x' is not defined; the default is used" in texts[1]
+
+
+def test_blocks_of_attributes_and_objects_end_each_other_and_alpha_0_is_invisible(tmp_path):
+    scene = load(
+        tmp_path,
+        f"""AttributeBegin ObjectBegin "a" AttributeBegin {TRIANGLE} AttributeEnd AttributeEnd ObjectEnd
+        ObjectInstance "a" Translate 1 0 0 ObjectInstance "a"
+        {TRIANGLE.strip()} "float alpha" 0""",
+    )
+    assert len(scene.instances) == 2 and len(scene.meshes) == 1
+    with pytest.raises(core.SceneError, match=r"scene.pbrt:3: TransformEnd has no matching begin"):
+        load(tmp_path, "AttributeBegin TransformEnd")
+
+
 def test_attribute_blocks_restore_material_light_and_orientation(tmp_path):
     scene = load(
         tmp_path,

@@ -21,7 +21,7 @@ SIZE = (24, 16)
 
 @pytest.fixture(autouse=True)
 def other_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing that this process has made before is found again."""
+    """Results that this process made earlier are not reused."""
     monkeypatch.setattr(travelling, "_NEWEST", Newest())
 
 
@@ -122,8 +122,9 @@ def test_pools_of_processes_take_scenes() -> None:
         assert list(pool.map(rendered, [scene, scene])) == [rendered(scene)] * 2
         parts = vc.tiles.render(scene, vc.Direct(), size=SIZE, executor=pool, parts=2)
         assert parts.sha256 == rendered(scene)
-        table = vc.sweep(scene, "direct", over={"c_e": [4]}, size=SIZE, executor=pool,
-                         metrics=["rel_l1"])  # fmt: skip
+        table = vc.sweep(
+            scene, "direct", over={"c_e": [4]}, size=SIZE, executor=pool, metrics=["rel_l1"]
+        )
         here = vc.sweep(scene, "direct", over={"c_e": [4]}, size=SIZE, metrics=["rel_l1"])
         assert table.rel_l1.values == here.rel_l1.values
 
@@ -137,8 +138,9 @@ def test_other_bytes_are_no_description(damage: bytes) -> None:
 
 def test_a_notebook_shows_a_scene() -> None:
     text = described()._repr_html_()
-    for wanted in ("data:image/png;base64,", "thumbnail", "<td>8</td>", "front", "1 point",
-                   "1 sphere", "described", "is only a test", "bounds"):  # fmt: skip
+    picture = ("data:image/png;base64,", "thumbnail")
+    table = ("<td>8</td>", "front", "1 point", "1 sphere", "bounds")
+    for wanted in (*picture, *table, "described", "is only a test"):
         assert wanted in text, wanted
 
 

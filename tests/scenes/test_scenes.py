@@ -207,8 +207,9 @@ def test_the_walk_through_the_classroom_is_smooth_and_meets_nothing() -> None:
     origins = np.array([c.origin for c in cameras])
     steps = np.linalg.norm(np.diff(origins, axis=0), axis=1)
     assert steps.min() > 0 and steps.max() < 0.1
-    turns = np.einsum("nk,nk->n", *(np.array([c.forward for c in part]) for part in
-                                    (cameras[1:], cameras[:-1])))  # fmt: skip
+    turns = np.einsum(
+        "nk,nk->n", *(np.array([c.forward for c in part]) for part in (cameras[1:], cameras[:-1]))
+    )
     assert turns.min() > np.cos(np.radians(3))
     assert (distances(origins[::7], built("classroom_like")) > 0.12).all()
     with pytest.raises(ValueError, match=r"frame must be in \[0, 420\), got 420"):

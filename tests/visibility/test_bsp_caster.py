@@ -76,8 +76,12 @@ def excused(scene: vc.Scene, o: Array, d: Array, ours: Any, embree: Any) -> Arra
     return good
 
 
-SCENES = ["random_triangles?triangles=20000", "bumpy_spheres?triangles=15000",
-          "room?triangles=20000", "hairball?triangles=20000"]  # fmt: skip
+SCENES = [
+    "random_triangles?triangles=20000",
+    "bumpy_spheres?triangles=15000",
+    "room?triangles=20000",
+    "hairball?triangles=20000",
+]
 
 
 @pytest.mark.parametrize("spec", SCENES)
@@ -92,9 +96,9 @@ def test_no_hit_differs_from_embrees_without_an_excuse(spec: str, kernel: Any) -
         assert (theirs.triangle >= 0).any()
         differ = ours.triangle != theirs.triangle
         assert differ.mean() < 2e-3
-        bad = ~excused(scene, o[differ], d[differ], *(
-            type(x)(*(v[differ] for v in x)) for x in (ours, theirs)
-        ))  # fmt: skip
+        bad = ~excused(
+            scene, o[differ], d[differ], *(type(x)(*(v[differ] for v in x)) for x in (ours, theirs))
+        )
         assert bad.sum() == 0
         same = ~differ & (theirs.triangle >= 0)
         np.testing.assert_allclose(ours.t[same], theirs.t[same], rtol=1e-3, atol=1e-4)
@@ -123,8 +127,9 @@ def test_the_tree_and_its_answers_do_not_depend_on_threads() -> None:
     for threads in (1, 2, 5):
         caster = vc.Bsp().build(scene._core, threads)
         hits = caster.intersect(o, d, threads)
-        answers.append((caster.stats, caster.count_steps(o[:500], d[:500]),
-                        *(part.tobytes() for part in hits)))  # fmt: skip
+        answers.append(
+            (caster.stats, caster.count_steps(o[:500], d[:500]), *(part.tobytes() for part in hits))
+        )
     assert answers[0] == answers[1] == answers[2]
 
 
@@ -155,8 +160,12 @@ def test_instances_and_holes_are_seen_as_embree_sees_them() -> None:
     d = vc.SceneDescription()
     material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
     card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
-    mesh = d.add_mesh(*card, uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]],
-                      material=material, in_world=False)  # fmt: skip
+    mesh = d.add_mesh(
+        *card,
+        uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]],
+        material=material,
+        in_world=False,
+    )
     for z, sx in ((0.0, 1), (-1.0, -2)):
         d.add_instance([mesh], [[sx, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, z]])
     scene = vc.Scene.from_description(d)

@@ -252,8 +252,11 @@ def test_coordinates_that_rays_cannot_use_are_refused_by_name(value: float, axis
     "wrong", [[], [0.0, 0.0], [[0.0, 0.0]], np.zeros((2, 3, 1)), np.zeros((1, 4)), 1.0]
 )
 def test_wrong_shapes_are_refused_with_the_shape_given(wrong: Any) -> None:
-    for call in (lambda: SCENE.visible(wrong, ONE), lambda: SCENE.occluded(ONE, wrong),
-                 lambda: SCENE.intersect(wrong, ONE)):  # fmt: skip
+    for call in (
+        lambda: SCENE.visible(wrong, ONE),
+        lambda: SCENE.occluded(ONE, wrong),
+        lambda: SCENE.intersect(wrong, ONE),
+    ):
         with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 3\), got \("):
             call()
 

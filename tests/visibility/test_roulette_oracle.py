@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +29,12 @@ def room() -> vc.Scene:
 
 
 def stack(scene: vc.Scene, integrator: Any, visibility: Any, seeds: range) -> npt.NDArray[Any]:
-    return np.stack([
-        vc.render(scene, integrator, size=SIZE, visibility=visibility, seed=s).image for s in seeds
-    ])  # fmt: skip
+    return np.stack(
+        [
+            vc.render(scene, integrator, size=SIZE, visibility=visibility, seed=s).image
+            for s in seeds
+        ]
+    )
 
 
 def forgetful(scene: vc.Scene, integrator: Any, seeds: range) -> npt.NDArray[Any]:
@@ -163,9 +167,10 @@ def test_product_sampling_is_refused(room: vc.Scene) -> None:
 def test_the_command_line_renders_with_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["render", "stairs", "-o", str(tmp_path / "a.exr"), "--integrator", "direct",
-             "--visibility", "nee_plus_plus", "--set", "n_voxels=8", "--size", "32x20",
-             "--json"]  # fmt: skip
+    words = shlex.split(
+        "render stairs --integrator direct --visibility nee_plus_plus --set n_voxels=8"
+    )
+    words += ["--size", "32x20", "--json", "-o", str(tmp_path / "a.exr")]
     assert cli.main(words) == 0
     got = json.loads(capsys.readouterr().out)
     assert got["parameters"]["visibility"]["n_voxels"] == 8

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -36,15 +37,27 @@ def room() -> vc.Scene:
 
 
 def look_up(
-    scene: vc.Scene, far: Any, points: Floats, normals: Floats, *, direction: bool = False,
-    threads: int = 1, **settings: Any,
-) -> tuple[npt.NDArray[np.bool_], Floats]:  # fmt: skip
+    scene: vc.Scene,
+    far: Any,
+    points: Floats,
+    normals: Floats,
+    *,
+    direction: bool = False,
+    threads: int = 1,
+    **settings: Any,
+) -> tuple[npt.NDArray[np.bool_], Floats]:
     """Whether each point is lit, and the depths."""
     return _core.lit_by_light(
-        scene.caster(), vc.ShadowMap(**settings).core(), far, direction=direction,
-        positions=np.asarray(points, np.float32), normals=np.asarray(normals, np.float32),
-        center=CENTER, radius=RADIUS, threads=threads,
-    )  # fmt: skip
+        scene.caster(),
+        vc.ShadowMap(**settings).core(),
+        far,
+        direction=direction,
+        positions=np.asarray(points, np.float32),
+        normals=np.asarray(normals, np.float32),
+        center=CENTER,
+        radius=RADIUS,
+        threads=threads,
+    )
 
 
 def unit(v: Any) -> Floats:
@@ -90,8 +103,9 @@ def random_scene(seed: int) -> tuple[vc.Scene, Floats, Floats, Floats]:
         for c in rng.uniform([-0.8, -0.2, -0.8], [0.8, 0.4, 0.8], (6, 3))
     ]
     scene = quads(((-1, -1, -1), (0, 0, 2), (2, 0, 0)), *plates)
-    points = np.c_[rng.uniform(-0.99, 0.99, 20_000), np.full(20_000, -1.0),
-                   rng.uniform(-0.99, 0.99, 20_000)]  # fmt: skip
+    points = np.c_[
+        rng.uniform(-0.99, 0.99, 20_000), np.full(20_000, -1.0), rng.uniform(-0.99, 0.99, 20_000)
+    ]
     return scene, points, np.tile([0.0, 1.0, 0.0], (20_000, 1)), np.array([0.1, 1.4, -0.2])
 
 
@@ -108,8 +122,9 @@ def test_wrong_bits_fall_with_the_resolution(direction: bool) -> None:
         seen = ~scene.occluded(points + 1e-5 * normals, to_light, t_max=t_max)
         assert 0.1 < seen.mean() < 0.95
         for k, resolution in enumerate(resolutions):
-            lit, _ = look_up(scene, far, points, normals, direction=direction,
-                             resolution=resolution)  # fmt: skip
+            lit, _ = look_up(
+                scene, far, points, normals, direction=direction, resolution=resolution
+            )
             wrong[k] += (lit != seen).mean() / 3
     assert (np.diff(wrong) < 0).all()
     slope = np.polyfit(np.log(resolutions), np.log(wrong), 1)[0]
@@ -241,16 +256,20 @@ def test_other_ray_casters_trace_maps_too() -> None:
 def test_the_command_line_renders_with_shadow_maps(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["render", "cube_on_plane", "-o", str(tmp_path / "a.exr"), "--integrator", "direct",
-             "--visibility", "shadow_map", "--set", "resolution=96", "--set", "slope_bias=2",
-             "--size", "32x20", "--json"]  # fmt: skip
+    words = shlex.split("render cube_on_plane --integrator direct --visibility shadow_map --json")
+    words += ["--set", "resolution=96", "--set", "slope_bias=2", "--size", "32x20"]
+    words += ["-o", str(tmp_path / "a.exr")]
     assert cli.main(words) == 0
     got = json.loads(capsys.readouterr().out)
     assert got["counters"]["shadow_map_rays"] == 6 * 96**2
     assert got["parameters"]["visibility"] == {
-        "name": "ShadowMap", "resolution": 96, "bias": 1e-4, "slope_bias": 2.0, "vpls": False,
+        "name": "ShadowMap",
+        "resolution": 96,
+        "bias": 1e-4,
+        "slope_bias": 2.0,
+        "vpls": False,
         "max_bytes": 4 << 30,
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize(

@@ -16,14 +16,25 @@ LOW, HIGH = (-1.0, 0.0, 2.0), (3.0, 0.5, 4.0)
 
 
 def learn(
-    near: Any, far: Any, seen: Any, *, direction: bool = False, low: Any = LOW, high: Any = HIGH,
+    near: Any,
+    far: Any,
+    seen: Any,
+    *,
+    direction: bool = False,
+    low: Any = LOW,
+    high: Any = HIGH,
     **settings: Any,
-) -> tuple[npt.NDArray[Any], ...]:  # fmt: skip
+) -> tuple[npt.NDArray[Any], ...]:
     """Cells of both ends, visibility and probability."""
     return _core.learnt_map(
-        vc.NeePlusPlus(**settings).core(), low, high, np.asarray(near, np.float32),
-        np.asarray(far, np.float32), np.asarray(seen, bool), direction=direction,
-    )  # fmt: skip
+        vc.NeePlusPlus(**settings).core(),
+        low,
+        high,
+        np.asarray(near, np.float32),
+        np.asarray(far, np.float32),
+        np.asarray(seen, bool),
+        direction=direction,
+    )
 
 
 def connections(n: int, seed: int = 0) -> tuple[npt.NDArray[Any], ...]:

@@ -77,18 +77,28 @@ def _grey(light: Doubles) -> npt.NDArray[np.float32]:
     return np.repeat(light[..., None], 3, axis=-1).astype(np.float32)
 
 
-THREE_LAMPS = [((0.5, 0.3, 0.81), 5.0, 2000.0), ((-0.6, 0.4, 0.69), 5.0, 2000.0),
-               ((0.1, -0.8, 0.59), 5.0, 2000.0)]  # fmt: skip
+THREE_LAMPS = [
+    ((0.5, 0.3, 0.81), 5.0, 2000.0),
+    ((-0.6, 0.4, 0.69), 5.0, 2000.0),
+    ((0.1, -0.8, 0.59), 5.0, 2000.0),
+]
 
 
 def scene(name: str, seed: int = 7) -> Scene:
     rng = np.random.default_rng(seed)
     if name == "room":
         far = (0.0, 8.0)
-        walls = [(2, 0.0, far, far), (2, 4.0, far, far), (0, 0.0, far, (0.0, 4.0)),
-                 (1, 0.0, far, (0.0, 4.0)), (1, 8.0, far, (0.0, 4.0)),
-                 (0, 8.0, (0.0, 3.5), (0.0, 4.0)), (0, 8.0, (4.5, 8.0), (0.0, 4.0)),
-                 (0, 8.0, (3.5, 4.5), (0.0, 1.5)), (0, 8.0, (3.5, 4.5), (2.5, 4.0))]  # fmt: skip
+        walls = [
+            (2, 0.0, far, far),
+            (2, 4.0, far, far),
+            (0, 0.0, far, (0.0, 4.0)),
+            (1, 0.0, far, (0.0, 4.0)),
+            (1, 8.0, far, (0.0, 4.0)),
+            (0, 8.0, (0.0, 3.5), (0.0, 4.0)),
+            (0, 8.0, (4.5, 8.0), (0.0, 4.0)),
+            (0, 8.0, (3.5, 4.5), (0.0, 1.5)),
+            (0, 8.0, (3.5, 4.5), (2.5, 4.0)),
+        ]
         return Scene(walls, np.zeros((0, 4)), np.ones((EDGE, EDGE, 3), np.float32), 0)
     n, low, high = {"garden": (600, 0.08, 0.23), "courtyard": (40, 0.3, 0.8)}[name]
     r = rng.uniform(low, high, n)
@@ -158,9 +168,11 @@ def world(name: str, *, records: int = 800, m: int = 5, pixels: int = 40, seed: 
             Pixel(
                 b=made.reflection(x, n),
                 visible=made.visible(x, n, texels).reshape(EDGE, EDGE),
-                maps=maps[near], beta=(w / w.sum()).astype(np.float32), grown=dilations(maps[near]),
+                maps=maps[near],
+                beta=(w / w.sum()).astype(np.float32),
+                grown=dilations(maps[near]),
             )
-        )  # fmt: skip
+        )
     return World(made.light, EnvironmentPyramid(made.light), found)
 
 

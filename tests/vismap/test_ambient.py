@@ -106,9 +106,13 @@ def test_shading_is_the_gaussian_mean_of_the_nearest_records() -> None:
         compared = 0
         for i in np.flatnonzero(points.d_max > 0)[::11]:
             w = reference.full_weights(
-                points.positions[i].astype(float), points.normals[i], r.positions, r.normals,
-                float(points.d_max[i]), np.radians(30),
-            )  # fmt: skip
+                points.positions[i].astype(float),
+                points.normals[i],
+                r.positions,
+                r.normals,
+                float(points.d_max[i]),
+                np.radians(30),
+            )
             near = np.flatnonzero(~np.isnan(w))
             if len(near) >= 64:
                 assert jump[i] > 0

@@ -141,9 +141,15 @@ def test_every_mode_is_unbiased(mode: str, eta: float) -> None:
         point = made.estimate(pixel, eta)
         truth = exact(made, pixel, point).truth
         found = point.simulate(
-            pixel.visible, n=10, passes=3, replicates=2000, set=point_set, mode=kind, alpha=alpha,
+            pixel.visible,
+            n=10,
+            passes=3,
+            replicates=2000,
+            set=point_set,
+            mode=kind,
+            alpha=alpha,
             seed=100 + i,
-        )  # fmt: skip
+        )
         errors.append(luminance(found).mean(axis=1) - truth)
     together, worst = pooled_z(errors)
     assert abs(together) < 3.3 and worst < 4.5
@@ -287,8 +293,14 @@ def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta: float) ->
     b *= np.kron(seen, np.ones((4, 4)))
     table = np.repeat(b[..., None], 3, axis=-1).astype(np.float32)
     maps, visible = seen[None], np.kron(seen, np.ones((4, 4), bool)).astype(bool)
-    point = PointEstimate(EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)), table, maps,
-                          np.ones(1, np.float32), dilated=dilations(maps), eta=eta)  # fmt: skip
+    point = PointEstimate(
+        EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)),
+        table,
+        maps,
+        np.ones(1, np.float32),
+        dilated=dilations(maps),
+        eta=eta,
+    )
     args = {"n": 8, "passes": 2, "replicates": 200}
     for kind in (PointSet.INDEPENDENT, PointSet.ZERO_TWO):
         found = luminance(point.simulate(visible, alpha=1.0, set=kind, **args))
@@ -298,8 +310,14 @@ def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta: float) ->
     # With one cell of the maps wrong they scatter
     wrong = maps.copy()
     wrong[0, 16, 16] = ~wrong[0, 16, 16]
-    other = PointEstimate(EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)), table, wrong,
-                          np.ones(1, np.float32), dilated=dilations(wrong), eta=eta)  # fmt: skip
+    other = PointEstimate(
+        EnvironmentPyramid(np.ones((EDGE, EDGE, 3), np.float32)),
+        table,
+        wrong,
+        np.ones(1, np.float32),
+        dilated=dilations(wrong),
+        eta=eta,
+    )
     assert luminance(other.simulate(visible, alpha=1.0, **args)).std() > 1e-4
 
 
@@ -318,9 +336,15 @@ def test_the_gain_is_the_same_for_any_number_of_independent_samples_and_shrinks_
             for row, alpha in enumerate((1.0, 0.0)):
                 for column, n in enumerate(samples):
                     found = luminance(
-                        point.simulate(pixel.visible, n=n, replicates=batches * 16, set=kind,
-                                       alpha=alpha, seed=1000 * n + i)
-                    )  # fmt: skip
+                        point.simulate(
+                            pixel.visible,
+                            n=n,
+                            replicates=batches * 16,
+                            set=kind,
+                            alpha=alpha,
+                            seed=1000 * n + i,
+                        )
+                    )
                     squares[row, column] += ((found[:, 0] - truth) ** 2).reshape(batches, -1).sum(1)
         ratios = squares[0] / squares[1]
         slopes[kind] = np.polyfit(np.log(samples), np.log(ratios), 1)[0]
@@ -364,8 +388,9 @@ def test_a_sun_behind_a_wrong_bit_stays_finite() -> None:
     row, column = np.argwhere(pixel.visible)[100]
     light[row, column] = 1e6
     maps = np.zeros_like(pixel.maps)
-    point = PointEstimate(EnvironmentPyramid(light), pixel.b, maps, pixel.beta,
-                          dilated=dilations(maps), eta=0.25)  # fmt: skip
+    point = PointEstimate(
+        EnvironmentPyramid(light), pixel.b, maps, pixel.beta, dilated=dilations(maps), eta=0.25
+    )
     found = point.simulate(pixel.visible, n=30, passes=3, mode=AlphaMode.PREVIOUS_PASS)
     assert np.isfinite(found).all()
 

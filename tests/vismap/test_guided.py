@@ -24,9 +24,13 @@ MAPS = {
 def point_of(name: str, eta: float, light: np.ndarray | None = None) -> PointEstimate:
     maps = MAPS[name]
     return PointEstimate(
-        EnvironmentPyramid(sky(EDGE, sun=1e6) if light is None else light), cosine_lobe(EDGE), maps,
-        shares(len(maps)), dilated=dilations(maps), eta=eta,
-    )  # fmt: skip
+        EnvironmentPyramid(sky(EDGE, sun=1e6) if light is None else light),
+        cosine_lobe(EDGE),
+        maps,
+        shares(len(maps)),
+        dilated=dilations(maps),
+        eta=eta,
+    )
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.25, 0.01])
@@ -170,8 +174,14 @@ def test_the_merged_warp_keeps_the_points_even() -> None:
     made = world("garden", records=100, pixels=20)
     guided = plain = 0.0
     for i, pixel in enumerate(made.pixels):
-        args = {"n": 64, "passes": 3, "replicates": 80, "mode": AlphaMode.PREVIOUS_PASS,
-                "set": PointSet.ZERO_TWO, "seed": i}  # fmt: skip
+        args = {
+            "n": 64,
+            "passes": 3,
+            "replicates": 80,
+            "mode": AlphaMode.PREVIOUS_PASS,
+            "set": PointSet.ZERO_TWO,
+            "seed": i,
+        }
         _, sums, point = sums_of(made, pixel, 0.25)
         found = luminance(point.simulate(pixel.visible, **args))[:, -1]
         guided += ((found - sums.truth) ** 2).mean()

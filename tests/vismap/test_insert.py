@@ -265,9 +265,11 @@ def test_points_that_cannot_be_are_refused_and_nothing_is_lost(
     cache, _ = made(n_startup=20)
     before = cache.records()
     good: dict[str, Any] = {
-        "positions": [[0.0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]], "normals": [[0.0, 1, 0]] * 3,
-        "d_max": [0.2] * 3, "footprint": [0.01] * 3,
-    }  # fmt: skip
+        "positions": [[0.0, 0, 0], [0.1, 0, 0], [0.2, 0, 0]],
+        "normals": [[0.0, 1, 0]] * 3,
+        "d_max": [0.2] * 3,
+        "footprint": [0.01] * 3,
+    }
     for wrong, message in BAD:
         with pytest.raises(ValueError, match=message):
             cache.insert(**(good | wrong))

@@ -193,8 +193,11 @@ def test_every_instruction_set_gives_the_same_trees() -> None:
     seen = {
         subprocess.run(
             [sys.executable, "-c", TREES.format(path=sys.path)],
-            env=os.environ | {"VISCACHE_ISA": isa}, capture_output=True, text=True, check=True,
+            env=os.environ | {"VISCACHE_ISA": isa},
+            capture_output=True,
+            text=True,
+            check=True,
         ).stdout
         for isa in isas
-    }  # fmt: skip
+    }
     assert len(seen) == 1 and len(seen.pop()) > 60

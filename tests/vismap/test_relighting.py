@@ -74,7 +74,7 @@ def cell_middles(cache: vc.VisibilityMapCache) -> npt.NDArray[np.float32]:
 
 
 def test_a_turned_light_gives_the_sum_over_its_cells_and_no_ray(image: vc.Relighting) -> None:
-    """Test 27 of the reading notes: the ray counter stays, J equals brute force."""
+    """The ray counter stays, and J equals brute force."""
     camera_rays = image._core.camera_rays
     for degrees in (0.0, 37.0, 180.0):
         light = image.light(SKY, rotation_deg=degrees)
@@ -126,9 +126,10 @@ def test_a_light_keeps_its_power_and_turns_with_its_image(image: vc.Relighting) 
 
 def test_an_open_plane_under_an_even_sky_shows_its_albedo() -> None:
     floor = vc.Scene.from_arrays(
-        [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]], [[0, 2, 1], [0, 3, 2]],
+        [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]],
+        [[0, 2, 1], [0, 3, 2]],
         base_color=(0.8, 0.4, 0.2),
-    )  # fmt: skip
+    )
     camera = vc.look_at((0, 3, 1), (0, 0, 0))
     cache = vc.VisibilityMapCache(floor, vc.MapSettings(n_startup=20))
     frame = vc.Relighting(cache, camera=camera, size=(16, 12)).under(1.0)

@@ -96,9 +96,15 @@ def test_anything_else_is_refused(saved: Any, tmp_path: Path) -> None:
     array = io.BytesIO()
     np.save(array, np.zeros(3))
     for content in (
-        b"", b"hello", good[: len(good) // 2], good[:-30], other.getvalue(), empty.getvalue(),
-        array.getvalue(), b"PK\x03\x04" + bytes(100),
-    ):  # fmt: skip
+        b"",
+        b"hello",
+        good[: len(good) // 2],
+        good[:-30],
+        other.getvalue(),
+        empty.getvalue(),
+        array.getvalue(),
+        b"PK\x03\x04" + bytes(100),
+    ):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=r"cache\.npz: must be a file of Visib"):
             vc.VisibilityMapCache.load(path, clutter())

@@ -114,8 +114,12 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
         first = point.simulate(pixel.visible, n=10, alpha=alpha, **args)[:, 0] @ LUMINANCE
         np.testing.assert_allclose(found.estimates[ONE_SHOT, 10][:, i], first, rtol=1e-12)
         # A second pass of twenty, alone: its α comes from the first ten
-        both = point.simulate(pixel.visible, sizes=[10, 20], mode=AlphaMode.PREVIOUS_PASS,
-                              alpha=alpha, **args) @ LUMINANCE  # fmt: skip
+        both = (
+            point.simulate(
+                pixel.visible, sizes=[10, 20], mode=AlphaMode.PREVIOUS_PASS, alpha=alpha, **args
+            )
+            @ LUMINANCE
+        )
         np.testing.assert_allclose(both[:, 0], first, rtol=1e-12)
         mean = both @ [1 / 3, 2 / 3]
         np.testing.assert_allclose(found.estimates[ONE_SHOT, 30][:, i], mean, rtol=1e-12)
@@ -125,8 +129,9 @@ def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
 
 def test_the_papers_first_pass_has_alpha_one() -> None:
     paper = Way(alpha="previous_pass", one_shot=True)
-    found = simulate(window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3,
-                     replicates=4)  # fmt: skip
+    found = simulate(
+        window_room(), [paper, ONE, ONE_SHOT], [10, 30], size=(96, 72), n_pixels=3, replicates=4
+    )
     # Sums of colours by a matrix product, whose order depends on how many there are
     np.testing.assert_allclose(found.estimates[paper, 10], found.estimates[ONE, 10], rtol=1e-12)
     assert not np.allclose(found.estimates[paper, 30], found.estimates[ONE, 30], rtol=1e-9)

@@ -53,18 +53,24 @@ def directions(edge: int) -> Floats:
 
 
 def surface(
-    normal: tuple[float, float, float] = (0.3, -0.5, 0.81), *, glossy: bool = False,
+    normal: tuple[float, float, float] = (0.3, -0.5, 0.81),
+    *,
+    glossy: bool = False,
     roughness: float = 0.2,
-) -> ShadingPoint:  # fmt: skip
+) -> ShadingPoint:
     """A point of a coloured surface seen at a slant."""
     n = np.asarray(normal) / np.linalg.norm(normal)
     tangent = np.cross(n, [0.0, 1.0, 0.2])
     wo = n + 0.9 * tangent / np.linalg.norm(tangent)
     return ShadingPoint(
-        MaterialKind.GLOSSY if glossy else MaterialKind.DIFFUSE, tuple(wo / np.linalg.norm(wo)),
-        ns=tuple(n), ng=tuple(n), base=(0.5, 0.4, 0.2), specular=(0.3, 0.3, 0.3),
+        MaterialKind.GLOSSY if glossy else MaterialKind.DIFFUSE,
+        tuple(wo / np.linalg.norm(wo)),
+        ns=tuple(n),
+        ng=tuple(n),
+        base=(0.5, 0.4, 0.2),
+        specular=(0.3, 0.3, 0.3),
         roughness=roughness,
-    )  # fmt: skip
+    )
 
 
 def cosine_lobe(edge: int, *, glossy: bool = True) -> npt.NDArray[np.float32]:

@@ -49,8 +49,15 @@ def surface(scene: vc.Scene, n: int, seed: int = 0) -> tuple[Array, Array]:
     return at.positions[:n], normals[:n]
 
 
-def unexcused(scene: vc.Scene, points: Array, normals: Array, frames: Array, a: Array, b: Array,
-              t_max: float = np.inf) -> tuple[int, int]:  # fmt: skip
+def unexcused(
+    scene: vc.Scene,
+    points: Array,
+    normals: Array,
+    frames: Array,
+    a: Array,
+    b: Array,
+    t_max: float = np.inf,
+) -> tuple[int, int]:
     """Rays answered differently, and those of them that rounding does not explain."""
     differing = np.argwhere(a != b)
     if not len(differing):

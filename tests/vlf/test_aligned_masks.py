@@ -44,9 +44,15 @@ def test_rays_answered_differently_meet_a_border_of_the_mask() -> None:
 #: The living room's rays (point, axis) that neither an edge nor rounding of depths explains, of
 #: 537 million: all pass leaves.
 THROUGH_LEAVES = (
-    (680414, 82), (912479, 234), (721435, 259), (267020, 319),
-    (295149, 347), (320097, 370), (281531, 396), (900268, 493),
-)  # fmt: skip
+    (680414, 82),
+    (912479, 234),
+    (721435, 259),
+    (267020, 319),
+    (295149, 347),
+    (320097, 370),
+    (281531, 396),
+    (900268, 493),
+)
 
 
 @pytest.mark.slow

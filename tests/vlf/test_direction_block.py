@@ -23,9 +23,15 @@ SKY = vc.correlation.DirectionSet(map_size=24)
 def by_batch(scene: vc.Scene, points: Array, normals: Array, directions: Array, **more: Any) -> Any:
     """(bits, rays) by the batch."""
     bits, rays, is_batch, *_ = _core.correlation.aligned_rows(
-        scene._core, scene.aligned_batch(), scene.caster(), points, normals, directions,
-        choose=False, **more,
-    )  # fmt: skip
+        scene._core,
+        scene.aligned_batch(),
+        scene.caster(),
+        points,
+        normals,
+        directions,
+        choose=False,
+        **more,
+    )
     assert is_batch
     return bits, rays
 
@@ -136,7 +142,7 @@ def test_rows_say_who_traced_them_and_why() -> None:
     found = {
         engine: trace_rows(scene, points, normals, SKY, engine=engine)
         for engine in ("embree", "batch", "field", "auto")
-    }  # fmt: skip
+    }
     for engine in ("embree", "batch", "field"):
         assert found[engine].engine == engine and found[engine].reason == "asked for"
         differing = unpacked(found[engine].bits ^ found["embree"].bits, 576).sum()

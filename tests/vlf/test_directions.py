@@ -43,10 +43,12 @@ def test_the_lattice_is_the_octahedron_halved_again_and_again() -> None:
     triangles = [
         np.array(t, float)
         for t in (
-            [[0, 0, 1], [1, 0, 0], [0, 1, 0]], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
-            [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], [[0, 0, 1], [0, -1, 0], [1, 0, 0]],
+            [[0, 0, 1], [1, 0, 0], [0, 1, 0]],
+            [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+            [[0, 0, 1], [-1, 0, 0], [0, -1, 0]],
+            [[0, 0, 1], [0, -1, 0], [1, 0, 0]],
         )
-    ]  # fmt: skip
+    ]
     for _ in range(4):
         parts = []
         for a, b, c in triangles:

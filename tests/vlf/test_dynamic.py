@@ -184,8 +184,12 @@ def test_objects_that_are_not_there_are_refused() -> None:
     f = field("overlay")
     number = f.insert([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
     f.delete(number)
-    for call in (lambda: f.delete(number), lambda: f.transform(number, np.eye(4)),
-                 lambda: f.delete(-1), lambda: f.delete("first")):  # type: ignore[arg-type] # fmt: skip
+    for call in (
+        lambda: f.delete(number),
+        lambda: f.transform(number, np.eye(4)),
+        lambda: f.delete(-1),
+        lambda: f.delete("first"),
+    ):  # type: ignore[arg-type]
         with pytest.raises(
             ValueError, match="object must be one that was inserted and not deleted"
         ):

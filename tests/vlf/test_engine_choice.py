@@ -1,4 +1,4 @@
-"""Which engine traces aligned rays: predicted, with its reason, from nothing but the input."""
+"""The engine for aligned rays is predicted from the input only, with a reason."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vlf.aligned_scenes import frames_of, surface
 
 def test_many_points_go_through_the_batch_and_few_through_embree() -> None:
     scene = vc.scenes.bumpy_spheres(triangles=100_000)
-    # Without SIMD the batch is foretold to be four times as dear
+    # Without SIMD the predicted cost of the batch is four times as high
     many = "embree" if _core.active_isa() == "portable" else "batch"
     for n, engine in ((100_000, many), (500, "embree")):
         points, normals = surface(scene, n)
@@ -34,7 +34,7 @@ def test_the_choice_depends_on_nothing_but_the_input() -> None:
 
 
 def test_predictions_follow_how_crowded_the_scene_is() -> None:
-    """More triangles to the point cost both engines more, the batch soonest."""
+    """More triangles per point cost both engines more; the batch's cost grows faster."""
     costs = []
     for triangles in (2000, 20_000, 200_000):
         scene = vc.scenes.bumpy_spheres(triangles=triangles)

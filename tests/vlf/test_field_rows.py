@@ -1,4 +1,4 @@
-"""Aligned rays by look-up: Embree's bits but for rounding, and when the chooser takes them."""
+"""Aligned rays by look-up: Embree's bits except for rounding, and when "auto" chooses them."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_rows_of_a_field_given_or_built() -> None:
 
 
 def test_the_reason_says_what_the_field_would_cost() -> None:
-    """Too dear by far: least cost, then with building, then built already."""
+    """Too expensive without a field, by a lower bound, and with a built one, by its tests."""
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 3000)
     rows = vc.vlf.trace_aligned(scene, points, normals, 33)
@@ -82,7 +82,7 @@ def test_the_reason_says_what_the_field_would_cost() -> None:
 
 
 def test_the_field_is_chosen_where_it_is_predicted_to_be_cheapest(monkeypatch: Any) -> None:
-    """With rivals that are dear: by prediction, counting what building takes and needs."""
+    """With expensive alternatives: by prediction, including time and memory of the build."""
     scene = vc.scenes.bumpy_spheres(triangles=2000)
     points, normals = surface(scene, 6000)
     monkeypatch.setattr(aligned, "FIELD_MARGIN", 40.0)

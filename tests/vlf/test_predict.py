@@ -1,4 +1,4 @@
-"""How large a field will be: known before it is built, and refused when too large."""
+"""The size of a field is predicted before the build; too large fields are refused."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def test_the_default_depth_is_one_that_fits() -> None:
     scene = soup_scene()
     assert vc.VisibilityField(scene, 33, 32).bsp_depth == 5
     tight = int(vc.VisibilityField(scene, 33, 32, 0).stats["bytes"] * 1.03)
-    # What one thread needs to build counts, and no more
+    # The budget includes only one builder thread's working memory
     with pytest.raises(MemoryError, match=r"\(\d+ only while it is built\)") as refused:
         vc.VisibilityField(scene, 33, 32, 0, max_bytes=tight)
     room = re.search(r"\((\d+) only", str(refused.value))

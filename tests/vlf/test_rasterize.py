@@ -39,7 +39,7 @@ def triangles_of_every_kind(seed: int = 0) -> dict[str, Array]:
         "the whole plane": inside(np.array([[[-9, -9, 0.1], [9, -9, -0.1], [0, 9, 0.3]]]) / 13),
         "corners on borders": inside(on_borders),
         "parallel to an axis": inside(on_borders * [1, 0, 1] + [0, 0.3, 0]),
-    }  # fmt: skip
+    }
 
 
 KINDS = tuple(triangles_of_every_kind())

@@ -37,9 +37,12 @@ def test_leaves_of_equal_slabs_are_those_that_the_depths_meet(z, range_, leaves,
 
 @settings(max_examples=300, deadline=None)
 @given(
-    z=st.tuples(depth, depth), leaves=counts, up=st.booleans(), seed=st.integers(0, 1000),
+    z=st.tuples(depth, depth),
+    leaves=counts,
+    up=st.booleans(),
+    seed=st.integers(0, 1000),
     by_medians=st.booleans(),
-)  # fmt: skip
+)
 def test_the_stack_visits_the_leaves_of_the_linear_walk(z, leaves, up, seed, by_medians) -> None:
     borders = np.sort(np.random.default_rng(seed).uniform(-1, 1, leaves)).tolist()
     given_borders = borders if by_medians else []

@@ -31,9 +31,13 @@ VARIANTS = {
     "room": {"head_room": 1.7},
     "boxes": {"fit": "psf_box"},
     "boxes, one direction, medians": {
-        "fit": "psf_box", "n_directions": 1, "bsp_depth": 4, "split": "object", "leaf_target": 1,
+        "fit": "psf_box",
+        "n_directions": 1,
+        "bsp_depth": 4,
+        "split": "object",
+        "leaf_target": 1,
     },
-}  # fmt: skip
+}
 
 
 def field(scene: vc.Scene, settings: vc.Vlf = SMALL, **changed: Any) -> vc.VisibilityField:
@@ -62,9 +66,14 @@ def compare(scene: vc.Scene, f: vc.VisibilityField, rays: Array, apart_by: float
     theirs = scene.intersect(rays[:, 0], rays[:, 1])
     differ = ours.triangle != theirs.triangle
     wrong = inexcusable(
-        flat(scene), rays[differ], ours.triangle[differ], theirs.triangle[differ],
-        ours.t[differ], theirs.t[differ], rounding,
-    )  # fmt: skip
+        flat(scene),
+        rays[differ],
+        ours.triangle[differ],
+        theirs.triangle[differ],
+        ours.t[differ],
+        theirs.t[differ],
+        rounding,
+    )
     assert not wrong.any(), rays[differ][wrong][:3]
     same = ~differ & (ours.triangle >= 0)
     assert same.any()
@@ -233,8 +242,9 @@ def test_alpha_cuts_holes() -> None:
     d = vc.SceneDescription()
     material = d.add_material(alpha_texture=d.add_image(alpha), alpha_cutoff=0.5)
     card = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
-    d.add_mesh(*card, uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]],
-               material=material)  # fmt: skip
+    d.add_mesh(
+        *card, uvs=[[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]], material=material
+    )
     f = field(vc.Scene.from_description(d))
     at = np.array([[x, y, 1.0] for x in (0.05, 0.3, 0.7, 0.95) for y in (0.1, 0.9)], np.float32)
     down = np.broadcast_to(np.float32([0, 0, -1]), at.shape)

@@ -4,7 +4,7 @@ namespace viscache {
 
 namespace {
 
-constexpr int kPaperTile = 32;  // edge in pixels of a tile on the CPU (AQVC Sec. 4.4)
+constexpr int kPaperTile = 32;  // edge of a CPU tile in pixels (AQVC Sec. 4.4)
 
 const AqvcParameters& checked(const AqvcParameters& p) {
     p.validate();

@@ -1,12 +1,12 @@
 #pragma once
-// The quantized caches of a frame: each tile's own table, one table of the frame, or one kept over frames.
+// Sources of quantized caches for a frame: with one table per tile, per frame, or kept between frames.
 #include "viscache/aqvc/quantized_cache.h"
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/oracle_source.h"
 
 namespace viscache {
 
-/// Caches that forget each tile.
+/// Caches that are cleared for each tile.
 class AqvcSource : public OracleSource {
 public:
     /// `spp`: samples per pixel.
@@ -24,7 +24,7 @@ private:
     int spp_;
 };
 
-/// Caches over one table that all threads of a frame share, for bidirectional path tracing.
+/// Caches that share one table of the frame between all threads, for bidirectional path tracing.
 class FrameTableSource final : public AqvcSource {
 public:
     FrameTableSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp)
@@ -41,7 +41,7 @@ private:
     FrameTable table_;
 };
 
-/// Caches whose tiles read and extend a table that outlives frames. An interrupted frame writes nothing.
+/// Caches that read and extend a table kept between frames. An interrupted frame writes nothing to it.
 class KeptTableSource final : public AqvcSource {
 public:
     /// `table` must outlive the source.

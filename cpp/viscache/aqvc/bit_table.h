@@ -1,7 +1,7 @@
 #pragma once
-// The cache itself (AQVC Sec. 4.1): an array of 32-bit words, 31 bits of digest and one of visibility.
-// No probing: a write replaces what was there. And a map of full keys that never forgets, for tests and
-// experiments.
+// The cache (AQVC Sec. 4.1): an array of 32-bit words, each with a 31-bit digest and one visibility bit.
+// There is no probing: a write replaces the previous entry. `ExactTable` is a map of full keys without loss,
+// for tests and experiments.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace viscache {
 
-/// Largest prime <= n; 1 for n < 2 (a table of one slot).
+/// The largest prime <= n; 1 for n < 2, so a table has at least one slot.
 inline uint64_t largest_prime(uint64_t n) {
     const auto is_prime = [](uint64_t v) {
         for (uint64_t d = 2; d * d <= v; ++d)
@@ -28,7 +28,7 @@ inline uint64_t largest_prime(uint64_t n) {
 
 struct TableCounts {
     uint64_t writes = 0, evictions = 0;
-    uint64_t duplicates = 0;  ///< writes of a key that is there: rays traced twice
+    uint64_t duplicates = 0;  ///< writes of a key that is present: the ray was traced twice
     double expected_false_hits = 0;
 };
 
@@ -53,8 +53,8 @@ inline void increment(uint64_t& count) { ++count; }
 inline void increment(std::atomic<uint64_t>& count) { count.fetch_add(1, std::memory_order_relaxed); }
 }  // namespace detail
 
-/// Lossy table. Word 0 = empty; digest 0 is stored as 1. Racing: many threads read and write it at once, by
-/// relaxed atomics; a reader sees an old word or a new one, never a mix.
+/// Lossy table. A word of 0 is an empty slot; digest 0 is stored as 1. With kRacing, many threads read and
+/// write through relaxed atomics. A reader sees an old word or a new one, never a mix.
 template <bool kRacing>
 class BasicBitTable {
     template <class T>
@@ -68,8 +68,8 @@ public:
           digest_bits_(digest_bits),
           false_rate_(std::ldexp(1 + std::ldexp(2.0, -digest_bits), -digest_bits) / double(words_.size())) {}
 
-    /// Keys of another epoch are other keys: what was written in those before is not found again, and is
-    /// overwritten by and by. Not while other threads read or write.
+    /// Changes the hash of all keys. Entries of earlier epochs are not found again and are overwritten over
+    /// time. Not safe while other threads read or write.
     void set_epoch(uint64_t epoch) {
         seed_ = hash_seed(scheme_);
         if (epoch) seed_.bits ^= murmur64(epoch);
@@ -112,11 +112,11 @@ public:
     uint64_t slots() const { return words_.size(); }
     uint64_t occupied() const { return detail::load(occupied_); }
     size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
-    /// Digest and bit of a slot; 0 = empty.
+    /// Digest and bit of a slot; 0 if empty.
     uint32_t word(size_t slot) const { return detail::load(words_[slot]); }
 
 private:
-    /// The low bits of scheme 2, the high bits of the linear chains of scheme 1.
+    /// Low bits for scheme 2, high bits for the linear recurrences of scheme 1.
     uint32_t digest(KeyHash h) const {
         const uint32_t all = scheme_ == HashScheme::kScheme2 ? h.digest & ((1u << digest_bits_) - 1)
                                                              : h.digest >> (31 - digest_bits_);
@@ -126,14 +126,14 @@ private:
     HashScheme scheme_;
     HashState seed_;
     int digest_bits_;
-    double
-        false_rate_;  ///< chance that a new key finds its digest in one occupied slot, per slot of the table
+    /// Probability that a new key matches the digest of one occupied slot, divided by the number of slots.
+    double false_rate_;
     Cell<uint64_t> occupied_{0};
 };
 using BitTable = BasicBitTable<false>;
 using RacingBitTable = BasicBitTable<true>;
 
-/// Exact map of full keys.
+/// Lossless map of full keys.
 class ExactTable {
 public:
     KeyHead head(const std::array<int32_t, 8>& slots) const { return {slots, {}}; }

@@ -1,6 +1,6 @@
 #pragma once
-// The cells of a tile's eye points, eye point by eye point from coarse to fine: what Alg. 2 walks down where
-// every cell has a row of bits.
+// The cells of each eye point of a tile, from coarse to fine. Alg. 2 walks through them where every cell has
+// a row of bits.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -13,17 +13,19 @@ namespace viscache {
 
 class CellSteps {
 public:
-    /// One distinct cell of an eye point.
+    /// A cell of an eye point that differs from the cell of the coarser level.
     struct Step {
         uint32_t cell, level;
-        float distance2;  ///< of the eye point to the cell's centre
+        float distance2;  ///< from the eye point to the centre of the cell
         std::array<uint32_t, 4> neighbours;
     };
 
-    /// Numbers the cells of all levels. Neighbours that no eye point of the tile made are nil for ever: they
-    /// have the number size().
+    /// Numbers the cells of all levels. A neighbour that holds no eye point of the tile always stays nil; its
+    /// number is size().
     void make(const TileAnchors& tile, const std::vector<double>& levels, ClampCounts& clamps) {
-        numbers_.clear(), steps_.clear(), begin_.clear();
+        numbers_.clear();
+        steps_.clear();
+        begin_.clear();
         std::vector<PlacedCell> placed;
         for (size_t i = 0; i < tile.size(); ++i) {
             begin_.push_back(uint32_t(steps_.size()));
@@ -47,7 +49,7 @@ public:
                 }
     }
     size_t size() const { return numbers_.size(); }
-    /// Of an eye point; empty where it bypasses the cache.
+    /// Steps of an eye point; empty if it bypasses the cache.
     std::span<const Step> of(size_t eye) const {
         return {steps_.data() + begin_[eye], steps_.data() + begin_[eye + 1]};
     }

@@ -1,9 +1,9 @@
 #pragma once
-// From points to cells and keys (AQVC Sec. 3.3, 3.5): the integer tuples whose holders share one bit.
+// Maps points to cells and keys (AQVC Sec. 3.3, 3.5). Queries with equal keys share one bit.
 //
-// Key slots: 0 semantic index | 1–3 normal bin of X | 4–6 voxel of X | 7 R of X | 8–14 the far end, zero
-// padded: surface = 7 slots like X, point and direction = 3 float bit patterns, solid angle = i, j, R.
-// Everything is computed in double from float input; -ffp-contract=off keeps the bits the same everywhere.
+// Key slots: 0 semantic index | 1–3 normal bin of X | 4–6 voxel of X | 7 R of X | 8–14 far end, zero padded.
+// A surface takes 7 slots like X, a point or direction 3 float bit patterns, a solid angle i, j, R. All
+// values are computed in double from float input; -ffp-contract=off makes them equal on every machine.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace viscache {
 
 using FullKey = std::array<int32_t, 15>;
 
-/// A voxel of one of the virtual grids. 64-bit coordinates: huge resolutions stay exact here.
+/// A voxel of a virtual grid. The 64-bit coordinates stay exact at very large resolutions.
 struct Cell {
     int32_t bin = 0;   ///< number of the normal bin
     int32_t slot = 0;  ///< rung of the ladder
@@ -28,15 +28,15 @@ struct Cell {
     bool operator==(const Cell&) const = default;
 };
 
-/// A point in the grid of its normal: all that its cells of any size need.
+/// A point in the coordinates of the grid of its normal, from which its cells of any size follow.
 struct Anchor {
     double x = 0, y = 0, z = 0;       ///< q·e + B_R along the axes of the grid
-    double slope_x = 0, slope_y = 0;  ///< rise of the tangent plane in cells of z per cell of x, y
+    double slope_x = 0, slope_y = 0;  ///< rise of the tangent plane: cells of z per cell of x and y
     int32_t bin = 0;
-    bool valid = false;  ///< finite, with a normal
+    bool valid = false;  ///< true if the point is finite and has a normal
 };
 
-/// A cell together with where the point lies in it.
+/// A cell and the position of the point in it.
 struct PlacedCell {
     Cell cell;
     double fx = 0, fy = 0, fz = 0;  ///< continuous coordinates; the cell is their floor
@@ -50,11 +50,14 @@ inline double distance2_to_center(const PlacedCell& p) {
 
 /// Finaliser of MurmurHash3.
 inline uint64_t murmur64(uint64_t h) {
-    h ^= h >> 33, h *= 0xff51afd7ed558ccdull, h ^= h >> 33, h *= 0xc4ceb9fe1a85ec53ull;
+    h ^= h >> 33;
+    h *= 0xff51afd7ed558ccdull;
+    h ^= h >> 33;
+    h *= 0xc4ceb9fe1a85ec53ull;
     return h ^ h >> 33;
 }
 
-/// A 64-bit coordinate as one slot of a key: itself where it fits, else mixed down.
+/// A 64-bit coordinate as one slot of a key: the value itself if it fits and is not folded, otherwise a hash.
 inline int32_t fold_coordinate(int64_t v, bool folded) {
     const bool fits = v >= INT32_MIN && v <= INT32_MAX;
     return fits && !folded ? int32_t(v) : int32_t(uint32_t(murmur64(uint64_t(v))));
@@ -63,7 +66,7 @@ inline int32_t fold_coordinate(int64_t v, bool folded) {
 /// Bit pattern of a coordinate; −0 counts as 0.
 inline int32_t float_bits(float f) { return std::bit_cast<int32_t>(f + 0.0f); }
 
-/// The far end's half of a key.
+/// The part of a key that describes the far end.
 struct FarKey {
     Semantic semantic = Semantic::kPoint;
     std::array<int32_t, 7> slots{};
@@ -81,9 +84,9 @@ public:
           parameters_(p),
           bins_(p.normal_mode, p.c_n),
           center_(p.scale_free ? Vec3{} : center),
-          // 2 B_R = 1: resolutions are cells per unit of length
+          // With 2 B_R = 1, resolutions are cells per unit of length
           radius_(p.scale_free ? 0.5 : radius),
-          // One grid for all normals has no direction to be thinner along
+          // A single grid for all normals has no direction in which cells could be thinner
           c_z_(p.normal_mode == NormalMode::kSingle ? 1 : p.c_z) {
         if (!p.grid_offset) return;
         offset_ = {0.7549, 0.5698, 0.4263};
@@ -92,8 +95,8 @@ public:
                 offset_[a] += double(murmur64(uint64_t{3} * p.grid_seed + a) >> 11) * 0x1p-53;
     }
     const Ladder ladder;
-    const Ladder direction_ladder;  ///< of solid angles, which have no length
-    /// B_R for the equations of resolutions; ½ where grids are scale-free.
+    const Ladder direction_ladder;  ///< for solid angles, which have no length
+    /// B_R for the resolution equations; ½ if grids are scale-free.
     double radius() const { return radius_; }
     double c_z() const { return c_z_; }
     const std::array<double, 3>& offset() const { return offset_; }
@@ -102,18 +105,20 @@ public:
 
     Anchor anchor(Vec3 p, Vec3 n) const;
     PlacedCell cell(const Anchor& a, const Rung& r) const;
-    /// The neighbour at (dx, dy). It follows the tangent plane, or keeps z if `level` is set or the option is
-    /// off.
-    // Differs: AQVC keeps z, which leaves tilted surfaces. v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
+    /// The neighbour at (dx, dy). It follows the tangent plane. With `level`, or with the option off, it
+    /// keeps z.
+    // Differs: AQVC keeps z, so neighbours of tilted cells leave the surface. Here v_z' follows the plane:
+    // v_z' = ⌊z − C_Z (N·e)/(N·e_z)·(±1)⌋.
     Cell neighbour(const Anchor& a, const PlacedCell& p, int dx, int dy, bool level = false) const {
         Cell c = p.cell;
-        c.x += dx, c.y += dy;
+        c.x += dx;
+        c.y += dy;
         if (parameters_.tangent_neighbours && !level)
             c.z = floor_to_int(p.fz - (dx * a.slope_x + dy * a.slope_y));
         return c;
     }
     void write_cell(const Cell& c, int32_t* slots) const;
-    /// Key of the far end, or valid = false where it has none (not finite, no normal).
+    /// Computes the key of the far end. Returns false if there is none: not finite, or without a normal.
     bool far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,
                  ClampCounts& clamps) const;
     /// Slots 0–7 of a key.
@@ -175,9 +180,13 @@ inline PlacedCell CellGrid::cell(const Anchor& a, const Rung& r) const {
 inline void CellGrid::write_cell(const Cell& c, int32_t* slots) const {
     const bool folded = c.slot < 0 && !parameters_.scale_free;
     const auto [i, j, k] = bins_.slots(c.bin);
-    slots[0] = i, slots[1] = j, slots[2] = k;
-    slots[3] = fold_coordinate(c.x, folded), slots[4] = fold_coordinate(c.y, folded);
-    slots[5] = fold_coordinate(c.z, folded), slots[6] = c.slot;
+    slots[0] = i;
+    slots[1] = j;
+    slots[2] = k;
+    slots[3] = fold_coordinate(c.x, folded);
+    slots[4] = fold_coordinate(c.y, folded);
+    slots[5] = fold_coordinate(c.z, folded);
+    slots[6] = c.slot;
 }
 
 inline bool CellGrid::far_key(Semantic s, Vec3 far, Vec3 normal, double resolution, FarKey& key,

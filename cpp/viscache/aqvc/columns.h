@@ -1,5 +1,5 @@
 #pragma once
-// The far ends of a block as columns: lights whose keys are equal share one.
+// The far ends of a block as columns. Lights with equal keys share a column.
 #include <map>
 #include <optional>
 #include <vector>
@@ -11,25 +11,25 @@
 
 namespace viscache {
 
-/// Semantic by which a connection of this group is keyed.
+/// The semantic that the key of a connection in this group uses.
 inline Semantic key_semantic(Semantic s, int group, const AqvcParameters& p) {
     const bool vpl = s == Semantic::kSurface && LightGroup(group) == LightGroup::kVpl;
     return vpl && p.vpl_key == VplKey::kPoint ? Semantic::kPoint : s;
 }
 
-/// R of the far end under Eq. 7 and 9; points and directions have none.
-// Differs: the paper's cells hold one light sample on average, C_L = 1. Where the sky's occluders are finer
-// than that, no C_E brings the error down.
+/// R of the far end by Eq. 7 or 9; unused for points and directions.
+// Differs: a cell holds C_L × C_L light samples on average; the paper fixes C_L = 1. If the occluders of the
+// sky are finer than such cells, C_E alone cannot reduce the error.
 inline double far_resolution(Semantic s, double density, double radius, const AqvcParameters& p) {
     if (s == Semantic::kSurface) return resolution_light(density, radius) / p.c_l;
     if (s == Semantic::kSolidAngle) return resolution_environment(density, p.env_rule) / p.c_l;
     return 1;
 }
 
-/// Eye points × columns of one block.
+/// Matrix of eye points × columns of one block.
 class Columns {
 public:
-    /// `usable[eye]` tells whether the eye point has cells.
+    /// `usable[eye]` is true if the eye point has cells.
     void prepare(const FarEnds& lights, const BitMatrix& wanted, const CellGrid& grid,
                  const AqvcParameters& p, const std::vector<uint8_t>& usable, ClampCounts& clamps) {
         lights_ = &lights;
@@ -47,25 +47,25 @@ public:
     size_t count() const { return count_; }
     bool merged() const { return merged_; }
     const FarEnds& lights() const { return *lights_; }
-    /// Bits asked of the cache, by column.
-    const BitMatrix& asked() const { return merged_ ? own_ : *wanted_; }
-    /// The light whose ray answers a column at an eye point: the lowest that is wanted there.
+    /// The queries to the cache: bits by eye point and column.
+    const BitMatrix& queries() const { return merged_ ? own_ : *wanted_; }
+    /// The light whose ray is traced for a column at an eye point: the lowest that is wanted there.
     uint32_t light(uint32_t eye, uint32_t column) const {
         if (!merged_) return column;
         for (uint32_t k : lights_of_[column])
             if (wanted_->get(eye, k)) return k;
         return lights_of_[column].front();
     }
-    /// Calls visit(light) for the lights of a column that are wanted at an eye point.
+    /// Calls visit(light) for each light of a column that is wanted at an eye point.
     template <class Visit>
     void for_each_light(uint32_t eye, uint32_t column, Visit visit) const {
         if (!merged_) return visit(column);
         for (uint32_t k : lights_of_[column])
             if (wanted_->get(eye, k)) visit(k);
     }
-    /// True if the light has no key: its queries bypass the cache.
+    /// True if the light has no key, so that its queries bypass the cache.
     bool bypasses(size_t light) const { return of_light_[light] == kNone; }
-    /// Turns answers by column into answers by light.
+    /// Copies the answers of columns to their lights.
     void spread(const BitMatrix& by_column, BitMatrix& by_light) const {
         for (size_t i = 0; i < wanted_->rows(); ++i)
             for_each_bit(wanted_->row_span(i), [&](size_t k) {
@@ -79,7 +79,8 @@ private:
     void key_lights(const CellGrid& grid, const AqvcParameters& p, ClampCounts& clamps) {
         const FarEnds& l = *lights_;
         const Semantic s = key_semantic(l.semantic, l.group, p);
-        of_light_.assign(l.count, kNone), lights_of_.clear();
+        of_light_.assign(l.count, kNone);
+        lights_of_.clear();
         std::map<std::array<int32_t, 7>, uint32_t> column_of;
         for (size_t k = 0; k < l.count; ++k) {
             const Vec3 far{l.x[k], l.y[k], l.z[k]}, end{l.tx[k], l.ty[k], l.tz[k]};

@@ -1,10 +1,12 @@
 #pragma once
-// One table for all threads and all of a frame (AQVC Sec. 4.1), for bidirectional path tracing.
+// One table for all threads of a frame (AQVC Sec. 4.1), for bidirectional path tracing.
 //
-// Batched: during a round the table is only read; what was traced is kept item by item and written between
-// rounds, in the order of the items. Values do not depend on threads; items of one round may trace the same
-// cluster (`Counters::duplicates`). Racing: all threads read and write at any time, by relaxed atomics; which
-// segment answers a cluster is chance.
+// Batched: the table is read-only during a round. Each item keeps its writes, and they are applied between
+// rounds in the order of the items. The values do not depend on the number of threads. Items of one round can
+// trace the same cluster (`Counters::duplicates`).
+//
+// Racing: all threads read and write at any time through relaxed atomics. Which segment is traced for a
+// cluster depends on timing.
 #include <optional>
 #include <vector>
 
@@ -18,7 +20,7 @@ struct TableWrite {
     bool visible;
 };
 
-/// What one item of a round sees of a table: it reads, its writes wait.
+/// View of a table for one item of a round: reads go to the table, writes are deferred.
 template <class Table>
 class DeferredTable {
 public:
@@ -33,9 +35,9 @@ private:
     std::vector<TableWrite>& writes_;
 };
 
-/// [AQVC Sec. 4.2] The table that all threads of bidirectional path tracing share; its keys are those of
-/// Eq. 6, without refinement.
-// Differs: the paper's threads race, which is Storage::kShared here.
+/// [AQVC Sec. 4.2] The table that all threads of bidirectional path tracing share. Its keys follow Eq. 6,
+/// without refinement.
+// Differs: the threads of the paper race. Here that is Storage::kShared.
 class FrameTable {
 public:
     explicit FrameTable(const AqvcParameters& p) {
@@ -52,9 +54,12 @@ public:
         }
     }
     void begin_round(size_t items) { waiting_.resize(std::max(items, waiting_.size())); }
-    /// What an item wrote; of different items from any threads.
-    void keep(size_t item, std::vector<TableWrite>& writes) { waiting_[item].swap(writes), writes.clear(); }
-    /// Writes what waits, in order; to be called by one thread alone.
+    /// Takes the writes of an item. Threads may call this at once for different items.
+    void keep(size_t item, std::vector<TableWrite>& writes) {
+        waiting_[item].swap(writes);
+        writes.clear();
+    }
+    /// Applies the deferred writes in order. Called by one thread while no other uses the table.
     void end_round(Counters& counters) {
         TableCounts counts;
         for (auto& writes : waiting_) {
@@ -67,9 +72,9 @@ public:
         counters.table_occupied = visit([](const auto& t) { return t.occupied(); });
     }
 
-    /// Calls `use` with the table, as one item whose writes go to `writes` sees it.
+    /// Calls `use` with the view of one item, whose deferred writes go to `writes`.
     template <class Use>
-    void ask(std::vector<TableWrite>& writes, Use use) {
+    void with_table(std::vector<TableWrite>& writes, Use use) {
         if (racing_) return use(*racing_);
         if (exact_) {
             DeferredTable view(*exact_, writes);
@@ -85,7 +90,7 @@ private:
         return racing_ ? use(*racing_) : exact_ ? use(*exact_) : use(*table_);
     }
 
-    std::optional<BitTable> table_;  ///< one of the three
+    std::optional<BitTable> table_;  ///< one of the three is set
     std::optional<ExactTable> exact_;
     std::optional<RacingBitTable> racing_;
     std::vector<std::vector<TableWrite>> waiting_;

@@ -1,5 +1,5 @@
 #pragma once
-// From keys to slots and digests.
+// Hashes keys to slots and digests.
 #include <cstdint>
 #include <span>
 
@@ -10,7 +10,7 @@ namespace viscache {
 
 struct KeyHash {
     uint32_t kappa = 0;   ///< chooses the slot
-    uint32_t digest = 0;  ///< 31 bits that stand for the key
+    uint32_t digest = 0;  ///< 31 bits that identify the key within a slot
     bool operator==(const KeyHash&) const = default;
 };
 
@@ -19,30 +19,35 @@ constexpr uint32_t lcg1(uint32_t v) { return v * 1664525u + 1013904223u; }
 constexpr uint32_t lcg2(uint32_t v) { return v * 2891336453u + 1640531513u; }
 constexpr uint64_t lcg64(uint64_t v) { return v * 2862933555777941757ull + 7046029254386353087ull; }
 constexpr uint64_t xorshift64(uint64_t v) {
-    v ^= v << 21, v ^= v >> 35;
+    v ^= v << 21;
+    v ^= v >> 35;
     return v ^ v << 4;
 }
-/// Finaliser of MurmurHash3: no longer linear in the bits.
+/// Finaliser of MurmurHash3, which is not linear in the bits.
 constexpr uint32_t mix32(uint32_t h) {
-    h ^= h >> 16, h *= 0x85ebca6bu, h ^= h >> 13, h *= 0xc2b2ae35u;
+    h ^= h >> 16;
+    h *= 0x85ebca6bu;
+    h ^= h >> 13;
+    h *= 0xc2b2ae35u;
     return h ^ h >> 16;
 }
 }  // namespace detail
 
-/// The recurrences after some slots of a key: d, or κ above c.
+/// State of the recurrences after some slots of a key: d for scheme 2, κ (high half) and c for scheme 1.
 struct HashState {
     uint64_t bits = 0;
-    uint32_t salt = 0;  ///< of the next slot, for kScheme1Mixed
+    uint32_t salt = 0;  ///< salt of the next slot, for kScheme1Mixed
 };
 
 inline HashState hash_seed(HashScheme scheme) {
     return {scheme == HashScheme::kScheme2 ? 88172645463325252ull : uint64_t{12345} << 32 | 67890, 0};
 }
 
-/// [AQVC Eq. 10] κ and c by one of the paper's two recurrences over the slots of a key; seeds and constants
-/// are ours.
-// Differs: scheme 1 takes the high 31 bits of c. It stays linear: two flipped signs cancel in both chains, so
-// lights at (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through a mixer first.
+/// [AQVC Eq. 10] One of the two recurrences of the paper over the slots of a key, with our seeds and
+/// constants.
+// Differs: scheme 1 uses the high 31 bits of c. It stays linear: two flipped signs cancel in both
+// recurrences, so lights at (x, y, z) and (−x, y, −z) always collide. kScheme1Mixed passes every slot through
+// a mixer first.
 inline HashState hash_slots(HashState state, std::span<const int32_t> slots, HashScheme scheme) {
     using namespace detail;
     if (scheme == HashScheme::kScheme2) {
@@ -53,7 +58,9 @@ inline HashState hash_slots(HashState state, std::span<const int32_t> slots, Has
     for (int32_t slot : slots) {
         const uint32_t j =
             scheme == HashScheme::kScheme1 ? uint32_t(slot) : mix32(uint32_t(slot) + state.salt);
-        kappa = lcg1(kappa) ^ j, c = lcg2(c) + j, state.salt += 0x9e3779b9u;
+        kappa = lcg1(kappa) ^ j;
+        c = lcg2(c) + j;
+        state.salt += 0x9e3779b9u;
     }
     state.bits = uint64_t{kappa} << 32 | c;
     return state;
@@ -73,7 +80,7 @@ inline KeyHash hash_key(std::span<const int32_t, 15> key, HashScheme scheme) {
     return hash_end(hash_slots(hash_seed(scheme), key, scheme), scheme);
 }
 
-/// The eye point's half of a key, hashed once for all its far ends.
+/// The part of a key that describes the eye point, hashed once for all far ends.
 struct KeyHead {
     std::array<int32_t, 8> slots{};
     HashState state;

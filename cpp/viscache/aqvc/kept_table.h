@@ -1,9 +1,9 @@
 #pragma once
-// A table that outlives frames.
+// A table that is kept between frames.
 //
-// A frame reads it as the frames before left it. Every tile has its own table over it, as tiles without a
-// kept table have; what a tile traced waits and is written at the end of the frame, tile by tile. So values
-// do not depend on threads. Epochs forget everything at once.
+// A frame reads the table in the state that earlier frames left. Each tile also has its own table on top of
+// it. The writes of a tile are deferred and applied at the end of the frame, in the order of the tiles, so
+// the values do not depend on the number of threads. A new epoch invalidates all entries at once.
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -16,23 +16,23 @@
 
 namespace viscache {
 
-/// A write as 64 bits: the slot's number, the digest and the bit of visibility.
+/// A write in 64 bits: κ, the digest and the visibility bit.
 using PackedWrite = uint64_t;
 inline PackedWrite pack_write(KeyHash h, bool visible) {
     return uint64_t{h.kappa} << 32 | uint64_t{h.digest} << 1 | uint64_t{visible};
 }
 
-/// Which reused bits are traced as well.
+/// Which reused bits are also traced.
 struct KeptChecks {
-    double share = 0;     ///< of the reused bits
-    bool repair = false;  ///< of those from frames before alone: the ray is the answer, and is written down
+    double share = 0;     ///< fraction of the reused bits
+    bool repair = false;  ///< check only bits of earlier frames; the answer of the ray is used and stored
 };
 
 /// An occupied slot.
 struct KeptEntry {
     uint32_t slot, digest;
     bool visible;
-    bool current;  ///< of the current epoch: it can be found
+    bool current;  ///< entry of the current epoch, which can be found
 };
 
 class KeptTable {
@@ -42,13 +42,13 @@ public:
 
     const BitTable& bits() const { return bits_; }
     uint64_t epoch() const { return epoch_; }
-    uint64_t frames() const { return frames_; }  ///< finished since it was made
+    uint64_t frames() const { return frames_; }  ///< finished since construction
     void next_epoch() {
         bits_.set_epoch(++epoch_);
         is_current_.assign(bits_.slots(), false);
     }
-    /// Writes the occupied slots in order; `entries` has room for bits().occupied() of them. Not while a
-    /// frame ends.
+    /// Copies the occupied slots in order to `entries`, which has room for bits().occupied() of them. Not
+    /// safe while a frame ends.
     void read(std::span<KeptEntry> entries) const {
         auto next = entries.begin();
         for (size_t slot = 0; slot < bits_.slots(); ++slot)
@@ -58,7 +58,7 @@ public:
     }
 
     void begin_frame() { waiting_.clear(); }
-    /// What a tile wrote; of different tiles from any threads.
+    /// Takes the writes of a tile. Threads may call this at once for different tiles.
     void keep(size_t tile, std::vector<PackedWrite>& writes) {
         const std::lock_guard lock(mutex_);
         waiting_[tile].swap(writes);
@@ -71,20 +71,22 @@ public:
                 bits_.put_hashed(h, w & 1, counts);
                 if (epoch_) is_current_[bits_.slot(h)] = true;
             }
-        waiting_.clear(), ++frames_;
+        waiting_.clear();
+        ++frames_;
         counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
-        counters.table_slots = bits_.slots(), counters.table_occupied = bits_.occupied();
+        counters.table_slots = bits_.slots();
+        counters.table_occupied = bits_.occupied();
     }
 
 private:
     BitTable bits_;
-    std::vector<bool> is_current_;  ///< slots written in this epoch; empty in the first one, as all are
+    std::vector<bool> is_current_;  ///< slots written in this epoch; empty in the first epoch, when all are
     uint64_t epoch_ = 0, frames_ = 0;
     std::mutex mutex_;
     std::map<size_t, std::vector<PackedWrite>> waiting_;
 };
 
-/// A tile's own table over the kept one.
+/// The table of a tile on top of the kept table.
 class LayeredTable {
 public:
     LayeredTable(BitTable& own, const BitTable& kept, std::vector<PackedWrite>& writes)
@@ -98,11 +100,12 @@ public:
     }
     void put(const FullKey& key, bool visible, TableCounts&) {
         const KeyHash h = kept_.hash(key);
-        TableCounts of_the_tile;  // what ends with the tile is not the kept table's
-        own_.put_hashed(h, visible, of_the_tile), writes_.push_back(pack_write(h, visible));
+        TableCounts of_the_tile;  // not reported: these writes end with the tile
+        own_.put_hashed(h, visible, of_the_tile);
+        writes_.push_back(pack_write(h, visible));
     }
     uint64_t slots() const { return 0; }
-    /// True if the last answer of `get` came from a frame before.
+    /// True if the last answer of `get` came from an earlier frame.
     bool last_is_kept() const { return last_is_kept_; }
 
 private:

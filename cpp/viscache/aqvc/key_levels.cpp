@@ -14,7 +14,9 @@ VISCACHE_INLINE void hash_body(const LevelKeys& keys, LevelHashes& out) {
     Chains d = Chains{} + hash_seed(HashScheme::kScheme2).bits;
     const auto step = [&]() __attribute__((always_inline)) {
         d = d * 2862933555777941757ull + 7046029254386353087ull;
-        d ^= d << 21, d ^= d >> 35, d ^= d << 4;
+        d ^= d << 21;
+        d ^= d >> 35;
+        d ^= d << 4;
     };
     for (size_t n = 0; n < keys[0].size(); ++n) {
         step();
@@ -40,8 +42,8 @@ LevelHashes hash_levels(const LevelKeys& keys) {
     LevelHashes out;
 #if VISCACHE_X86
     switch (active_isa()) {
-        case Isa::kAvx512: return hash_avx512(keys, out), out;
-        case Isa::kAvx2: return hash_avx2(keys, out), out;
+        case Isa::kAvx512: hash_avx512(keys, out); return out;
+        case Isa::kAvx2: hash_avx2(keys, out); return out;
         default: break;
     }
 #endif

@@ -1,5 +1,5 @@
 #pragma once
-// Hashes of the keys of four levels of one query at once (AQVC Sec. 4.4, there with SSE).
+// Hashes four keys at once: those of one query at four levels (AQVC Sec. 4.4, which uses SSE).
 #include <array>
 
 #include "viscache/aqvc/hash.h"
@@ -10,8 +10,7 @@ constexpr size_t kLevelsAtOnce = 4;
 using LevelKeys = std::array<FullKey, kLevelsAtOnce>;
 using LevelHashes = std::array<KeyHash, kLevelsAtOnce>;
 
-/// The keys of a query at four levels, by scheme 2: four chains side by side in vectors of four. The same
-/// values as `hash_key` on every CPU.
+/// Hashes of four keys by scheme 2, in vectors of four. They equal those of `hash_key` on every CPU.
 LevelHashes hash_levels(const LevelKeys& keys);
 
 }  // namespace viscache

@@ -6,8 +6,11 @@ namespace viscache {
 
 void LightCells::clear(uint32_t limit) {
     for (size_t k : used_) dense_[k].clear();
-    used_.clear(), sparse_.clear(), column_of_.clear();
-    limit_ = limit, count_ = 0;
+    used_.clear();
+    sparse_.clear();
+    column_of_.clear();
+    limit_ = limit;
+    count_ = 0;
 }
 
 void LightCells::number(const LocalSamples& samples, const CellGrid& grid, const AqvcParameters& p,
@@ -39,24 +42,28 @@ uint32_t LightCells::number_sparse(const Cell& cell) {
     return column_of_[number];
 }
 
-/// As CellGrid::far_key: i, j and the rung.
+/// Uses the same cells as CellGrid::far_key: i, j and the rung.
 void LightCells::number_directions(const LocalSamples& s, const CellGrid& grid, const AqvcParameters& p,
                                    const std::vector<float>& density, std::vector<uint32_t>& column,
                                    ClampCounts& clamps) {
-    u_.resize(s.size()), v_.resize(s.size());
+    u_.resize(s.size());
+    v_.resize(s.size());
     octahedral_batch(s.x, s.y, s.z, u_, v_);
-    // Densities mostly repeat, those of a uniform sky all of them
+    // Consecutive densities are often equal; for a uniform sky all are
     double last_density = -1;
     const Rung* rung = nullptr;
     ClampCounts met, once;
     for (size_t i = 0; i < s.size(); ++i) {
         if (!(double(density[i]) == last_density)) {
-            last_density = density[i], once = {};
+            last_density = density[i];
+            once = {};
             rung =
                 &grid.direction_ladder.rung(far_resolution(s.semantic, last_density, grid.radius(), p), once);
         }
-        met.low += once.low, met.high += once.high, met.nan += once.nan;
-        // Not a number: the direction is zero or not finite
+        met.low += once.low;
+        met.high += once.high;
+        met.nan += once.nan;
+        // NaN: the direction is zero or not finite
         if (!(u_[i] >= 0 && v_[i] >= 0)) {
             column[i] = kNoKey;
             continue;
@@ -67,12 +74,17 @@ void LightCells::number_directions(const LocalSamples& s, const CellGrid& grid, 
             column[i] = number_sparse({0, rung->slot, int64_t(ci), int64_t(cj), 0});
             continue;
         }
-        // Rungs of one R are one
+        // Rungs with equal R share a table
         const size_t across = size_t(r);
-        if (dense_[across].empty()) dense_[across].assign(across * across, 0), used_.push_back(across);
+        if (dense_[across].empty()) {
+            dense_[across].assign(across * across, 0);
+            used_.push_back(across);
+        }
         column[i] = number_in(dense_[across], size_t(cj) * across + size_t(ci));
     }
-    clamps.low += met.low, clamps.high += met.high, clamps.nan += met.nan;
+    clamps.low += met.low;
+    clamps.high += met.high;
+    clamps.nan += met.nan;
 }
 
 void LightCells::number_points(const LocalSamples& s, const CellGrid& grid, const AqvcParameters& p,

@@ -1,8 +1,8 @@
 #pragma once
-// The light cells that a tile's own samples fall into, numbered: the columns of their bit rows.
+// Numbers the light cells of the samples of a tile. The cells are the columns of its bit rows.
 //
-// The pixels' samples differ, their light cells do not: R of Eq. 7 and 9 follows from the density at the far
-// end. So samples of different eye points meet in the same column.
+// Pixels have different samples but share light cells, because R of Eq. 7 and 9 follows from the density at
+// the far end. So samples of different eye points share columns.
 #include <array>
 #include <vector>
 
@@ -14,18 +14,18 @@ namespace viscache {
 
 class LightCells {
 public:
-    static constexpr uint32_t kNoKey = 0xffffffffu;  ///< not finite, or no normal
-    static constexpr uint32_t kFull = 0xfffffffeu;   ///< a new cell where there is no more room
+    static constexpr uint32_t kNoKey = 0xffffffffu;  ///< the sample is not finite or has no normal
+    static constexpr uint32_t kFull = 0xfffffffeu;   ///< the limit is reached; the cell gets no number
 
-    /// Forgets all; at most `limit` cells will get numbers.
+    /// Removes all cells. At most `limit` cells will get numbers.
     void clear(uint32_t limit);
     uint32_t count() const { return count_; }
-    /// The column of every sample: cells are numbered in the order in which samples first touch them.
+    /// Finds the column of every sample. Cells are numbered in the order in which samples first use them.
     void number(const LocalSamples& samples, const CellGrid& grid, const AqvcParameters& p,
                 std::vector<uint32_t>& column, ClampCounts& clamps);
 
 private:
-    /// Cells across, up to which a resolution of directions has a table of its own.
+    /// Resolutions of directions up to this many cells across have a dense table.
     static constexpr uint32_t kDense = 256;
 
     void number_directions(const LocalSamples& samples, const CellGrid& grid, const AqvcParameters& p,
@@ -37,11 +37,11 @@ private:
     uint32_t number_sparse(const Cell& cell);
 
     uint32_t limit_ = 0, count_ = 0;
-    /// [R]: R × R columns + 1, row by row, 0 = none yet; empty: not met yet.
+    /// Indexed by R: R × R entries in rows, column + 1 or 0 for none. Empty if R is not in use.
     std::array<std::vector<uint32_t>, kDense + 1> dense_;
-    std::vector<size_t> used_;         ///< R whose table is not empty
-    CellNumbers sparse_;               ///< all other cells
-    std::vector<uint32_t> column_of_;  ///< of the sparse ones
+    std::vector<size_t> used_;         ///< R with a table in use
+    CellNumbers sparse_;               ///< numbers of all other cells
+    std::vector<uint32_t> column_of_;  ///< columns of the sparse cells
     std::vector<double> u_, v_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Rays of a block's misses: collected, sorted by light, traced sixteen at a time.
+// Traces the misses of a block: collects them, sorts them by light and traces 16 at a time.
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace viscache {
 
-/// The ray from `eye` to `light` answers bit `column` of row `row`.
+/// The ray from `eye` to `light` decides bit `column` of row `row`.
 struct Miss {
     uint32_t eye, row, column, light;
 };
@@ -19,12 +19,12 @@ class MissTracer {
 public:
     MissTracer(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
 
-    /// `flush` ends with `Cancelled` soon after `control` says so.
+    /// `flush` throws `Cancelled` soon after `control` requests it.
     void watch(const Control& control) { control_ = &control; }
     void add(const Miss& miss) { misses_.push_back(miss); }
-    /// Beyond this many misses a flush pays: memory stays bounded at any C_E.
+    /// True if there are enough misses for a flush, which bounds the memory at any C_E.
     bool full() const { return misses_.size() >= size_t{1} << 19; }
-    /// Traces what was collected and sets the bits of the visible ones. Returns the number of rays.
+    /// Traces the collected misses and sets the bits of the visible ones. Returns the number of rays.
     uint64_t flush(const EyeBlock& eyes, const FarEnds& lights, BitMatrix& value) {
         const uint64_t rays = misses_.size();
         sort_by_light(lights.count);
@@ -43,8 +43,8 @@ public:
     }
 
 private:
-    static constexpr size_t kPiece = 1024;  ///< rays between looks at the clock and at the wish to stop
-    /// Counting sort, stable.
+    static constexpr size_t kPiece = 1024;  ///< rays between checks for cancellation, timed together
+    /// Stable counting sort.
     void sort_by_light(size_t lights) {
         begin_.assign(lights + 1, 0);
         for (const Miss& m : misses_) ++begin_[m.light + 1];
@@ -58,8 +58,11 @@ private:
         for (size_t i = 0; i < 16; ++i) {
             const Miss& m = rays[std::min(i, rays.size() - 1)];
             const Vec3 o = eyes.origin[m.eye];
-            packet.ox[i] = o.x, packet.oy[i] = o.y, packet.oz[i] = o.z;
-            packet.dx[i] = lights.tx[m.light], packet.dy[i] = lights.ty[m.light],
+            packet.ox[i] = o.x;
+            packet.oy[i] = o.y;
+            packet.oz[i] = o.z;
+            packet.dx[i] = lights.tx[m.light];
+            packet.dy[i] = lights.ty[m.light];
             packet.dz[i] = lights.tz[m.light];
         }
         aim16(packet, lights, extent_);

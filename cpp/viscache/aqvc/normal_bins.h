@@ -1,5 +1,5 @@
 #pragma once
-// Bins of normals: surfaces of one bin share a grid, whose axes follow from the bin alone (AQVC Sec. 3.3).
+// Bins of normals. Surfaces in one bin share a grid, whose axes depend only on the bin (AQVC Sec. 3.3).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace viscache {
 
-/// floor for |v| < 2^62 without a library call; anything larger becomes ±2^62.
+/// floor for |v| < 2^62 without a library call; larger values become ±2^62.
 inline int64_t floor_to_int(double v) {
     if (!(v > -0x1p62)) return -(int64_t{1} << 62);
     if (v > 0x1p62) return int64_t{1} << 62;
@@ -30,7 +30,7 @@ public:
         if (mode == NormalMode::kSingle) steps_ = 0;
         make_axes();
     }
-    /// Number of the bin of a finite normal that is not zero; of any length.
+    /// Bin of a finite, nonzero normal of any length.
     int32_t of(Vec3 n) const;
     const GridAxes& axes(int32_t bin) const { return axes_[size_t(bin)]; }
     /// The bin as slots of a key.
@@ -38,21 +38,23 @@ public:
         const int32_t side = steps_ + 1;
         return {bin / (side * side), bin / side % side, bin % side};
     }
-    /// Even, so that all axes are bins, for about the 6π(C_N/2)² bins that rounding uses.
+    /// Steps along an edge of the octahedral square for about as many bins as rounding uses, 6π(C_N/2)².
+    /// Even, so that all coordinate axes are bins.
     static int octahedral_steps(int c_n) { return 2 * int(std::floor(1.085 * c_n + 0.5)); }
 
 private:
     void make_axes();
     static GridAxes axes_around(double x, double y, double z);
     NormalMode mode_;
-    int32_t steps_;  ///< along an axis, or an edge of the octahedral square
+    int32_t steps_;  ///< along an axis, or along an edge of the octahedral square
     std::vector<GridAxes> axes_;
 };
 
-/// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋: the bin of the normal; its axis is d_z = 2 ω_q/C_N − 1.
-// Differs: rounds by default. Floor gives the corner of the bin, up to 25° off the normal at C_N = 8, and
-// splits walls along the axes on normals' noise. Octahedral: the nearest point of a square lattice on the
-// octahedral map, whose edges are one line seen twice. Single: one bin, the grid of the world's axes.
+/// [AQVC Eq. 4] ω_q = ⌊(N + 1)/2·C_N⌋: the bin of the normal. The axis of the bin is d_z = 2 ω_q/C_N − 1.
+// Differs: the default rounds. Floor gives the corner of the bin, up to 25° off the normal (C_N = 8), and
+// noise in the normals splits axis-aligned walls. Octahedral: nearest point of a square lattice on the
+// octahedral map; lattice points on its edges occur twice and are merged. Single: one bin with the grid of
+// the world axes.
 inline int32_t NormalBins::of(Vec3 n) const {
     if (mode_ == NormalMode::kSingle) return 0;
     if (mode_ == NormalMode::kOctahedral) {
@@ -72,15 +74,20 @@ inline int32_t NormalBins::of(Vec3 n) const {
 
 inline GridAxes NormalBins::axes_around(double x, double y, double z) {
     const double l = std::sqrt(x * x + y * y + z * z);
-    if (l > 0)
-        x /= l, y /= l, z /= l;
-    else
-        x = 0, y = 0, z = 1;
+    if (l > 0) {
+        x /= l;
+        y /= l;
+        z /= l;
+    } else {
+        x = 0;
+        y = 0;
+        z = 1;
+    }
     const double s = std::copysign(1.0, z), a = -1 / (s + z), b = x * y * a;
     return {{1 + s * x * x * a, s * b, -s * x}, {b, s + y * y * a, -y}, {x, y, z}};
 }
 
-/// Axes of the grid of every bin, from the bin's integers alone.
+/// Computes the grid axes of every bin from the integers of the bin.
 inline void NormalBins::make_axes() {
     const int n = steps_;
     if (mode_ == NormalMode::kSingle) {
@@ -94,7 +101,8 @@ inline void NormalBins::make_axes() {
                 const double z = 1 - std::fabs(x) - std::fabs(y);
                 if (z < 0) {
                     const double fold = (1 - std::fabs(y)) * sign_not_zero(x);
-                    y = (1 - std::fabs(x)) * sign_not_zero(y), x = fold;
+                    y = (1 - std::fabs(x)) * sign_not_zero(y);
+                    x = fold;
                 }
                 axes_.push_back(axes_around(x, y, z));
                 continue;

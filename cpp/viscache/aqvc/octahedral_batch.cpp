@@ -6,16 +6,17 @@
 namespace viscache {
 namespace {
 
-/// Without branches: directions of samples would mispredict them, and the loop runs in SIMD.
+/// Branch-free: random directions would mispredict branches, and the compiler vectorizes the loop.
 inline __attribute__((always_inline)) void fill(const float* x, const float* y, const float* z, double* u,
                                                 double* v, size_t n) {
     for (size_t i = 0; i < n; ++i) {
         const double dx = double(x[i]), dy = double(y[i]), dz = double(z[i]);
         const double l = std::fabs(dx) + std::fabs(dy) + std::fabs(dz);
-        const double a = dx / l + (l - l), b = dy / l;  // not a number where l is infinite
+        const double a = dx / l + (l - l), b = dy / l;  // NaN if l is infinite
         const double sa = a < 0 ? -1.0 : 1.0, sb = b < 0 ? -1.0 : 1.0;
         const double fa = (1 - std::fabs(b)) * sa, fb = (1 - std::fabs(a)) * sb;
-        u[i] = 0.5 * (dz < 0 ? fa : a) + 0.5, v[i] = 0.5 * (dz < 0 ? fb : b) + 0.5;
+        u[i] = 0.5 * (dz < 0 ? fa : a) + 0.5;
+        v[i] = 0.5 * (dz < 0 ? fb : b) + 0.5;
     }
 }
 

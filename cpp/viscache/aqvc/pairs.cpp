@@ -38,7 +38,7 @@ void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std:
             run_batches(table, c, queries, visible, counters, clamps);
     };
     if (frame_table_)
-        frame_table_->ask(writes_, run);
+        frame_table_->with_table(writes_, run);
     else if (kept_) {
         LayeredTable layers(*table_, kept_->bits(), kept_writes_);
         run(layers);
@@ -66,10 +66,12 @@ void Pairs::run_batches(Table& table, const PairContext& c, std::span<const Shad
 template <class Table>
 void Pairs::run_batch(Table& table, const PairContext& c, std::span<const ShadowQuery> queries, size_t first,
                       size_t last, std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
-    waiting_.rays.clear(), waiting_.dependants.clear(), checks_.clear();
+    waiting_.rays.clear();
+    waiting_.dependants.clear();
+    checks_.clear();
     if (pending_count_) std::fill(pending_slots_.begin(), pending_slots_.end(), 0u);
     pending_count_ = 0;
-    // Look up everything before anything is written.
+    // All look-ups come before the first write.
     for (size_t i = first; i < last; ++i) {
         check_cancelled(i);
         look_up(table, c, queries[i], uint32_t(i), visible, counters, clamps);
@@ -81,7 +83,9 @@ void Pairs::run_batch(Table& table, const PairContext& c, std::span<const Shadow
 template <class Table>
 void Pairs::run_postponed(Table& table, const PairContext& c, std::span<const ShadowQuery> queries,
                           std::span<Word> visible, Counters& counters, ClampCounts& clamps) {
-    waiting_.rays.clear(), waiting_.dependants.clear(), checks_.clear();
+    waiting_.rays.clear();
+    waiting_.dependants.clear();
+    checks_.clear();
     const auto finished = [&](size_t first, size_t last) {
         finish(table, c, queries, first, last, visible, counters);
     };
@@ -111,7 +115,10 @@ void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQue
     }
     for (const auto& [query, ray] : waiting_.dependants)
         if (ray >= first && ray < last && ray_visible_[ray - first]) set_bit(visible.data(), query);
-    if (counts.writes && !slots_counted_) counters.table_slots += table.slots(), slots_counted_ = true;
+    if (counts.writes && !slots_counted_) {
+        counters.table_slots += table.slots();
+        slots_counted_ = true;
+    }
     counters.add_writes(counts.writes, counts.evictions, counts.duplicates, counts.expected_false_hits);
 }
 
@@ -130,7 +137,7 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
     const Walk walk = walk_levels(table, *c.tile.grid, *cells_, fars_, counters);
     if (walk.known) {
         if (walk.visible) set_bit(visible.data(), index);
-        if (kept_) note_reuse(c, q, index, walk, counters);
+        if (kept_) count_reuse(c, q, index, walk, counters);
         return;
     }
     const uint32_t ray = c.parameters.queue ? waiting_.find(walk.key) : pending_with(walk.key);
@@ -145,9 +152,11 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     const std::vector<double>& levels = c.levels[q.group];
     const Semantic s = key_semantic(q.semantic, q.group, c.parameters);
     if (s == Semantic::kSurface && c.parameters.res_rule == ResolutionRule::kEq6) {
-        // Both ends have the resolution of the pair, so both keys change with the level.
-        paired_cells_.levels.clear(), fars_.clear();
-        paired_cells_.anchor = c.tile.anchor[q.eye], paired_cells_.semantic = s;
+        // Both ends use the resolution of the pair, so both keys change with the level.
+        paired_cells_.levels.clear();
+        fars_.clear();
+        paired_cells_.anchor = c.tile.anchor[q.eye];
+        paired_cells_.semantic = s;
         for (size_t d = 0; d < levels.size(); ++d) {
             const double r =
                 resolution_pair(c.tile.eyes->density[q.eye], q.density, levels[d], grid.radius());
@@ -155,7 +164,8 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
             FarKey far;
             if (!grid.far_key(s, q.far, q.far_normal, r, far, clamps)) return false;
             if (paired_cells_.repeats(placed) && fars_.back() == far) continue;
-            paired_cells_.add(table, grid, placed, int(d)), fars_.push_back(far);
+            paired_cells_.add(table, grid, placed, int(d));
+            fars_.push_back(far);
         }
         cells_ = &paired_cells_;
         return true;
@@ -167,7 +177,9 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     EyeCells& own = eye_cells_[q.group];
     cells_ = &own.cells;
     if (own.eye == q.eye && own.cells.semantic == s) return true;
-    own.eye = q.eye, own.cells.levels.clear(), own.cells.anchor = c.tile.anchor[q.eye];
+    own.eye = q.eye;
+    own.cells.levels.clear();
+    own.cells.anchor = c.tile.anchor[q.eye];
     own.cells.semantic = s;
     for (size_t d = 0; d < levels.size(); ++d) {
         const PlacedCell placed = c.tile.cell(q.eye, levels[d], clamps);
@@ -176,7 +188,8 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
     return true;
 }
 
-/// Number of the batch's ray with this key; the number of rays for a key that is new, whose place is taken.
+/// Index of the ray of the batch with this key. For a new key, reserves and returns the index of the next
+/// ray.
 uint32_t Pairs::pending_with(const FullKey& key) {
     const std::vector<PendingRay>& rays = waiting_.rays;
     if (2 * (pending_count_ + 1) > pending_slots_.size()) {
@@ -187,19 +200,22 @@ uint32_t Pairs::pending_with(const FullKey& key) {
             const KeyHash h = hash_key(rays[r].key, HashScheme::kScheme2);
             size_t i = h.kappa & (pending_slots_.size() - 1);
             while (pending_slots_[i]) i = (i + 1) & (pending_slots_.size() - 1);
-            pending_slots_[i] = r + 1, ++pending_count_;
+            pending_slots_[i] = r + 1;
+            ++pending_count_;
         }
     }
     size_t i = hash_key(key, HashScheme::kScheme2).kappa & (pending_slots_.size() - 1);
     for (; pending_slots_[i]; i = (i + 1) & (pending_slots_.size() - 1))
         if (rays[pending_slots_[i] - 1].key == key) return pending_slots_[i] - 1;
-    pending_slots_[i] = uint32_t(rays.size()) + 1, ++pending_count_;
+    pending_slots_[i] = uint32_t(rays.size()) + 1;
+    ++pending_count_;
     return uint32_t(rays.size());
 }
 
-/// Counts a bit that was reused, and draws whether it is traced as well: by frame and query alone.
-void Pairs::note_reuse(const PairContext& c, const ShadowQuery& q, uint32_t index, const Walk& walk,
-                       Counters& counters) {
+/// Counts a reused bit and decides whether to check it by a ray. The decision depends only on the frame
+/// number and the query.
+void Pairs::count_reuse(const PairContext& c, const ShadowQuery& q, uint32_t index, const Walk& walk,
+                        Counters& counters) {
     ++(walk.kept ? counters.reused_kept : counters.reused_fresh);
     if (checking_.share <= 0 || (checking_.repair && !walk.kept)) return;
     const Vec3 x = c.tile.eyes->position[q.eye];

@@ -2,8 +2,8 @@
 // Parameters of the quantized cache (Popov, Georgiev, Slusallek, Dachsbacher 2013, here "AQVC"), one row
 // each.
 //
-// What reads the rows: AqvcParameters::validate, the binding, the tables kept over frames (AqvcTable) and the
-// help of viscache.Aqvc and viscache.PaperForm.
+// The rows are read by AqvcParameters::validate, the bindings, kept tables (AqvcTable) and the help of
+// viscache.Aqvc and viscache.PaperForm.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,10 +52,10 @@ inline constexpr std::array kNames<Form>{"waves", "pairs"};
 template <>
 inline constexpr std::array kNames<Storage>{"table", "exact", "shared", "paper_tiles"};
 
-/// What each is, its range, and whether keys depend on it: kAqvcRows.
+/// Meaning and range of each parameter, and whether keys depend on it: see kAqvcRows.
 struct AqvcParameters {
     double c_e = 12;
-    std::array<double, kLightGroups> c_e_groups{};  ///< <= 0: c_e
+    std::array<double, kLightGroups> c_e_groups{};  ///< c_e where <= 0
     double c_l = 1;
     int c_n = 8;
     double c_z = 4;
@@ -90,94 +90,102 @@ struct AqvcParameters {
         const double own = c_e_groups[size_t(group)];
         return own > 0 ? own : c_e;
     }
-    /// Throws std::invalid_argument that says what must hold and what was given.
+    /// Throws std::invalid_argument with a message that says what must hold.
     void validate() const;
 };
 
 // clang-format off
-/// Everything that is said of the parameters, but their defaults.
+/// Everything about the parameters except their defaults.
 inline constexpr std::tuple kAqvcRows{
     row("c_e", &AqvcParameters::c_e, kPlain, {.low = 0, .above = true},
-        "C_E: a cluster spans about C_E × C_E eye samples. The error knob."),
+        "C_E: a cluster spans about C_E × C_E eye samples. A larger C_E traces fewer rays and has a larger "
+        "error."),
     row("c_e_groups", &AqvcParameters::c_e_groups, kPlain,
-        "C_E of single light groups: point, directional, area, environment, vpl, ambient; of `Bdpt` also "
-        "connection (two surfaces) and camera."),
+        "C_E of single light groups: point, directional, area, environment, vpl, ambient. `Bdpt` adds "
+        "connection (between two surfaces) and camera."),
     row("c_l", &AqvcParameters::c_l, kKeyed, {.low = 1e-3, .high = 1e3},
-        "C_L: a cluster spans about C_L × C_L light samples at its far end (Eq. 7 and 9), where that is a "
-        "surface or the sky; 1 in the paper. Below 1: finer light cells, for an error of the sky or of area "
-        "lights that C_E does not bring down. Not with res_rule \"eq6\", whose C_E is that of both ends."),
+        "C_L: the far end of a cluster spans about C_L × C_L light samples (Eq. 7 and 9) if it is a "
+        "surface or the sky. The paper uses 1. A value below 1 makes light cells finer, for errors of the "
+        "sky or of area lights that do not fall with C_E. No effect where res_rule is \"eq6\", whose C_E "
+        "holds for both ends."),
     row("c_n", &AqvcParameters::c_n, kKeyed, {.low = 1, .high = 64, .by_side = true},
-        "C_N: normal bins per axis (Eq. 4)."),
+        "C_N: number of normal bins per axis (Eq. 4)."),
     row("c_z", &AqvcParameters::c_z, kKeyed, {.low = 0.01, .high = 1024},
-        "C_Z: cells are this much thinner along the normal. The paper: 8."),
+        "C_Z: cells are thinner along the normal by this factor. The paper uses 8."),
     row("c_r", &AqvcParameters::c_r, kKeyed, {.low = 1.001, .high = 16},
-        "C_R: ratio of the ladder of resolutions (Eq. 8). With `Bdpt` 2 unless given."),
+        "C_R: ratio between neighbouring resolutions of the ladder (Eq. 8). `Bdpt` uses 2 unless a value "
+        "is given."),
     row("scale_free", &AqvcParameters::scale_free, kKeyed,
-        "Cells are C_R^k units of length wide and count from the origin, instead of dividing the scene's "
-        "bounding sphere: they stay the same when the scene grows or moves. With `keep` true unless given."),
+        "Cells are C_R^k units of length wide and start at the origin. Otherwise they divide the bounding "
+        "sphere of the scene. Scale-free cells stay the same when the scene grows or moves. `keep` turns "
+        "this on unless a value is given."),
     row("grid_seed", &AqvcParameters::grid_seed, kKeyed, {.low = 0},
-        "Another shift of the grids per number, and another random order."),
+        "Seed of the shift of the grids and of the random processing order."),
     row("refinement", &AqvcParameters::refinement, kPlain,
-        "Alg. 2: cells that disagree with a neighbour are asked again, smaller. \"auto\": for point, "
-        "directional and VPL groups unless C_E² <= spp; with `Bdpt` off unless given."),
+        "Alg. 2: if a cell disagrees with a neighbour, its queries are repeated with smaller cells. "
+        "\"auto\" is on for the groups point, directional and vpl unless C_E² <= spp. `Bdpt` uses \"off\" "
+        "unless a value is given."),
     row("refinement_groups", &AqvcParameters::refinement_groups, kPlain,
-        "The same for single light groups, named as in `c_e_groups`."),
+        "`refinement` of single light groups, with the names of `c_e_groups`."),
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
-        "Ratio of C_E from one level of refinement to the next."),
+        "Ratio between the C_E of one refinement level and that of the next."),
     row("c_finest", &AqvcParameters::c_finest, kPlain, {.low = 0, .above = true},
-        "C_E of the finest level of refinement."),
+        "C_E of the finest refinement level."),
     row("by_contribution", &AqvcParameters::by_contribution, kPlain,
-        "C_E of each connection by what it would carry unoccluded, f: C_E·(mean f / f)^(1/2.5), from 2·C_E "
-        "down. Only where refinement is on and in the form \"waves\"; others ignore it."),
+        "C_E of each connection depends on its unoccluded contribution f: C_E·(mean f / f)^(1/2.5), at "
+        "most 2·C_E. Needs refinement and the form \"waves\"; without effect elsewhere."),
     row("table_bytes", &AqvcParameters::table_bytes, kPlain, {.low = 4, .high = 0x1p33, .by_side = true},
-        "Size of the table: of one tile; with `Bdpt` of the frame, 256 MiB unless given. Bit rows of samples "
-        "of each pixel's own take up to 16 times that before the table steps in."),
+        "Size of the table of one tile. With `Bdpt` the size of the table of the frame, 256 MiB unless a "
+        "value is given. Bit rows for samples of single pixels take up to 16 times this size; further "
+        "samples use the table."),
     row("form", &AqvcParameters::form, kPaper,
-        "How groups of shared lights run: level waves, or one query at a time through the table (Alg. 2). "
-        "Samples of each pixel's own go through rows of bits by light cell, or with \"pairs\" through the "
-        "table."),
+        "How groups of shared lights are processed: in waves, level by level, or one query at a time "
+        "through the table (Alg. 2). Samples of single pixels use bit rows by light cell, or the table "
+        "with \"pairs\"."),
     row("storage", &AqvcParameters::storage, kPaper,
-        "The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one, which takes "
-        "up what was traced between rounds of work: the same values for any number of threads. \"shared\", "
-        "with `Bdpt` alone: threads read and write it at once; which of a cluster's segments is traced is "
-        "chance. \"paper_tiles\", without `Bdpt`: tiles of 32² pixels dealt out to the threads, each of which "
-        "keeps its table over all of its own, as the paper does on the CPU; the same bytes for the same "
-        "number of threads alone."),
+        "The lossy table of Sec. 4.1, or a map of full keys. With `Bdpt` all threads share one table, and "
+        "new values are stored between rounds of work: the values are the same for any number of threads. "
+        "\"shared\" (only with `Bdpt`): threads read and write at once, and which segment of a cluster is "
+        "traced depends on timing. \"paper_tiles\" (not with `Bdpt`): as on the CPU in the paper, each "
+        "thread processes fixed tiles of 32² pixels and keeps its table for all of them; the bytes depend "
+        "on the number of threads."),
     row("batch", &AqvcParameters::batch, kPaper, {.low = 0},
-        "Eye points that are processed together; 0: 1024, 1: one query at a time."),
+        "Number of eye points that are processed together. 0: 1024. 1: one query at a time."),
     row("queue", &AqvcParameters::queue, kPaper, {.low = 0, .high = 1024, .even = true},
-        "Of the table, instead of batches: length of the queue of postponed rays (Sec. 4.4). Half as many "
-        "queries look up their values at a time, a warp; when more than half of it is taken, its first half "
-        "is traced. 0: no queue; the paper: 64."),
+        "Length of the queue of postponed rays (Sec. 4.4), which replaces batches. A warp of half as many "
+        "queries looks up its values at once. When the queue is more than half full, its first half is "
+        "traced. 0: no queue. The paper uses 64."),
     row("c_w", &AqvcParameters::c_w, kPaper, {.low = 1, .high = 1024},
-        "C_W: where at least so many rays of a warp are missing, they are traced at once."),
+        "C_W: a warp with at least this many missing rays traces them at once."),
     row("order", &AqvcParameters::order, kPaper,
-        "Processing order of the form \"pairs\": Halton–Morton (Sec. 4.3) or comparisons."),
+        "Processing order of the form \"pairs\": Halton–Morton (Sec. 4.3), or orders for comparison."),
     row("c_pg", &AqvcParameters::c_pg, kPaper, {.low = 1.1},
-        "C_PG: growth of the order's segments."),
+        "C_PG: growth factor of the segments of the order."),
     row("hash", &AqvcParameters::hash, kKeyed | kPaper,
-        "Hash of the table (Eq. 10). Scheme 1 collides on point lights; kept to show that."),
+        "Hash of the table (Eq. 10). Scheme 1 has collisions for point lights and is kept to show them."),
     row("digest_bits", &AqvcParameters::digest_bits, kKeyed | kPaper, {.low = 1, .high = 31},
-        "Bits of the digest beside the visibility bit."),
+        "Number of digest bits beside the visibility bit."),
     row("normal_mode", &AqvcParameters::normal_mode, kKeyed | kPaper,
-        "Bins of normals: to the nearest on a cube's lattice, or down (the paper); about as many on the "
-        "octahedral map; or one grid for all normals, which lets light through thin walls."),
+        "Bins of normals: \"round\" to the nearest point of a lattice on a cube; \"floor\", as in the "
+        "paper; \"octahedral\", about as many bins on the octahedral map; \"single\", one grid for all "
+        "normals, which lets light through thin walls."),
     row("grid_offset", &AqvcParameters::grid_offset, kKeyed | kPaper,
         "Shift the grids by irrational amounts, so that no plane lies on a cell face."),
     row("tangent_neighbours", &AqvcParameters::tangent_neighbours, kPaper,
         "Neighbour cells follow the tangent plane instead of keeping v_z."),
     row("res_rule", &AqvcParameters::res_rule, kKeyed | kPaper,
-        "Cells of connections of two surfaces: Eq. 7, or Eq. 6; with `Bdpt` Eq. 6 unless given."),
+        "Resolution of connections between two surfaces: by Eq. 7 or Eq. 6. `Bdpt` uses Eq. 6 unless a "
+        "value is given."),
     row("env_rule", &AqvcParameters::env_rule, kKeyed | kPaper,
         "Eq. 9 with 4π on the right side, or as printed."),
     row("cell_density", &AqvcParameters::cell_density, kKeyed | kPaper,
-        "Density that the light cells of samples of each pixel's own follow: of all techniques together, "
-        "which differs between pixels where the BRDF is sampled too, or of light sampling alone, so that all "
-        "pixels have the same cells: fewer rays, more error."),
+        "Density that sets the light cells for samples of single pixels. \"mixture\": of all sampling "
+        "techniques; it differs between pixels if the BRDF is also sampled. \"light\": of light sampling "
+        "only, so all pixels have the same cells, with fewer rays and a larger error."),
     row("vpl_key", &AqvcParameters::vpl_key, kKeyed | kPaper,
-        "One column per VPL, or VPLs quantised as surface points."),
+        "One column per VPL, or VPLs quantized as surface points."),
     row("level_rule", &AqvcParameters::level_rule, kPaper,
-        "Levels C_E, C_E/level_step … down to c_finest, or max(1, ceil(log2 C_E)) of them."),
+        "Levels C_E, C_E/level_step, … down to c_finest, or max(1, ceil(log2 C_E)) levels."),
 };
 // clang-format on
 
@@ -186,8 +194,8 @@ inline void AqvcParameters::validate() const {
     for (double v : c_e_groups) detail::require(std::isfinite(v), "c_e_groups must be finite", v);
 }
 
-/// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: lights shared
-/// by all pixels, unless clusters are smaller than a pixel anyway (AQVC Sec. 3.6).
+/// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: groups of
+/// lights that all pixels share, unless clusters are smaller than a pixel (AQVC Sec. 3.6).
 inline bool refines(const AqvcParameters& p, int group, int spp) {
     const Refinement chosen = p.refinement_groups[size_t(group)].value_or(p.refinement);
     if (chosen != Refinement::kAuto) return chosen == Refinement::kOn;
@@ -197,10 +205,10 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && c_e * c_e > spp;
 }
 
-/// C_E of every level, coarse to fine: c₀ = lift·C_E, then c / level_step down to c_finest. At most
-/// kMaxLevels.
-// Differs: AQVC halves C_E down to 1–2 eye samples; the default stops at 4 in steps of 4, which costs 1.7
-// times fewer rays for 15 % more error. LevelRule::kLog2 with level_step 2 is the paper's list.
+/// C_E of every level from coarse to fine: lift·C_E first, then divided by level_step down to c_finest. At
+/// most kMaxLevels.
+// Differs: AQVC halves C_E down to 1–2 eye samples. The default stops at 4 and divides by 4, which traces
+// fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper.
 inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp, double lift = 1) {
     std::vector<double> levels = {lift * p.group_c_e(group)};
     if (!refines(p, group, spp)) return levels;

@@ -1,6 +1,6 @@
 #pragma once
-// The order in which a tile's eye points are processed (AQVC Sec. 4.3): representatives must not all lie at
-// one side of their clusters, and neighbours should be known before they are asked about.
+// Processing order of the eye points of a tile (AQVC Sec. 4.3). Representatives should not all lie on one
+// side of their clusters, and neighbours should be known before they are probed.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -20,21 +20,30 @@ struct TileOrder {
     std::vector<uint32_t> segment_end;
 };
 
-/// Digits of i in `base` reversed, `digits` of them: the radical inverse times base^digits.
+/// The last `digits` digits of i in `base`, reversed: the radical inverse times base^digits.
 inline uint64_t reversed_digits(uint64_t i, uint64_t base, int digits) {
     uint64_t r = 0;
-    for (int k = 0; k < digits; ++k) r = r * base + i % base, i /= base;
+    for (int k = 0; k < digits; ++k) {
+        r = r * base + i % base;
+        i /= base;
+    }
     return r;
 }
 
-/// When the Halton sequence of bases 2 and 3 visits each position of a width × height grid: rank[y·width +
-/// x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are left out, so every position
-/// occurs once.
+/// Step at which the Halton sequence of bases 2 and 3 visits each position of a width × height grid:
+/// rank[y·width + x]. Points of the smallest enclosing 2^a × 3^b grid that fall outside are skipped, so every
+/// position occurs once.
 inline std::vector<uint32_t> halton_ranks(uint32_t width, uint32_t height) {
     uint64_t columns = 1, rows = 1;
     int a = 0, b = 0;
-    while (columns < width) columns *= 2, ++a;
-    while (rows < height) rows *= 3, ++b;
+    while (columns < width) {
+        columns *= 2;
+        ++a;
+    }
+    while (rows < height) {
+        rows *= 3;
+        ++b;
+    }
     std::vector<uint32_t> rank(size_t(width) * height);
     uint32_t next = 0;
     for (uint64_t i = 0; i < columns * rows; ++i) {
@@ -54,7 +63,7 @@ inline std::vector<uint32_t> segment_ends(size_t count, double c_e, double c_pg)
     return ends;
 }
 
-/// Makes orders; remembers the ranks of the last tile size.
+/// Computes orders; keeps the ranks of the latest tile size.
 class OrderMaker {
 public:
     void make(const EyeBlock& eyes, const AqvcParameters& p, TileOrder& out);
@@ -71,18 +80,20 @@ private:
 
 inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, TileOrder& out) {
     const size_t n = eyes.size();
-    out.eye.resize(n), key_.resize(n);
+    out.eye.resize(n);
+    key_.resize(n);
     std::iota(out.eye.begin(), out.eye.end(), 0u);
-    // Without usable positions the eye points are taken as they come.
+    // Without usable positions the eye points keep their order.
     bool placed = eyes.order_x.size() == n && eyes.order_y.size() == n;
     for (size_t i = 0; placed && i < n; ++i)
         placed = eyes.order_x[i] < eyes.tile_width && eyes.order_y[i] < eyes.tile_height;
     const bool halton = placed && p.order == PixelOrder::kHaltonMorton;
     if (halton && (width_ != eyes.tile_width || height_ != eyes.tile_height)) {
-        width_ = eyes.tile_width, height_ = eyes.tile_height;
+        width_ = eyes.tile_width;
+        height_ = eyes.tile_height;
         ranks_ = halton_ranks(width_, height_);
     }
-    // First by the sequence; positions may hold several eye points, which stay in index order.
+    // Sort by the sequence first. Eye points at the same position stay in index order.
     for (size_t i = 0; i < n; ++i) {
         const uint64_t at = placed ? uint64_t(eyes.order_y[i]) * eyes.tile_width + eyes.order_x[i] : i;
         if (halton)
@@ -97,14 +108,17 @@ inline void OrderMaker::make(const EyeBlock& eyes, const AqvcParameters& p, Tile
         out.segment_end.assign(n ? 1 : 0, uint32_t(n));
         return;
     }
-    // Then along the Morton curve inside each segment, for coherence.
+    // Then sort along the Morton curve inside each segment, for coherence.
     out.segment_end = segment_ends(n, p.c_e, p.c_pg);
     for (size_t i = 0; i < n; ++i) key_[i] = morton2_wide(eyes.order_x[i], eyes.order_y[i]);
     size_t first = 0;
-    for (uint32_t end : out.segment_end) sort_by(out.eye, first, end), first = end;
+    for (uint32_t end : out.segment_end) {
+        sort_by(out.eye, first, end);
+        first = end;
+    }
 }
 
-/// Ends of runs of at most `batch` eye points that never straddle a segment.
+/// Ends of runs of at most `batch` eye points. No run crosses a segment end.
 inline std::vector<uint32_t> run_ends(const TileOrder& order, uint32_t batch) {
     std::vector<uint32_t> ends;
     uint32_t first = 0;

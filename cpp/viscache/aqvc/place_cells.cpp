@@ -4,7 +4,7 @@ namespace viscache {
 namespace {
 
 constexpr size_t kGroup = 16;
-/// Below this the floor is found by adding and taking away 1.5·2^52.
+/// `floor_small` is exact below this bound: it adds and subtracts 1.5·2^52.
 constexpr double kExact = 0x1p51;
 
 typedef double Lanes __attribute__((vector_size(64), aligned(8), may_alias));
@@ -23,8 +23,8 @@ VISCACHE_INLINE Lanes floor_small(Lanes v) {
     return rounded - (rounded > v ? Lanes{} + 1 : Lanes{});
 }
 
-/// CellGrid::cell and distance2_to_center in the same order of operations. False if a coordinate is too large
-/// for `floor_small`, or not a number.
+/// CellGrid::cell and distance2_to_center with the same order of operations. False if a coordinate is NaN or
+/// too large for `floor_small`.
 VISCACHE_INLINE bool place_body(const Group& g) {
     bool small = true;
     for (size_t i = 0; i < kGroup; i += 8) {
@@ -33,7 +33,9 @@ VISCACHE_INLINE bool place_body(const Group& g) {
         const Lanes fz = load(g.z + i) * s * g.c_z + g.offset_z;
         const Lanes x = floor_small(fx), y = floor_small(fy), z = floor_small(fz);
         const Lanes ax = fx - x - 0.5, ay = fy - y - 0.5;
-        store(g.cell_x + i, x), store(g.cell_y + i, y), store(g.cell_z + i, z);
+        store(g.cell_x + i, x);
+        store(g.cell_y + i, y);
+        store(g.cell_z + i, z);
         store(g.distance2 + i, ax * ax + ay * ay);
         for (const Lanes& v : {fx, fy, fz}) {
             const auto fits = (v > -kExact) & (v < kExact);
@@ -67,7 +69,9 @@ void CellPlacer::begin(const TileAnchors& tile) {
     for (size_t i = 0; i < tile.size(); ++i) {
         if (!tile.usable[i]) continue;
         const Anchor& a = tile.anchor[i];
-        x_[i] = a.x, y_[i] = a.y, z_[i] = a.z;
+        x_[i] = a.x;
+        y_[i] = a.y;
+        z_[i] = a.z;
         root_[i] = resolution_eye(tile.eyes->density[i], 1.0, tile.grid->radius());
     }
 }
@@ -87,7 +91,7 @@ void CellPlacer::place(double c_e, PlacedLevel& out, ClampCounts& clamps, Isa is
     }
 }
 
-/// Slots and scales of up to sixteen eye points.
+/// Finds slots and scales of up to 16 eye points.
 void CellPlacer::find_rungs(double c_e, size_t first, size_t last, int32_t* slot, ClampCounts& clamps) {
     const CellGrid& grid = *tile_->grid;
     for (size_t i = first; i < last; ++i) {
@@ -96,19 +100,22 @@ void CellPlacer::find_rungs(double c_e, size_t first, size_t last, int32_t* slot
             continue;
         }
         const Rung& rung = grid.ladder.rung_near(root_[i] / c_e, rung_, clamps);
-        slot[i] = rung.slot, scale_[i - first] = grid.scale(rung);
+        slot[i] = rung.slot;
+        scale_[i - first] = grid.scale(rung);
     }
     for (size_t i = last; i < first + kGroup; ++i) scale_[i - first] = 0;
 }
 
-/// As TileAnchors::cell says: where the kernel does not reach.
+/// The scalar form, for coordinates that the kernel cannot handle.
 void CellPlacer::place_singly(double c_e, size_t first, size_t last, PlacedLevel& out,
                               ClampCounts& clamps) const {
     for (size_t i = first; i < last; ++i) {
         if (!tile_->usable[i]) continue;
         const PlacedCell p = tile_->cell(i, c_e, clamps);
         out.slot[i] = p.cell.slot;
-        out.x[i] = double(p.cell.x), out.y[i] = double(p.cell.y), out.z[i] = double(p.cell.z);
+        out.x[i] = double(p.cell.x);
+        out.y[i] = double(p.cell.y);
+        out.z[i] = double(p.cell.z);
         out.distance2[i] = distance2_to_center(p);
     }
 }

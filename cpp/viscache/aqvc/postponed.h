@@ -1,5 +1,5 @@
 #pragma once
-// Rays that wait to be traced (AQVC Sec. 4.4): the queue of postponed work of a GPU's warp, on the CPU.
+// Postponed rays (AQVC Sec. 4.4): the work queue of a GPU warp, on the CPU.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -14,32 +14,31 @@ struct PendingRay {
     int level;  ///< -1: bypass
     FullKey key;
 };
-/// A query that waits for a ray.
+/// A query that depends on a ray.
 struct Dependant {
     uint32_t query, ray;
 };
 
-/// [AQVC Sec. 4.4] Half the queue's length of queries, a warp, look their values up at once. Are fewer than
-/// C_W rays missing, they are postponed and the rest goes on; else they are traced at once. Where more than
-/// half of the queue is taken, its first half is finished: the rays are shot, the cache is filled, and the
-/// queries that wait are answered.
-// Differs: a query whose key is in the queue waits for the ray that is there, where the paper shoots it
-// twice; a warp is made of queries that follow each other, not of pixels; and what is left at the end of a
-// call is finished then.
+/// [AQVC Sec. 4.4] A warp has half as many queries as the queue has entries; its queries look up their values
+/// at once. If fewer than C_W rays are missing, they are postponed; otherwise they are traced at once. If
+/// more than half of the queue is occupied, its first half is processed: the rays are traced, their values
+/// are written to the cache, and the queries that depend on them are answered.
+// Differs: a query whose key is in the queue shares the ray of that entry; the paper traces the ray twice. A
+// warp consists of consecutive queries, not of pixels. Entries left at the end of a call are processed then.
 class PostponedQueue {
 public:
     explicit PostponedQueue(int length) : width_(size_t(length) / 2) {}
 
-    /// Queries of a warp, and entries that are finished together.
+    /// Queries per warp, and entries that are processed together.
     size_t width() const { return width_; }
-    /// Number of the ray with this key; rays.size() where there is none.
+    /// Index of the ray with this key; rays.size() if there is none.
     uint32_t find(const FullKey& key) const {
         size_t r = 0;
         while (r < rays.size() && (rays[r].level < 0 || rays[r].key != key)) ++r;
         return uint32_t(r);
     }
-    /// After a warp whose first new ray is number `first_new`. `finish(first, last)` shoots rays [first,
-    /// last) and answers those who wait for them; they are removed afterwards.
+    /// Called after a warp; its first new ray has index `first_new`. `finish(first, last)` traces rays
+    /// [first, last) and answers the queries that depend on them. The rays are then removed.
     template <class Finish>
     void end_warp(size_t first_new, int c_w, Finish finish) {
         if (rays.size() - first_new >= size_t(c_w)) take(first_new, rays.size(), finish);
@@ -50,7 +49,7 @@ public:
         take(0, rays.size(), finish);
     }
 
-    std::vector<PendingRay> rays;       ///< in the order they came
+    std::vector<PendingRay> rays;       ///< in the order of insertion
     std::vector<Dependant> dependants;  ///< in the order of their queries
 
 private:

@@ -10,7 +10,8 @@
 namespace viscache {
 namespace {
 
-constexpr uint64_t kBypassed = uint64_t{1} << 63;  // numbers of logged queries without a cluster
+// Set in the cluster number of a logged query without a cluster
+constexpr uint64_t kBypassed = uint64_t{1} << 63;
 
 const AqvcParameters& checked(const AqvcParameters& p) {
     p.validate();
@@ -23,8 +24,9 @@ double checked_radius(float radius) {
 }
 
 void add_clamps(const ClampCounts& clamps, Counters& counters) {
-    counters.clamped_low += clamps.low, counters.clamped_high += clamps.high,
-        counters.clamped_nan += clamps.nan;
+    counters.clamped_low += clamps.low;
+    counters.clamped_high += clamps.high;
+    counters.clamped_nan += clamps.nan;
 }
 
 }  // namespace
@@ -52,7 +54,9 @@ void QuantizedCache::use_kept(const KeptTable& table, KeptChecks checks) {
 
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
-    tracer_.watch(control), pairs_.watch(control), sample_rows_.watch(control);
+    tracer_.watch(control);
+    pairs_.watch(control);
+    sample_rows_.watch(control);
 }
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
@@ -64,7 +68,7 @@ void QuantizedCache::begin_tile(const EyeBlock& eyes) {
     cells_in_use_ = 0;
 }
 
-/// Cells of the tile at these levels, made once for all groups that have them.
+/// Cells of the tile at these levels, computed once and shared by all groups with these levels.
 const TileCells& QuantizedCache::cells_of(const std::vector<double>& levels) {
     for (size_t i = 0; i < cells_in_use_; ++i)
         if (cells_[i].levels == levels) return cells_[i].cells;
@@ -99,7 +103,7 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     if (wanted.rows() == 0 || lights.count == 0) return;
     if (wanted.rows() != tile_.size() || wanted.columns() != lights.count)
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
-    // Eq. 6 couples the two ends: the key does not factor into rows and columns.
+    // Under Eq. 6 the key depends on both ends at once, so it does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
     if (log_ && (parameters_.form != Form::kWaves || coupled))
@@ -111,9 +115,9 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     GroupCounters& group = counters.groups[size_t(lights.group)];
     const RowKernels& kernels = row_kernels(active_isa());
     for (size_t i = 0; i < wanted.rows(); ++i) {
-        const uint64_t asked = kernels.count(wanted.row(i), wanted.row_words());
-        group.queries += asked;
-        group.occluded += asked - kernels.count(visible.row(i), visible.row_words());
+        const uint64_t queries = kernels.count(wanted.row(i), wanted.row_words());
+        group.queries += queries;
+        group.occluded += queries - kernels.count(visible.row(i), visible.row_words());
     }
 }
 
@@ -122,31 +126,35 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
     ClampCounts clamps;
     columns_.prepare(lights, wanted, grid_, parameters_, tile_.usable, clamps);
     BitMatrix* answer = &visible;
-    if (columns_.merged()) by_column_.reset(eyes.size(), columns_.count()), answer = &by_column_;
+    if (columns_.merged()) {
+        by_column_.reset(eyes.size(), columns_.count());
+        answer = &by_column_;
+    }
     uint64_t& rays = counters.groups[size_t(lights.group)].rays;
     if (columns_.count() > 0) {
-        const bool weighs =
+        const bool by_contribution =
             contributions_ && parameters_.by_contribution && refines(parameters_, lights.group, spp_);
         const std::vector<double> levels =
-            level_list(parameters_, lights.group, spp_, weighs ? ContributionLevels::kLift : 1);
-        worth_.begin(weighs ? contributions_ : nullptr, columns_, levels, parameters_.group_c_e(lights.group),
-                     parameters_.level_step);
+            level_list(parameters_, lights.group, spp_, by_contribution ? ContributionLevels::kLift : 1);
+        contribution_levels_.begin(by_contribution ? contributions_ : nullptr, columns_, levels,
+                                   parameters_.group_c_e(lights.group), parameters_.level_step);
         const TileCells& cells = cells_of(levels);
         clamps = cells.clamps;
-        rays += waves_.run(tile_, cells, columns_, worth_, tracer_, *answer, counters, log_);
+        rays += waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, *answer, counters, log_);
         if (columns_.merged()) columns_.spread(by_column_, visible);
     }
     rays += trace_bypassing(eyes, lights, wanted, visible, counters);
     add_clamps(clamps, counters);
 }
 
-/// Exact rays for what has no key: eye points or lights without a normal. What is not finite stays unseen.
+/// Traces exact rays for queries without a key: eye points or lights without a normal. Points that are not
+/// finite stay invisible.
 uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                          BitMatrix& visible, Counters& counters) {
     std::vector<uint32_t> keyless;
     for (uint32_t k = 0; k < lights.count; ++k)
         if (columns_.bypasses(k)) keyless.push_back(k);
-    const auto ask = [&](uint32_t eye, uint32_t k) {
+    const auto trace = [&](uint32_t eye, uint32_t k) {
         ++counters.bypassed;
         if (log_) log_->answered(eye, k, {kBypassed + eye * uint64_t(lights.count) + k, eye, 0, true});
         if (is_traceable(eyes.origin[eye]) && is_traceable(Vec3{lights.tx[k], lights.ty[k], lights.tz[k]}))
@@ -154,10 +162,10 @@ uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& li
     };
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         if (!tile_.usable[i])
-            for_each_bit(wanted.row_span(i), [&](size_t k) { ask(i, uint32_t(k)); });
+            for_each_bit(wanted.row_span(i), [&](size_t k) { trace(i, uint32_t(k)); });
         else
             for (uint32_t k : keyless)
-                if (wanted.get(i, k)) ask(i, k);
+                if (wanted.get(i, k)) trace(i, k);
     }
     return tracer_.flush(eyes, lights, visible);
 }
@@ -170,7 +178,8 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
     std::vector<Word> answer;
     uint32_t first = 0;
     for (uint32_t end : run_end_) {
-        queries.clear(), light.clear();
+        queries.clear();
+        light.clear();
         for (; first < end; ++first)
             for_each_bit(wanted.row_span(order_.eye[first]), [&](size_t k) {
                 light.push_back(uint32_t(k));
@@ -183,13 +192,13 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
                                    .density = lights.density[k]});
             });
         answer.assign(words_for(queries.size()), 0);
-        ask_pairs(eyes, queries, answer, run_of_eye_, counters);
+        run_pairs(eyes, queries, answer, run_of_eye_, counters);
         for (size_t i = 0; i < queries.size(); ++i)
             if (get_bit(answer.data(), i)) visible.set(queries[i].eye, light[i]);
     }
 }
 
-void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                                std::span<Word> visible, const std::vector<uint32_t>& run_of_eye,
                                Counters& counters) {
     if (!shares_) make_order(eyes);
@@ -201,15 +210,15 @@ void QuantizedCache::ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
 
 void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                            std::span<Word> visible, Counters& counters) {
-    ask_pairs(eyes, queries, visible, run_of_eye_, counters);
+    run_pairs(eyes, queries, visible, run_of_eye_, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         ++counters.groups[queries[i].group].queries;
         counters.groups[queries[i].group].occluded += !get_bit(visible.data(), i);
     }
 }
 
-/// True unless the table answers: where it is asked for, one table serves the frame, or Eq. 6 couples both
-/// ends.
+/// True if samples use bit rows. They use the table if the form is pairs, if the frame has one table, or if
+/// Eq. 6 couples both ends.
 bool QuantizedCache::has_sample_rows(int group) const {
     const bool coupled =
         LightGroup(group) == LightGroup::kArea && parameters_.res_rule == ResolutionRule::kEq6;
@@ -219,7 +228,7 @@ bool QuantizedCache::has_sample_rows(int group) const {
 void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
     if (sample_group_ == group) return;
     ClampCounts clamps;
-    // Rows are emptier than a table: most cells meet few of the columns
+    // Rows are emptier than a table, because most cells use few of the columns
     sample_rows_.begin(tile_, levels_[size_t(group)], batch(), 16 * parameters_.table_bytes, counters,
                        clamps);
     add_clamps(clamps, counters);
@@ -254,7 +263,7 @@ void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, 
     group.occluded += samples.size();
 }
 
-/// Asks the table about the numbered samples.
+/// Answers the samples with these indices from the table.
 void QuantizedCache::samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
                                       std::span<const uint32_t> numbers,
                                       const std::vector<uint32_t>& run_of_eye, std::span<Word> visible,
@@ -269,7 +278,7 @@ void QuantizedCache::samples_by_pairs(const EyeBlock& eyes, const LocalSamples& 
         if (light) queries.back().density = samples.light_density[i];
     }
     std::vector<Word> answer(words_for(queries.size()));
-    ask_pairs(eyes, queries, answer, run_of_eye, counters);
+    run_pairs(eyes, queries, answer, run_of_eye, counters);
     for_each_bit(answer, [&](size_t k) { set_bit(visible.data(), numbers[k]); });
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 // The quantized visibility cache as an oracle (AQVC Sec. 3–4).
 //
-// Groups of shared lights go through level waves (or the hash table, by parameter);
-// samples that belong to one eye point each go through rows of their light cells' bits (or the table);
-// other connections of single eye points through the tile's table. Nothing outlives the tile.
+// The parameters choose between two forms. Groups of shared lights use level waves or the hash table. Samples
+// of single eye points use bit rows by light cell or the table. Other connections of single eye points use
+// the table. Nothing is kept after the tile, except in a table of the frame or a kept table.
 //
-// How the forms count: look-ups and hits are single bits. Neighbour probes are per query in `pairs`, per cell
-// in waves. A boundary query found its neighbours disagreeing right above the finest level.
+// Counters: look-ups and hits count single bits. Neighbour probes are counted per query in `pairs` and per
+// cell in waves. A boundary query is one whose neighbours disagree at the last level before the finest.
 #include <array>
 #include <deque>
 #include <vector>
@@ -25,18 +25,18 @@ namespace viscache {
 
 class QuantizedCache final : public VisibilityOracle {
 public:
-    /// The scene's bounding sphere gives c and B_R; `offset_extent` is the scene's, `spp` the samples per
-    /// pixel. With a table of the frame, which must outlive the cache, `pairs` uses that one: it outlives
-    /// tiles, and any order of queries is fine.
+    /// Center and radius are those of the bounding sphere of the scene. `offset_extent` is
+    /// Scene::offset_extent, `spp` the number of samples per pixel. A table of the frame must outlive the
+    /// cache; `pairs` then uses it for all tiles and accepts queries in any order.
     QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
                    float scene_radius, float offset_extent, int spp, FrameTable* frame_table = nullptr);
 
-    /// Tiles of this cache read and extend a table that outlives frames; it must outlive the cache. Only with
-    /// Form::kPairs and Storage::kTable.
+    /// Makes tiles read and extend a kept table, which must outlive the cache. Requires Form::kPairs and
+    /// Storage::kTable.
     void use_kept(const KeptTable& table, KeptChecks checks);
 
     void watch(const Control& control) override;
-    void weigh(const Contributions* worth) override { contributions_ = worth; }
+    void weigh(const Contributions* contributions) override { contributions_ = contributions; }
     void log(QueryLog* log) override { log_ = log; }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
@@ -48,14 +48,14 @@ public:
                  Counters& counters) override;
     PairOrder sample_order(const EyeBlock& eyes, int group) override;
 
-    /// What waits to be written into the frame's table.
+    /// Deferred writes to the table of the frame.
     std::vector<TableWrite>& writes() { return pairs_.writes(); }
-    /// What the tile wrote, for the kept table.
+    /// Writes of the tile, for the kept table.
     std::vector<PackedWrite>& kept_writes() { return pairs_.kept_writes(); }
     const std::vector<double>& levels(int group) const { return levels_[size_t(group)]; }
 
 private:
-    void ask_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+    void run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                    const std::vector<uint32_t>& run_of_eye, Counters& counters);
     bool has_sample_rows(int group) const;
     void begin_sample_rows(int group, Counters& counters);
@@ -70,7 +70,7 @@ private:
                              BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
     uint32_t batch() const {
-        // With a queue a batch is but a call
+        // With a queue, a batch is one call only
         return parameters_.batch && !parameters_.queue ? uint32_t(parameters_.batch) : 1024;
     }
 
@@ -81,13 +81,13 @@ private:
     int spp_;
     const Contributions* contributions_ = nullptr;
     QueryLog* log_ = nullptr;
-    ContributionLevels worth_;
-    bool shares_;  ///< the frame's table
+    ContributionLevels contribution_levels_;
+    bool shares_;  ///< uses the table of the frame
     std::array<std::vector<double>, kLightGroups> levels_;
     TileAnchors tile_;
     OrderMaker order_maker_;
     TileOrder order_;
-    std::vector<uint32_t> run_end_, run_of_eye_;  ///< of pairs
+    std::vector<uint32_t> run_end_, run_of_eye_;  ///< for `pairs`
     bool has_order_ = false;
     Columns columns_;
     MissTracer tracer_;
@@ -97,14 +97,14 @@ private:
     };
     const TileCells& cells_of(const std::vector<double>& levels);
     CellPlacer placer_;
-    std::deque<LevelCells> cells_;  ///< of the tile; those beyond cells_in_use_ are room for later
+    std::deque<LevelCells> cells_;  ///< cells of the tile; entries from cells_in_use_ on are spare
     size_t cells_in_use_ = 0;
     Waves waves_;
     Pairs pairs_;
     BitMatrix by_column_;
     SampleRows sample_rows_;
-    int sample_group_ = -1;     ///< the group that sample_rows_ is about
-    Counters sample_counters_;  ///< of preparing it, until it is asked
+    int sample_group_ = -1;     ///< the light group of sample_rows_
+    Counters sample_counters_;  ///< counters of its preparation, until `samples` is called
     std::vector<uint32_t> left_;
 };
 

@@ -10,13 +10,13 @@
 
 namespace viscache {
 
-/// The cells of one point at every level of C_E, coarse to fine; a level whose cell equals the one before is
-/// left out.
+/// The cells of one point at the levels of C_E, from coarse to fine. A level with the same cell as the level
+/// before is left out.
 struct CellLevels {
     struct Level {
         PlacedCell placed;
-        int level = 0;        ///< index into the list of C_E
-        bool probed = false;  ///< the heads of the neighbours are made when first needed
+        int level = 0;        ///< index in the list of C_E
+        bool probed = false;  ///< the heads of the neighbours are known
         KeyHead own{};
         std::array<KeyHead, 4> neighbours{};
     };
@@ -42,20 +42,20 @@ struct CellLevels {
     }
 };
 
-/// What the cache says about one query.
+/// Result of the cache for one query.
 struct Walk {
     bool known = false;
-    bool visible = false;  ///< if known
-    int level = 0;         ///< where the walk ended: a new ray belongs to this level
-    bool kept = false;     ///< the value is from a frame before
-    FullKey key{};         ///< of that cell, if not known or from a frame before
+    bool visible = false;  ///< valid if known
+    int level = 0;         ///< level at which the walk ended; a new ray counts for it
+    bool kept = false;     ///< the value comes from an earlier frame
+    FullKey key{};         ///< key of the cell at that level; set if the value is unknown or kept
 };
 
-/// [AQVC Alg. 2] Looks the query up from coarse to fine. The first empty cluster ends the walk: its ray is
-/// the query's own segment. A value on which the four neighbour clusters agree (nil agrees) ends it too; the
-/// finest is taken as it is.
-// Differs: nothing is probed at the finest level, where the paper's loop ends whatever the neighbours say.
-// `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
+/// [AQVC Alg. 2] Looks up a query from coarse to fine. The walk ends at the first empty cluster, whose ray is
+/// then the query's own segment. It also ends at a value with which the four neighbour clusters agree (nil
+/// agrees). The finest value is always used.
+// Differs: neighbours are not probed at the finest level, because the loop of the paper ends there in any
+// case. `fars` holds one key for all levels (Eq. 7) or one per level (Eq. 6).
 template <class Table>
 Walk walk_levels(const Table& table, const CellGrid& grid, CellLevels& eye, std::span<const FarKey> fars,
                  Counters& counters) {

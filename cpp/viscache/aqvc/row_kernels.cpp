@@ -24,7 +24,8 @@ VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
         const Row512 k = load(known + w), m = load(need + w) & load(active + w) & ~k;
-        store(miss + w, m), store(known + w, k | m);
+        store(miss + w, m);
+        store(known + w, k | m);
         left |= m;
     }
     return any(left);
@@ -33,11 +34,11 @@ VISCACHE_INLINE bool take_misses_body(const Word* need, const Word* active, Word
 VISCACHE_INLINE void keep_body(Word* a, const Word* b, size_t words) {
     for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & load(b + w));
 }
-VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* settled, size_t words) {
-    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & ~(load(known + w) & load(settled + w)));
+VISCACHE_INLINE void drop_body(Word* a, const Word* known, const Word* resolved, size_t words) {
+    for (size_t w = 0; w < words; w += 8) store(a + w, load(a + w) & ~(load(known + w) & load(resolved + w)));
 }
-VISCACHE_INLINE void write_down_body(const Word* mask, const Word* value, Word* known_below,
-                                     Word* value_below, size_t words) {
+VISCACHE_INLINE void store_below_body(const Word* mask, const Word* value, Word* known_below,
+                                      Word* value_below, size_t words) {
     for (size_t w = 0; w < words; w += 8) {
         const Row512 k = load(known_below + w), fresh = load(mask + w) & ~k;
         store(known_below + w, k | fresh);
@@ -58,14 +59,16 @@ VISCACHE_INLINE void disagreement_body(RowPair own, const RowPair neighbours[4],
         store(disagree + w, differing(own, neighbours, w) | ~load(own.known + w));
 }
 
-VISCACHE_INLINE void settle_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need,
-                                 size_t words, bool last_above, RowCounts& counts) {
+VISCACHE_INLINE void resolve_body(Word* a, RowPair own, const Word* disagree, Word* visible, Word* need,
+                                  size_t words, bool last_above, RowCounts& counts) {
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 asked = load(a + w), d = load(disagree + w), rest = asked & d,
-                     hit = asked & load(own.known + w);
-        store(visible + w, load(visible + w) | (asked & ~d & load(own.value + w)));
-        store(a + w, rest), store(need + w, load(need + w) | rest);
-        counts.lookups += ones(asked), counts.hits += ones(hit);
+        const Row512 queries = load(a + w), d = load(disagree + w), rest = queries & d,
+                     hit = queries & load(own.known + w);
+        store(visible + w, load(visible + w) | (queries & ~d & load(own.value + w)));
+        store(a + w, rest);
+        store(need + w, load(need + w) | rest);
+        counts.lookups += ones(queries);
+        counts.hits += ones(hit);
         if (last_above) counts.boundary += ones(hit & d);
     }
 }
@@ -73,10 +76,11 @@ VISCACHE_INLINE void settle_body(Word* a, RowPair own, const Word* disagree, Wor
 VISCACHE_INLINE bool finish_body(Word* a, RowPair own, Word* visible, size_t words, RowCounts& counts) {
     Row512 left{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 asked = load(a + w), hit = asked & load(own.known + w), rest = asked & ~hit;
+        const Row512 queries = load(a + w), hit = queries & load(own.known + w), rest = queries & ~hit;
         store(visible + w, load(visible + w) | (hit & load(own.value + w)));
         store(a + w, rest);
-        counts.lookups += ones(asked), counts.hits += ones(hit);
+        counts.lookups += ones(queries);
+        counts.hits += ones(hit);
         left |= rest;
     }
     return any(left);
@@ -86,12 +90,15 @@ VISCACHE_INLINE int step_body(Word* a, RowPair own, const RowPair neighbours[4],
                               Word* visible, size_t words, RowCounts& counts) {
     Row512 missing{}, going{};
     for (size_t w = 0; w < words; w += 8) {
-        const Row512 asked = load(a + w), hit = asked & load(own.known + w), m = asked & ~hit;
+        const Row512 queries = load(a + w), hit = queries & load(own.known + w), m = queries & ~hit;
         const Row512 rest = last ? Row512{} : hit & differing(own, neighbours, w);
-        store(miss + w, m), store(a + w, rest);
+        store(miss + w, m);
+        store(a + w, rest);
         store(visible + w, load(visible + w) | (hit & ~rest & load(own.value + w)));
-        counts.lookups += ones(asked), counts.hits += ones(hit);
-        missing |= m, going |= rest;
+        counts.lookups += ones(queries);
+        counts.hits += ones(hit);
+        missing |= m;
+        going |= rest;
     }
     return int(any(missing)) | int(any(going)) << 1;
 }
@@ -102,7 +109,7 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
     return n;
 }
 
-// One struct of static functions per instruction set. A macro, because a target attribute cannot be a
+// One struct of static functions per instruction set. It is a macro because a target attribute cannot be a
 // parameter.
 #define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                  \
     struct Name {                                                                                           \
@@ -111,15 +118,15 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
         }                                                                                                   \
         TARGET static void keep(Word* a, const Word* b, size_t w) { keep_body(a, b, w); }                   \
         TARGET static void drop(Word* a, const Word* k, const Word* s, size_t w) { drop_body(a, k, s, w); } \
-        TARGET static void write_down(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {         \
-            write_down_body(m, v, k2, v2, w);                                                               \
+        TARGET static void store_below(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {        \
+            store_below_body(m, v, k2, v2, w);                                                              \
         }                                                                                                   \
         TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                 \
             disagreement_body(o, n, d, w);                                                                  \
         }                                                                                                   \
-        TARGET static void settle(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,    \
-                                  RowCounts& c) {                                                           \
-            settle_body(a, o, d, v, n, w, l, c);                                                            \
+        TARGET static void resolve(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,   \
+                                   RowCounts& c) {                                                          \
+            resolve_body(a, o, d, v, n, w, l, c);                                                           \
         }                                                                                                   \
         TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                    \
             return finish_body(a, o, v, w, c);                                                              \
@@ -129,8 +136,8 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
             return step_body(a, o, n, l, m, v, w, c);                                                       \
         }                                                                                                   \
         TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                  \
-        static constexpr RowKernels kernels{take_misses, keep,   drop, write_down, disagreement,            \
-                                            settle,      finish, step, count};                              \
+        static constexpr RowKernels kernels{take_misses, keep,   drop, store_below, disagreement,           \
+                                            resolve,     finish, step, count};                              \
     };
 
 VISCACHE_ROW_VARIANT(Portable, )

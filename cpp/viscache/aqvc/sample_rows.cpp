@@ -21,7 +21,7 @@ void SampleRows::begin(const TileAnchors& tile, const std::vector<double>& level
 
 void SampleRows::make_order(const TileAnchors& tile, uint32_t batch) {
     const uint32_t n = uint32_t(tile.size());
-    // Eye points cell by cell, the nearest to the centre first
+    // Sort eye points by cell and then by distance to the centre of the cell
     const auto cell = [&](uint32_t i) { return tile.usable[i] ? cells_.of(i)[0].cell : kNoCell; };
     const auto distance2 = [&](uint32_t i) { return tile.usable[i] ? cells_.of(i)[0].distance2 : 0.f; };
     std::vector<uint32_t> by_cell(n), round(n);
@@ -34,7 +34,8 @@ void SampleRows::make_order(const TileAnchors& tile, uint32_t batch) {
         rank = k > 0 && cell(by_cell[k]) == cell(by_cell[k - 1]) ? rank + 1 : 0;
         round[by_cell[k]] = uint32_t(std::bit_width(rank));
     }
-    order_.clear(), run_end_.clear();
+    order_.clear();
+    run_end_.clear();
     run_of_eye_.resize(n);
     for (uint32_t r = 0; order_.size() < n; ++r) {
         const size_t first = order_.size();
@@ -58,36 +59,42 @@ uint64_t SampleRows::run(const LocalSamples& samples, const AqvcParameters& p, s
                          std::vector<uint32_t>& left, Counters& counters, ClampCounts& clamps) {
     light_cells_.number(samples, *tile_->grid, p, column_, clamps);
     grow((light_cells_.count() + kSlabColumns - 1) / kSlabColumns);
-    const size_t askers = samples.eye.size(), columns = slabs_used_ * kSlabColumns;
-    asked_.reset(askers, columns), seen_.reset(askers, columns), fresh_.reset(1, columns);
-    waiting_.clear(), rays_.clear(), left.clear();
-    for (size_t asker = 0; asker < askers; ++asker) {
-        if (control_ && asker % 256 == 0) control_->check();
-        ask(samples, asker, left, counters);
+    const size_t rows = samples.eye.size(), columns = slabs_used_ * kSlabColumns;
+    active_.reset(rows, columns);
+    seen_.reset(rows, columns);
+    fresh_.reset(1, columns);
+    waiting_.clear();
+    rays_.clear();
+    left.clear();
+    for (size_t row = 0; row < rows; ++row) {
+        if (control_ && row % 256 == 0) control_->check();
+        look_up(samples, row, left, counters);
     }
     trace(samples, visible);
     for (const Waiting& w : waiting_) {
         const Slab& slab = slabs_[w.slab];
         Word* known = slabs_[w.slab].known.row(w.cell);
-        Word* seen = seen_.row(w.asker) + w.slab * kSlabWords;
-        for (size_t k = 0; k < kSlabWords; ++k)
-            known[k] |= w.miss[k], seen[k] |= w.miss[k] & slab.value.row(w.cell)[k];
+        Word* seen = seen_.row(w.row) + w.slab * kSlabWords;
+        for (size_t k = 0; k < kSlabWords; ++k) {
+            known[k] |= w.miss[k];
+            seen[k] |= w.miss[k] & slab.value.row(w.cell)[k];
+        }
     }
-    for (size_t asker = 0; asker < askers; ++asker) answer(samples, asker, visible);
+    for (size_t row = 0; row < rows; ++row) answer(samples, row, visible);
     return rays_.size();
 }
 
-/// Gathers the columns an eye point asks for and walks down its levels with them. What has no key is traced
-/// for itself; what is not finite stays unseen.
-void SampleRows::ask(const LocalSamples& samples, size_t asker, std::vector<uint32_t>& left,
-                     Counters& counters) {
-    const uint32_t eye = samples.eye[asker];
-    Word* asked = asked_.row(asker);
+/// Gathers the columns of an eye point and walks down its levels with them. A sample without a key is traced
+/// on its own; one that is not finite stays invisible.
+void SampleRows::look_up(const LocalSamples& samples, size_t row, std::vector<uint32_t>& left,
+                         Counters& counters) {
+    const uint32_t eye = samples.eye[row];
+    Word* active = active_.row(row);
     const bool usable = tile_->usable[eye];
-    for (size_t i = samples.begin_of(asker); i < samples.end[asker]; ++i) {
+    for (size_t i = samples.begin_of(row); i < samples.end[row]; ++i) {
         const bool traceable = is_traceable(samples.target(i)) && is_traceable(tile_->eyes->origin[eye]);
         if (usable && traceable && column_[i] < LightCells::kFull) {
-            set_bit(asked, column_[i]);
+            set_bit(active, column_[i]);
         } else if (usable && traceable && column_[i] == LightCells::kFull) {
             left.push_back(uint32_t(i));
         } else {
@@ -96,12 +103,12 @@ void SampleRows::ask(const LocalSamples& samples, size_t asker, std::vector<uint
             if (traceable) rays_.push_back({uint32_t(i), eye, kNoCell, LightCells::kNoKey});
         }
     }
-    if (usable) walk(samples, asker, counters);
+    if (usable) walk(samples, row, counters);
 }
 
-/// One eye point down its levels: hits that agree are settled, misses wait for rays.
-void SampleRows::walk(const LocalSamples& samples, size_t asker, Counters& counters) {
-    const uint32_t eye = samples.eye[asker];
+/// Walks one eye point through its levels. Hits whose neighbours agree are resolved; misses wait for rays.
+void SampleRows::walk(const LocalSamples& samples, size_t row, Counters& counters) {
+    const uint32_t eye = samples.eye[row];
     RowCounts counts;
     const std::span<const CellSteps::Step> steps = cells_.of(eye);
     for (size_t s = 0; s < steps.size(); ++s) {
@@ -109,23 +116,24 @@ void SampleRows::walk(const LocalSamples& samples, size_t asker, Counters& count
         bool missing = false;
         going_ = false;
         for (size_t slab = 0; slab < slabs_used_; ++slab)
-            missing |= miss_at(steps[s], last, slab, asker, counts);
+            missing |= step_slab(steps[s], last, slab, row, counts);
         if (missing) {
             const size_t before = rays_.size();
-            queue_rays(samples, asker, steps[s]);
+            queue_rays(samples, row, steps[s]);
             counters.rays_per_level[steps[s].level] += rays_.size() - before;
         }
         if (!going_) break;
-        if (s + 2 == steps.size()) counts.boundary += kernels_.count(asked_.row(asker), asked_.row_words());
+        if (s + 2 == steps.size()) counts.boundary += kernels_.count(active_.row(row), active_.row_words());
     }
-    counters.lookups += counts.lookups, counters.hits += counts.hits,
-        counters.boundary_queries += counts.boundary;
+    counters.lookups += counts.lookups;
+    counters.hits += counts.hits;
+    counters.boundary_queries += counts.boundary;
 }
 
-/// One step of Alg. 2 for 512 columns. True if bits are missing that no eye point of the run waits for yet:
-/// they are in `fresh_`.
-bool SampleRows::miss_at(const CellSteps::Step& step, bool last, size_t slab, size_t asker,
-                         RowCounts& counts) {
+/// One step of Alg. 2 for 512 columns. Returns true if `fresh_` holds bits that are unknown and for which no
+/// eye point of the run waits yet.
+bool SampleRows::step_slab(const CellSteps::Step& step, bool last, size_t slab, size_t row,
+                           RowCounts& counts) {
     Slab& table = slabs_[slab];
     RowPair neighbours[4] = {};
     if (!last)
@@ -134,7 +142,7 @@ bool SampleRows::miss_at(const CellSteps::Step& step, bool last, size_t slab, si
     const RowPair own{table.known.row(step.cell), table.value.row(step.cell)};
     alignas(64) Word miss[kSlabWords];
     const size_t at = slab * kSlabWords;
-    const int left = kernels_.step(asked_.row(asker) + at, own, neighbours, last, miss, seen_.row(asker) + at,
+    const int left = kernels_.step(active_.row(row) + at, own, neighbours, last, miss, seen_.row(row) + at,
                                    kSlabWords, counts);
     going_ |= (left & 2) != 0;
     Word* fresh = fresh_.row(0) + at;
@@ -142,23 +150,23 @@ bool SampleRows::miss_at(const CellSteps::Step& step, bool last, size_t slab, si
         std::memset(fresh, 0, kSlabWords * sizeof(Word));
         return false;
     }
-    waiting_.push_back({uint32_t(slab), step.cell, uint32_t(asker), {}});
+    waiting_.push_back({uint32_t(slab), step.cell, uint32_t(row), {}});
     std::copy_n(miss, kSlabWords, waiting_.back().miss.begin());
     return kernels_.take_misses(miss, miss, table.pending.row(step.cell), fresh, kSlabWords);
 }
 
-/// A ray for every bit of `fresh_`: that of the eye point's first sample in the column.
-void SampleRows::queue_rays(const LocalSamples& samples, size_t asker, const CellSteps::Step& step) {
+/// Adds a ray for every bit of `fresh_`: the one of the first sample of the eye point in that column.
+void SampleRows::queue_rays(const LocalSamples& samples, size_t row, const CellSteps::Step& step) {
     Word* fresh = fresh_.row(0);
-    for (size_t i = samples.begin_of(asker); i < samples.end[asker]; ++i) {
+    for (size_t i = samples.begin_of(row); i < samples.end[row]; ++i) {
         const uint32_t k = column_[i];
         if (k >= LightCells::kFull || !get_bit(fresh, k)) continue;
         clear_bit(fresh, k);
-        rays_.push_back({uint32_t(i), samples.eye[asker], step.cell, k});
+        rays_.push_back({uint32_t(i), samples.eye[row], step.cell, k});
     }
 }
 
-/// Rays towards one light cell follow each other, sixteen at a time.
+/// Traces the rays 16 at a time; rays to one light cell are adjacent.
 void SampleRows::trace(const LocalSamples& samples, std::span<Word> visible) {
     const size_t columns = light_cells_.count();
     const auto bin = [&](const PendingRay& r) { return std::min<size_t>(r.column, columns); };
@@ -180,7 +188,8 @@ void SampleRows::trace(const LocalSamples& samples, std::span<Word> visible) {
     }
 }
 
-/// The rays of these numbers; their answers go to the cells' rows, or straight to the sample.
+/// Traces the rays with these indices. Their answers are stored in the rows of the cells, or directly for the
+/// sample.
 void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> numbers,
                          std::span<Word> visible, Coherence flag) {
     const int n = int(numbers.size());
@@ -201,13 +210,13 @@ void SampleRows::trace16(const LocalSamples& samples, std::span<const uint32_t> 
     }
 }
 
-/// From columns back to samples.
-void SampleRows::answer(const LocalSamples& samples, size_t asker, std::span<Word> visible) const {
-    const Word* seen = seen_.row(asker);
+/// Copies the answers of columns to the samples.
+void SampleRows::answer(const LocalSamples& samples, size_t row, std::span<Word> visible) const {
+    const Word* seen = seen_.row(row);
     Word any = 0;
     for (size_t w = 0; w < seen_.row_words(); ++w) any |= seen[w];
     if (!any) return;
-    for (size_t i = samples.begin_of(asker); i < samples.end[asker]; ++i)
+    for (size_t i = samples.begin_of(row); i < samples.end[row]; ++i)
         if (column_[i] < LightCells::kFull && get_bit(seen, column_[i])) set_bit(visible.data(), i);
 }
 

@@ -1,11 +1,11 @@
 #pragma once
-// Samples that every eye point has for itself, through bit rows: a row per eye cell, a column per light cell.
+// Bit rows for samples that belong to single eye points: one row per eye cell, one column per light cell.
 //
-// This is Alg. 2 against an exact, tile-cleared table laid out as rows. The columns are the light
-// cells the samples fall into. Samples of one eye point in one cell share a bit; of those the
-// first is traced. Every eye point asks other columns, so a cell has no single representative: eye points go
-// in an order that lets those near the centres of their cells ask first. Without refinement, what is traced
-// does not depend on how the samples are cut into calls.
+// This is Alg. 2 with an exact table, cleared per tile and stored as rows. The columns are the light cells of
+// the samples. Samples of one eye point in one cell share a bit, and the first of them is traced. Every eye
+// point uses different columns, so a cell has no single representative. Instead, eye points near the centres
+// of their cells are processed first. Without refinement, the traced rays do not depend on how the samples
+// are split into calls.
 #include <array>
 #include <vector>
 
@@ -22,18 +22,18 @@ public:
     SampleRows(const RayCaster& caster, float extent) : caster_(caster), extent_(extent), flag_({}, 256) {}
     void watch(const Control& control) { control_ = &control; }
 
-    /// Starts the tile and light group whose C_E per level are given. Runs get at most `batch` eye points,
-    /// rows of bits as many columns as fit `row_bytes`, at least 512.
+    /// Begins a tile and a light group with the given C_E per level. Runs have at most `batch` eye points.
+    /// The number of columns is limited by `row_bytes`, but is at least 512.
     void begin(const TileAnchors& tile, const std::vector<double>& levels, uint32_t batch, uint64_t row_bytes,
                Counters& counters, ClampCounts& clamps);
-    /// All eye points of the tile: by rank in their cell, counted outwards from its centre, in rounds of
-    /// ranks 0, 1, 2–3, 4–7, … and along the tile's order inside a round.
+    /// All eye points of the tile in processing order. Eye points are ranked in their cell by distance to its
+    /// centre. Rounds take ranks 0, 1, 2–3, 4–7, …; inside a round the order is that of the tile.
     const std::vector<uint32_t>& order() const { return order_; }
     const std::vector<uint32_t>& run_end() const { return run_end_; }
     const std::vector<uint32_t>& run_of_eye() const { return run_of_eye_; }
 
-    /// Answers the samples into `visible` and returns the number of rays. Samples in light cells beyond the
-    /// room for columns are left to the caller: their numbers go to `left`.
+    /// Answers the samples into `visible` and returns the number of rays. Samples in light cells without a
+    /// column are left to the caller: their indices are stored in `left`.
     uint64_t run(const LocalSamples& samples, const AqvcParameters& p, std::span<Word> visible,
                  std::vector<uint32_t>& left, Counters& counters, ClampCounts& clamps);
 
@@ -44,25 +44,25 @@ private:
     struct Slab {
         BitMatrix known, value, pending;
     };
-    /// Bits that an eye point of the run misses at a cell.
+    /// Bits that a row of the run misses at a cell.
     struct Waiting {
-        uint32_t slab, cell, asker;
+        uint32_t slab, cell, row;
         std::array<Word, kSlabWords> miss;
     };
     struct PendingRay {
-        uint32_t sample, eye, cell, column;  ///< cell = kNoCell: it answers its sample alone
+        uint32_t sample, eye, cell, column;  ///< cell = kNoCell: the ray answers only its sample
     };
 
     void make_order(const TileAnchors& tile, uint32_t batch);
     void grow(size_t slabs);
-    void ask(const LocalSamples& samples, size_t asker, std::vector<uint32_t>& left, Counters& counters);
-    void walk(const LocalSamples& samples, size_t asker, Counters& counters);
-    bool miss_at(const CellSteps::Step& step, bool last, size_t slab, size_t asker, RowCounts& counts);
-    void queue_rays(const LocalSamples& samples, size_t asker, const CellSteps::Step& step);
+    void look_up(const LocalSamples& samples, size_t row, std::vector<uint32_t>& left, Counters& counters);
+    void walk(const LocalSamples& samples, size_t row, Counters& counters);
+    bool step_slab(const CellSteps::Step& step, bool last, size_t slab, size_t row, RowCounts& counts);
+    void queue_rays(const LocalSamples& samples, size_t row, const CellSteps::Step& step);
     void trace(const LocalSamples& samples, std::span<Word> visible);
     void trace16(const LocalSamples& samples, std::span<const uint32_t> numbers, std::span<Word> visible,
                  Coherence flag);
-    void answer(const LocalSamples& samples, size_t asker, std::span<Word> visible) const;
+    void answer(const LocalSamples& samples, size_t row, std::span<Word> visible) const;
 
     const RayCaster& caster_;
     float extent_;
@@ -71,16 +71,16 @@ private:
     const RowKernels& kernels_ = row_kernels(active_isa());
     const TileAnchors* tile_ = nullptr;
 
-    // Of the tile and group
+    // State of the tile and light group
     CellSteps cells_;
     std::vector<uint32_t> order_, run_end_, run_of_eye_;
     LightCells light_cells_;
     std::vector<Slab> slabs_;
     size_t slabs_used_ = 0;
 
-    // Of a run
-    std::vector<uint32_t> column_;  ///< of every sample
-    BitMatrix asked_, seen_, fresh_;
+    // State of a run; a row holds the bits of one eye point
+    std::vector<uint32_t> column_;  ///< column of every sample
+    BitMatrix active_, seen_, fresh_;
     bool going_ = false;
     std::vector<Waiting> waiting_;
     std::vector<PendingRay> rays_;

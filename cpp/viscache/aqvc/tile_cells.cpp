@@ -4,23 +4,26 @@ namespace viscache {
 
 void TileCells::make(const TileAnchors& tile, CellPlacer& placer, const std::vector<double>& levels) {
     eyes_ = tile.size();
-    numbers_.clear(), representative_.clear();
+    numbers_.clear();
+    representative_.clear();
     level_begin_.assign(1, 0);
     cell_.assign(levels.size() * eyes_, kNoCell);
-    stands_.assign(eyes_, 0);
-    clamps = {}, nil_neighbours = 0;
+    is_representative_.assign(eyes_, 0);
+    clamps = {};
+    nil_neighbours = 0;
     for (size_t d = 0; d < levels.size(); ++d) {
         std::swap(placed_, above_);
         placer.place(levels[d], placed_, clamps);
         number_level(tile, d);
         level_begin_.push_back(uint32_t(numbers_.size()));
-        for (uint32_t c = level_begin_[d]; c < level_begin_[d + 1]; ++c) stands_[representative_[c].eye] = 1;
+        for (uint32_t c = level_begin_[d]; c < level_begin_[d + 1]; ++c)
+            is_representative_[representative_[c].eye] = 1;
     }
     find_neighbours(tile, levels);
 }
 
-/// Cells get numbers in order of first touch along the eye points. An eye point whose ladder resolution did
-/// not change keeps the cell of the level before.
+/// Numbers cells in the order in which eye points first use them. If the ladder resolution of an eye point
+/// does not change, it keeps the cell of the coarser level.
 void TileCells::number_level(const TileAnchors& tile, size_t level) {
     const PlacedLevel &p = placed_, &a = above_;
     uint32_t last = kNoCell, before = 0;
@@ -31,7 +34,7 @@ void TileCells::number_level(const TileAnchors& tile, size_t level) {
             number = of(level - 1, i);
             continue;
         }
-        // Neighbours along the Morton order mostly share their cell
+        // Neighbours along the Morton order often share their cell
         const int32_t bin = tile.anchor[i].bin;
         const bool same = last != kNoCell && p.slot[i] == p.slot[before] && p.x[i] == p.x[before] &&
                           p.y[i] == p.y[before] && p.z[i] == p.z[before] && bin == tile.anchor[before].bin;
@@ -39,13 +42,13 @@ void TileCells::number_level(const TileAnchors& tile, size_t level) {
             last = numbers_.number(
                 {bin, p.slot[i], floor_to_int(p.x[i]), floor_to_int(p.y[i]), floor_to_int(p.z[i])},
                 uint32_t(level));
-        number = last, before = i;
-        offer_representative(number, {i, stands_[i] != 0, p.distance2[i]});
+        number = last;
+        before = i;
+        offer_representative(number, {i, is_representative_[i] != 0, p.distance2[i]});
     }
 }
 
-/// Keeps the eye point nearest the centre; one that stands for a coarser cell already comes before all that
-/// do not.
+/// Keeps the eye point nearest the centre. An eye point that represents a coarser cell takes precedence.
 void TileCells::offer_representative(uint32_t cell, const Representative& candidate) {
     if (cell == representative_.size()) {
         representative_.push_back(candidate);

@@ -1,6 +1,6 @@
 #pragma once
-// Numbers for the cells that a tile's eye points touch, so that visibility becomes dense bit rows: one row
-// per cell, one column per far end.
+// Numbers the cells of the eye points of a tile, so that visibility is stored as dense bit rows: one row per
+// cell, one column per far end.
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace viscache {
 
 constexpr uint32_t kNoCell = 0xffffffffu;
 
-/// Cells in order of first touch. The tag separates cells that must not share a row although they are equal.
+/// Numbers cells in the order of first use. The tag separates equal cells that must not share a row.
 class CellNumbers {
 public:
     void clear() {
@@ -25,7 +25,7 @@ public:
         const uint32_t entry = slots_[locate(cell, tag)];
         return entry ? entry - 1 : kNoCell;
     }
-    /// Its number; the next free one for a new cell.
+    /// The number of a cell; a new cell gets the next number.
     uint32_t number(const Cell& cell, uint32_t tag) {
         const size_t at = locate(cell, tag);
         if (slots_[at]) return slots_[at] - 1;
@@ -45,7 +45,8 @@ private:
         h ^= h >> 29;
         h = (h + uint64_t(c.z)) * 0xff51afd7ed558ccdull +
             (uint64_t(uint32_t(c.bin)) << 32 | uint32_t(c.slot)) + tag;
-        h ^= h >> 32, h *= 0xc4ceb9fe1a85ec53ull;
+        h ^= h >> 32;
+        h *= 0xc4ceb9fe1a85ec53ull;
         return h ^ h >> 29;
     }
     size_t locate(const Cell& cell, uint32_t tag) const {

@@ -12,69 +12,77 @@ auto Waves::logged(uint32_t eye, uint32_t cell, size_t level, Answer answer) {
     for (size_t w = 0; w < words_; ++w) before_[w] &= ~active_.row(eye)[w];
     for_each_bit(before_, [&](size_t k) {
         const uint64_t cluster = uint64_t(cell) * columns_->count() + k;
-        const uint32_t asker = asker_[cluster];
+        const uint32_t representative = traced_by_[cluster];
         columns_->for_each_light(eye, uint32_t(k), [&](uint32_t light) {
-            const bool own = asker == eye && columns_->light(eye, uint32_t(k)) == light;
-            log_->answered(eye, light, {cluster, asker, uint8_t(level), own});
+            const bool own = representative == eye && columns_->light(eye, uint32_t(k)) == light;
+            log_->answered(eye, light, {cluster, representative, uint8_t(level), own});
         });
     });
     return result;
 }
 
 uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
-                    ContributionLevels& worth, MissTracer& tracer, BitMatrix& visible, Counters& counters,
-                    QueryLog* log) {
-    columns_ = &columns, log_ = log;
-    if (log_) asker_.assign(tile_cells.size() * columns.count(), 0);
-    worth_ = &worth, cells_ = &tile_cells;
-    eyes_ = tile.size(), levels_ = tile_cells.levels();
+                    ContributionLevels& contribution_levels, MissTracer& tracer, BitMatrix& visible,
+                    Counters& counters, QueryLog* log) {
+    columns_ = &columns;
+    log_ = log;
+    if (log_) traced_by_.assign(tile_cells.size() * columns.count(), 0);
+    contribution_levels_ = &contribution_levels;
+    cells_ = &tile_cells;
+    eyes_ = tile.size();
+    levels_ = tile_cells.levels();
     const size_t cells = tile_cells.size();
-    counters.cells += cells, counters.nil_neighbours += tile_cells.nil_neighbours;
+    counters.cells += cells;
+    counters.nil_neighbours += tile_cells.nil_neighbours;
     counters.neighbour_probes += 4 * tile_cells.begin(levels_ - 1);
     for (BitMatrix* m : {&known_, &value_, &need_}) m->reset(cells + 1, columns.count());
     miss_.reset(cells, columns.count());
     disagree_.reset(cells_->begin(levels_ - 1), columns.count());
-    if (worth.active()) settled_.reset(cells, columns.count()), due_.reset(1, columns.count());
+    if (contribution_levels.active()) {
+        resolved_.reset(cells, columns.count());
+        due_.reset(1, columns.count());
+    }
     active_.reset(eyes_, columns.count());
     words_ = active_.row_words();
     for (size_t i = 0; i < eyes_; ++i)
-        if (tile.usable[i]) std::memcpy(active_.row(i), columns.asked().row(i), words_ * sizeof(Word));
+        if (tile.usable[i]) std::memcpy(active_.row(i), columns.queries().row(i), words_ * sizeof(Word));
 
     uint64_t rays = 0;
     for (size_t d = 0; d < levels_; ++d) {
         const uint64_t traced = trace_level(d, *tile.eyes, columns, tracer);
-        counters.rays_per_level[d] += traced, rays += traced;
+        counters.rays_per_level[d] += traced;
+        rays += traced;
         if (d + 1 == levels_) break;
-        write_down(d);
-        settle_level(d, visible, counters);
+        store_below(d);
+        resolve_level(d, visible, counters);
     }
     return rays + finish(*tile.eyes, columns, tracer, visible, counters);
 }
 
-/// Traces what is wanted of a level's cells, wanted by their representatives and unknown. Level 0 wants
-/// everything.
+/// Traces the bits of the cells of a level that are needed, wanted by the representatives and unknown. At
+/// level 0 all bits are needed.
 uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer) {
     uint64_t rays = 0;
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c) {
         const uint32_t eye = cells_->representative(c);
-        const Word* active = columns.asked().row(eye);
+        const Word* active = columns.queries().row(eye);
         const Word* need = level == 0 ? active : need_.row(c);
-        if (worth_->active()) {
-            worth_->rows(eye, level, due_.row(0), settled_.row(c));
+        if (contribution_levels_->active()) {
+            contribution_levels_->rows(eye, level, due_.row(0), resolved_.row(c));
             kernels_.keep(due_.row(0), active, words_);
             active = due_.row(0);
         }
         if (!kernels_.take_misses(need, active, known_.row(c), miss_.row(c), words_)) continue;
         for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
             tracer.add({eye, c, uint32_t(k), columns.light(eye, uint32_t(k))});
-            if (log_) asker_[size_t(c) * columns.count() + k] = eye;
+            if (log_) traced_by_[size_t(c) * columns.count() + k] = eye;
         });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
     }
     return rays + tracer.flush(eyes, columns.lights(), value_);
 }
 
-void Waves::write_down(size_t level) {
+void Waves::store_below(size_t level) {
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c)
         for (size_t below = level + 1; below < levels_; ++below) {
             const uint32_t finer = cells_->of(below, cells_->representative(c));
@@ -82,38 +90,40 @@ void Waves::write_down(size_t level) {
             if (log_)
                 for_each_bit(std::span<const Word>(miss_.row(c), words_), [&](size_t k) {
                     if (!known_.get(finer, k))
-                        asker_[size_t(finer) * columns_->count() + k] = cells_->representative(c);
+                        traced_by_[size_t(finer) * columns_->count() + k] = cells_->representative(c);
                 });
-            kernels_.write_down(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer), words_);
+            kernels_.store_below(miss_.row(c), value_.row(c), known_.row(finer), value_.row(finer), words_);
         }
 }
 
-void Waves::settle_level(size_t level, BitMatrix& visible, Counters& counters) {
+void Waves::resolve_level(size_t level, BitMatrix& visible, Counters& counters) {
     for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c) {
         RowPair neighbours[4];
         for (size_t q = 0; q < 4; ++q) neighbours[q] = row(cells_->neighbours(c)[q]);
         kernels_.disagreement(row(c), neighbours, disagree_.row(c), words_);
-        if (worth_->active()) kernels_.drop(disagree_.row(c), known_.row(c), settled_.row(c), words_);
+        if (contribution_levels_->active())
+            kernels_.drop(disagree_.row(c), known_.row(c), resolved_.row(c), words_);
     }
     RowCounts counts, repeated;
     for (size_t i = 0; i < eyes_; ++i) {
         const uint32_t c = cells_->of(level, i);
         if (c == kNoCell) continue;
-        // A cell kept from the level before has settled all it can; only the wish is handed on.
+        // A cell of the level before is already resolved; only the remaining bits are passed on.
         const bool again = c < cells_->begin(level), last_above = level + 2 == levels_;
         const uint32_t next = cells_->of(level + 1, i);
         if (next == c && again) continue;
         logged(uint32_t(i), c, level, [&] {
-            kernels_.settle(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next), words_,
-                            last_above, again ? repeated : counts);
+            kernels_.resolve(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next),
+                             words_, last_above, again ? repeated : counts);
             return true;
         });
     }
-    counters.lookups += counts.lookups, counters.hits += counts.hits,
-        counters.boundary_queries += counts.boundary;
+    counters.lookups += counts.lookups;
+    counters.hits += counts.hits;
+    counters.boundary_queries += counts.boundary;
 }
 
-/// Per cell, the first eye point that wants a bit asks for it; others share the answer.
+/// For each cell, the first eye point that wants a bit traces its ray; the others share the answer.
 uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                        Counters& counters) {
     RowCounts counts;
@@ -129,7 +139,7 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
         for_each_bit(active_.row_span(i), [&](size_t k) {
             if (miss_.get(c, k)) return;
             miss_.set(c, k);
-            if (log_) asker_[size_t(c) * columns.count() + k] = i;
+            if (log_) traced_by_[size_t(c) * columns.count() + k] = i;
             tracer.add({i, c, uint32_t(k), columns.light(i, uint32_t(k))});
         });
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
@@ -143,7 +153,8 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
                [&] { return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, again); });
     }
     counters.leftover_rays += rays;
-    counters.lookups += counts.lookups, counters.hits += counts.hits;
+    counters.lookups += counts.lookups;
+    counters.hits += counts.hits;
     return rays;
 }
 

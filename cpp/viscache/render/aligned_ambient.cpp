@@ -9,7 +9,7 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kWordsPerRun = size_t{9} << 21;  // of rows kept at a time: 150 MB
+constexpr size_t kWordsPerRun = size_t{9} << 21;  // rows that are kept at a time, in words
 
 struct Points {
     std::vector<Vec3> origin, normal;
@@ -22,7 +22,7 @@ std::vector<Points> eye_points(const EyePathTracer& tracer, std::span<const Tile
     std::vector<EyeTile> eyes(size_t(resolve_threads(threads)));
     parallel_for(tiles.size(), threads, [&](size_t i, int worker) {
         control.check();
-        Counters unused;  // the tiles are traced again where they are shaded
+        Counters unused;  // shading traces the tiles again and counts there
         EyeTile& tile = eyes[size_t(worker)];
         tracer.trace(tiles[i], tile, unused, control);
         found[i] = {tile.block.origin, tile.block.normal};
@@ -34,7 +34,7 @@ void append(std::vector<Vec3>& to, const std::vector<Vec3>& from) {
     to.insert(to.end(), from.begin(), from.end());
 }
 
-/// Rows of some points by the engine asked for or chosen.
+/// Traces the rows of some points with the engine that was asked for or chosen.
 EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const AlignedInput& input,
                    std::span<Word> rows, int threads, Control& control) {
     EngineChoice choice;
@@ -62,16 +62,19 @@ DirectionCells::DirectionCells(const Directions& directions) : count(directions.
     for (std::vector<float>* v : {&x, &y, &z, &weight}) v->resize(words_for(count) * kWordBits);
     for (size_t k = 0; k < count; ++k) {
         const Vec3 w = directions.axes()[k];
-        x[k] = w.x, y[k] = w.y, z[k] = w.z, weight[k] = directions.weights()[k];
+        x[k] = w.x;
+        y[k] = w.y;
+        z[k] = w.z;
+        weight[k] = directions.weights()[k];
     }
 }
 
 namespace {
 
-/// `free_share`, compiled per instruction set below: the same operations in the same order.
+/// Body of `free_share`. It is compiled once per instruction set, with the same operations in the same order.
 [[gnu::always_inline]] inline float sum_shares(const DirectionCells& cells, Vec3 normal,
                                                std::span<const Word> row) {
-    constexpr size_t kSums = 16;  // side by side, for the compiler's vectors
+    constexpr size_t kSums = 16;  // independent sums, which the compiler vectorises
     float seen[kSums] = {}, all[kSums] = {};
     for (size_t first = 0; first < cells.count; first += kSums) {
         const auto bits = int32_t(row[first / kWordBits] >> (first % kWordBits) & 0xffff);
@@ -79,10 +82,14 @@ namespace {
             const size_t k = first + j;
             const float cosine = cells.x[k] * normal.x + cells.y[k] * normal.y + cells.z[k] * normal.z;
             const float part = std::fabs(cosine) * cells.weight[k];
-            all[j] += part, seen[j] += bits & (1 << j) ? part : 0.f;
+            all[j] += part;
+            seen[j] += bits & (1 << j) ? part : 0.f;
         }
     }
-    for (size_t j = 1; j < kSums; ++j) seen[0] += seen[j], all[0] += all[j];
+    for (size_t j = 1; j < kSums; ++j) {
+        seen[0] += seen[j];
+        all[0] += all[j];
+    }
     return all[0] > 0 ? seen[0] / all[0] : 0.f;
 }
 
@@ -117,7 +124,8 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         const size_t before = out.share.size();
         for (; tile < tiles.size() && run.origin.size() < most; ++tile) {
             out.first.push_back(before + run.origin.size());
-            append(run.origin, points[tile].origin), append(run.normal, points[tile].normal);
+            append(run.origin, points[tile].origin);
+            append(run.normal, points[tile].normal);
         }
         const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
         std::vector<Word> rows(run.origin.size() * words);
@@ -137,7 +145,8 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         for (Word w : rows) counted.occluded -= uint64_t(std::popcount(w));
         counted.queries += run.origin.size() * directions.size();
     }
-    counted.rays = counted.queries, counted.occluded += counted.queries;
+    counted.rays = counted.queries;
+    counted.occluded += counted.queries;
     out.trace_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return out;
 }

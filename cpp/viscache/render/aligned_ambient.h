@@ -7,35 +7,36 @@
 
 namespace viscache {
 
-/// Who traces a frame's shared directions.
+/// Engines that can trace the shared directions of a frame.
 struct AlignedEngines {
-    const AlignedBatch* batch = nullptr;  ///< nullptr: too few points for the scene's triangles
+    const AlignedBatch* batch = nullptr;  ///< nullptr: too few points for the number of triangles
     const EmbreeCaster& embree;
-    const VisibilityField* field = nullptr;  ///< must be there if it is asked for
+    const VisibilityField* field = nullptr;  ///< required if the field engine is asked for
 };
 
-/// What the eye points of a frame see of their hemispheres.
+/// Unoccluded share of the hemisphere of every eye point.
 struct AmbientShares {
-    std::vector<size_t> first;  ///< number of each tile's first eye point
+    std::vector<size_t> first;  ///< index of the first eye point of each tile
     std::vector<float> share;   ///< cosine-weighted, in [0, 1]; in the order of `EyePathTracer::trace`
     Counters counters;          ///< of the shadow rays alone
     EngineChoice choice;        ///< of the first run of tiles
     double trace_s = 0;         ///< wall seconds of the shadow rays
 };
 
-/// The directions' cells, side by side: axes and solid angles, padded with cells of no size.
+/// Axes and solid angles of the directions' cells as arrays, padded with cells of size zero.
 struct DirectionCells {
     size_t count = 0;
     std::vector<float> x, y, z, weight;
     explicit DirectionCells(const Directions& directions);
 };
 
-/// Share of the hemisphere's cosine-weighted directions that are free: Σ w cosθ V / Σ w cosθ with the solid
-/// angles w of the directions' cells. `row` has a bit for each.
+/// Cosine-weighted share of the hemisphere that is unoccluded: Σ w cosθ V / Σ w cosθ. The weights w are the
+/// solid angles of the directions' cells. `row` has one bit per direction.
 float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word> row);
 
-/// Traces the tiles' eye paths, then all their points' rays along the axes of integrator.n_ambient
-/// directions. The engine is chosen for each run of tiles that fits memory, by `choose_engine` if asked.
+/// Traces the eye paths of the tiles, then the rays of all their points along the axes of
+/// integrator.n_ambient directions. Tiles are grouped into runs that fit in memory. `choose_engine` chooses
+/// the engine for each run if the settings ask for that.
 AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Tile>& tiles,
                               const AlignedEngines& engines, int threads, Control& control);
 

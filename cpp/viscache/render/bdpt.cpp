@@ -11,11 +11,11 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileEdge = 16;          // pixels; a work item is one sample of each
-constexpr size_t kFirstRound = 4;      // items of the first round; a few more in every round after it,
-constexpr size_t kItemsPerRound = 64;  // up to this number
+constexpr int kTileEdge = 16;          // in pixels; a work item is one sample of every pixel of a tile
+constexpr size_t kFirstRound = 4;      // items in the first round; later rounds grow
+constexpr size_t kItemsPerRound = 64;  // up to this size
 
-/// What one work item adds to the frame.
+/// One work item's contribution to the frame.
 struct ItemResult {
     EyeLight light;
     std::array<std::vector<Rgb>, kLightGroups> sums;  ///< per pixel of the tile
@@ -24,7 +24,7 @@ struct ItemResult {
     StageSeconds stages;
 };
 
-/// One thread's work on items; buffers are kept between them.
+/// Renders items on one thread. Its buffers are reused.
 class ItemWorker {
 public:
     ItemWorker(const BdptContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
@@ -35,7 +35,9 @@ public:
 
     void run(const SampleTile& work, const FrameResult& frame, ItemResult& out, const Control& control) {
         StageClock clock;
-        out.counters = {}, out.stages = {}, out.splats.clear();
+        out.counters = {};
+        out.stages = {};
+        out.splats.clear();
         tracer_.trace_light(work, light_paths_, out.counters, control);
         tracer_.trace_eye(work, eye_paths_, out.light, out.counters, control);
         clock.lap(out.stages.eye_paths);
@@ -82,10 +84,16 @@ private:
 
 FrameResult empty_result(const BdptContext& c) {
     FrameResult out;
-    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
+    out.width = c.frame.width;
+    out.height = c.frame.height;
+    out.spp = c.frame.spp;
     const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
-        out.albedo.resize(n), out.coverage.resize(n);
+    out.color.resize(n);
+    out.emitted.resize(n);
+    out.depth.resize(n);
+    out.normal.resize(n);
+    out.albedo.resize(n);
+    out.coverage.resize(n);
     auto has = [&](LightGroup g, bool there) {
         if (there) out.groups[size_t(g)].resize(n);
     };
@@ -100,7 +108,6 @@ FrameResult empty_result(const BdptContext& c) {
     return out;
 }
 
-/// Adds an item's pixels and splats to the frame.
 void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
     const size_t width = size_t(tile.x1 - tile.x0);
     for (int y = tile.y0; y < tile.y1; ++y)
@@ -111,34 +118,39 @@ void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
             for (size_t g = 0; g < item.sums.size(); ++g)
                 if (!item.sums[g].empty()) out.groups[g][to] += item.sums[g][from];
             const FirstHits& first = item.light.first[from];
-            out.coverage[to] += float(first.count), out.depth[to] += first.depth;
-            out.normal[to] += first.normal, out.albedo[to] += first.albedo;
+            out.coverage[to] += float(first.count);
+            out.depth[to] += first.depth;
+            out.normal[to] += first.normal;
+            out.albedo[to] += first.albedo;
         }
     for (const auto& [pixel, value] : item.splats) out.groups[size_t(LightGroup::kCamera)][pixel] += value;
-    out.counters.merge(item.counters), out.stages.merge(item.stages);
+    out.counters.merge(item.counters);
+    out.stages.merge(item.stages);
 }
 
-/// Sums become colours and means.
+/// Turns sums into colours and means.
 void finish(FrameResult& out) {
     for (size_t i = 0; i < out.color.size(); ++i) {
         out.color[i] = out.emitted[i];
         for (const auto& group : out.groups)
             if (!group.empty()) out.color[i] += group[i];
         const float hits = out.coverage[i], share = hits > 0 ? 1 / hits : 0.f;
-        out.coverage[i] = hits / float(out.spp), out.depth[i] *= share;
-        out.normal[i] = out.normal[i] * share, out.albedo[i] = out.albedo[i] * share;
+        out.coverage[i] = hits / float(out.spp);
+        out.depth[i] *= share;
+        out.normal[i] = out.normal[i] * share;
+        out.albedo[i] = out.albedo[i] * share;
     }
 }
 
-/// Items of the frame in order: sample by sample, in each the tiles in steps of the golden ratio, so that
-/// the first samples of a cluster lie anywhere in it.
+/// The order of the items: sample by sample. Within a sample, tiles follow each other in steps of the golden
+/// ratio, so that the first samples of a cluster are spread over it.
 SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
     size_t step = std::max<size_t>(1, size_t(0.6180339887 * double(tiles.size())));
     while (std::gcd(step, tiles.size()) != 1) ++step;
     return {tiles[number % tiles.size() * step % tiles.size()], uint32_t(number / tiles.size())};
 }
 
-/// What a source may ask of a bidirectional frame, which has no shared lights.
+/// What a source can ask about a bidirectional frame. There are no shared lights.
 class PathsStart final : public FrameStart {
 public:
     PathsStart(const BdptContext& context, const Camera& camera, FrameResult& out)
@@ -194,7 +206,7 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
             source.end_item(mine->oracle(), i);
             control.done.fetch_add(1);
         });
-        // In order of the items, whoever worked on them
+        // Merge in the order of the items, so that the result does not depend on threads
         source.end_round(out.counters);
         for (size_t i = 0; i < size; ++i) merge(results[i], item_at(first + i, tiles).tile, out);
     }

@@ -5,9 +5,10 @@
 
 namespace viscache {
 
-/// Groups of the result: what a path's last connection joins the eye path with; `camera` for connections of
-/// light paths with the camera. `emitted` is light that eye paths hit. All are weighted: `color` is their
-/// sum. Work goes in rounds whose size depends on the frame alone. `source` must be new: it serves one frame.
+/// A path goes to the light group of the light or vertex that its last connection joins with the eye path.
+/// Connections of light paths with the camera have their own group, `camera`. `emitted` is light that eye
+/// paths hit. All groups are weighted, and `color` is their sum. Work is done in rounds whose size depends on
+/// the frame only. `source` must be new: it serves one frame.
 FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camera& camera,
                         const BdptSettings& settings, const FrameSettings& frame, OracleSource& source,
                         Control& control);

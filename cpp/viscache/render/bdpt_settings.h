@@ -1,17 +1,17 @@
 #pragma once
-// What bidirectional path tracing is asked to be. The same names and defaults as the Python dataclass.
+// Settings of bidirectional path tracing. Names and defaults equal those of the Python dataclass.
 
 namespace viscache {
 
-/// Light paths that are connected to the camera.
+/// How connections of light paths with the camera are tested.
 enum class CameraConnections {
-    kBypass,  ///< a ray each, past any cache
+    kBypass,  ///< with one ray each, without the cache
     kKeyed,   ///< through the cache, with the camera as a point
-    kOff,     ///< none: the other strategies carry all paths
+    kOff,     ///< no such connections: the other strategies carry all paths
 };
 
 struct BdptSettings {
-    int max_depth = 8;  ///< edges of a path, 1 = emission seen directly
+    int max_depth = 8;  ///< edges of a path; 1: emission seen directly
     CameraConnections camera_connections = CameraConnections::kKeyed;
     float cosmin = 0.05f;  ///< cosθ is clamped to this in the cache's densities
 };

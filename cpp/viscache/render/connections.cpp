@@ -4,7 +4,7 @@ namespace viscache {
 
 namespace {
 
-/// Density with which the light's ray through `z`, at `direction` (unit) from it, passes there, per m².
+/// Density per m² at `z` of a ray that the light emits towards it. `direction`: unit, from `z` to the light.
 double emission_density(const Emission& e, const PathVertex& y, const PathVertex& z, Vec3 direction) {
     const double cos_z = std::fabs(double(dot(z.surface.ng, direction)));
     switch (e.kind) {
@@ -48,14 +48,14 @@ StrategyRules Connector::rules(const Emission& e) const {
     return {c_.to_camera(), hittable};
 }
 
-/// The last eye vertex with the light itself (s = 1).
+/// Connects the last eye vertex with the light (s = 1).
 Connector::Joint Connector::with_light(const Emission& e, Vertices eye, const PathVertex& y) const {
     const PathVertex& z = eye.back();
     Joint j;
     const Vec3 d = y.position - z.position;
     const float d2 = length2(d);
     j.direction = is_infinite(e.kind) ? -e.ray.d : d / std::sqrt(d2);
-    float leaving = 1;  // cosine at the light over the squared distance
+    float leaving = 1;  // cosine at the light divided by the squared distance
     if (!is_infinite(e.kind)) leaving /= d2;
     if (e.kind == LightKind::kTriangle || e.kind == LightKind::kSphere) {
         const float cosine = -dot(e.normal, j.direction);
@@ -68,7 +68,7 @@ Connector::Joint Connector::with_light(const Emission& e, Vertices eye, const Pa
     return j;
 }
 
-/// Two surfaces (s > 1).
+/// Connects two surfaces (s > 1).
 Connector::Joint Connector::with_vertex(Vertices eye, Vertices light) const {
     const PathVertex &z = eye.back(), &y = light.back();
     Joint j;
@@ -121,17 +121,19 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
     if (y.infinite) {
         q.far = j.direction;
     } else {
-        // Leave the light's surface on the side of the eye; points have no normal
+        // The ray ends off the surface, on the side of the eye. Points have no normal
         q.far_normal = dot(y.surface.ng, j.direction) <= 0 ? y.surface.ng : -y.surface.ng;
-        q.far = y.position, q.ray_end = y.position;
+        q.far = y.position;
+        q.ray_end = y.position;
         if (q.semantic == Semantic::kSurface)
             q.ray_end = spawn(y.position, q.far_normal, c_.scene.offset_extent());
     }
     add(q, j.value * float(weight / c_.frame.spp), pixel);
 }
 
-/// The last light vertex with the camera (t = 1), on whatever pixel it falls.
-// Differs: the paper does not speak of them. Keyed with the camera as a point, or past the cache.
+/// Connects the last light vertex with the camera (t = 1). The path can fall on any pixel.
+// Differs: the paper does not mention these connections. Here they use the cache with the camera as a point,
+// or bypass it.
 void Connector::to_camera(const Emission& start, Vertices light) {
     const PathVertex& y = light.back();
     const FilmCamera& film = c_.film;
@@ -142,7 +144,7 @@ void Connector::to_camera(const Emission& start, Vertices light) {
     if (!(cos_camera > 0 && cos_y > 0)) return;
     const auto pixel = film.pixel_of(-direction);
     if (!pixel) return;
-    // Importance of the film, 1/(area·cos⁴), with the cosine of the edge at the camera
+    // Importance of the film: 1/(area·cos⁴), with the cosine of the edge at the camera
     const double pdf = c_.film_pdf(cos_camera), area = double(cos_y) / double(d2);
     const Rgb value = y.beta * reflected(y, direction, y.surface.wo) *
                       float(pdf * area / double(dot(y.surface.ng, y.surface.wo)));
@@ -155,29 +157,36 @@ void Connector::to_camera(const Emission& start, Vertices light) {
     const double weight = path_weight({&camera, 1}, light, densities, rules(start));
     ShadowQuery q;
     q.eye = add_eye_point(y, c_.settings.camera_connections == CameraConnections::kKeyed);
-    q.semantic = Semantic::kPoint, q.group = uint8_t(LightGroup::kCamera);
+    q.semantic = Semantic::kPoint;
+    q.group = uint8_t(LightGroup::kCamera);
     q.far = q.ray_end = camera.position;
     add(q, value * float(weight / c_.frame.spp), *pixel);
 }
 
-/// An eye point of the oracle; without a normal where no cache shall answer.
+/// Adds an eye point for the oracle. It gets no normal if the cache must not answer.
 uint32_t Connector::add_eye_point(const PathVertex& v, bool keyed) {
     EyeBlock& eyes = out_.eyes;
-    eyes.position.push_back(v.position), eyes.normal.push_back(keyed ? v.surface.ng : Vec3{});
+    eyes.position.push_back(v.position);
+    eyes.normal.push_back(keyed ? v.surface.ng : Vec3{});
     eyes.origin.push_back(spawn(v.position, v.surface.ng, c_.scene.offset_extent()));
     eyes.density.push_back(float(v.density * c_.samples()));
     return uint32_t(eyes.size() - 1);
 }
 
-/// Whether a value is worth a query; what is not finite is counted.
+/// Whether a contribution needs a query. Non-finite values are counted.
 bool Connector::brings(Rgb value) {
-    if (!is_finite(value)) return ++counters_.non_finite, false;
+    if (!is_finite(value)) {
+        ++counters_.non_finite;
+        return false;
+    }
     return max_component(value) > 0;
 }
 
 void Connector::add(const ShadowQuery& query, Rgb value, uint32_t pixel) {
     if (!brings(value)) return;
-    out_.queries.push_back(query), out_.contribution.push_back(value), out_.pixel.push_back(pixel);
+    out_.queries.push_back(query);
+    out_.contribution.push_back(value);
+    out_.pixel.push_back(pixel);
 }
 
 }  // namespace viscache

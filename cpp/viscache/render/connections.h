@@ -1,32 +1,36 @@
 #pragma once
-// Joining eye and light sub-paths: one visibility query for every pair that brings something.
+// Connects eye and light sub-paths: one visibility query for every pair with a contribution.
 #include "viscache/render/subpaths.h"
 #include "viscache/visibility/oracle.h"
 
 namespace viscache {
 
-/// The connections of a sample tile as questions to an oracle, and what each brings when it is unoccluded.
+/// Connections of a sample tile: queries for an oracle, and the unoccluded contribution of each.
 struct Connections {
-    /// Eye points of the questions: vertices of eye paths; for connections with the camera those of light
-    /// paths.
+    /// Eye points of the queries: vertices of eye paths, or of light paths for connections with the camera.
     EyeBlock eyes;
     std::vector<ShadowQuery> queries;
-    std::vector<Rgb> contribution;  ///< weighted, over the samples per pixel
-    std::vector<uint32_t> pixel;    ///< of the tile; of the frame for connections with the camera
-    void clear() { eyes.clear(), queries.clear(), contribution.clear(), pixel.clear(); }
+    std::vector<Rgb> contribution;  ///< weighted and divided by the samples per pixel
+    std::vector<uint32_t> pixel;    ///< index in the tile; in the frame for connections with the camera
+    void clear() {
+        eyes.clear();
+        queries.clear();
+        contribution.clear();
+        pixel.clear();
+    }
 };
 
-/// Makes the connections of one sample's two paths.
+/// Connects the two paths of one sample.
 class Connector {
 public:
     Connector(const BdptContext& context, Connections& out, Counters& counters)
         : c_(context), out_(out), counters_(counters) {}
 
-    /// `pixel`: of the tile, where the eye path belongs.
+    /// `pixel`: index in the tile of the eye path.
     void join(const Subpaths& eye_paths, const Subpaths& light_paths, size_t path, uint32_t pixel);
 
 private:
-    /// A joined path without its visibility.
+    /// A connected path before its visibility is known.
     struct Joint {
         Rgb value;
         Vec3 direction;  ///< unit, from the eye's end to the light's

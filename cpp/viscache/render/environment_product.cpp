@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kSamplesPerBatch = 8192;
 constexpr size_t kMostEyes = 256, kMostKeptEyes = 64;
 
-/// Wall seconds at little cost; CPU time is split by their shares.
+/// Wall clock, which is cheap to read. The CPU time of a batch is split in proportion to it.
 double tick() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -62,9 +62,10 @@ void EnvironmentProduct::draw(const EyeTile& eyes, size_t slot, const PointEstim
             out = {};
         }
         visible_[i] = 0;
-        if (out.matters)
-            queries_.push_back(query_towards(eye, s.wi, LightGroup::kEnvironment, 0)),
-                asked_.push_back(uint32_t(i));
+        if (out.matters) {
+            queries_.push_back(query_towards(eye, s.wi, LightGroup::kEnvironment, 0));
+            asked_.push_back(uint32_t(i));
+        }
     }
 }
 
@@ -111,11 +112,13 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
         slots_.clear();
         for (size_t i = first; i < std::min(first + batch, eyes.size()); ++i)
             if (!is_black(eyes.shading[i])) slots_.push_back({uint32_t(i), {}, {}, {}});
-        samples_.assign(slots_.size() * n, {}), visible_.assign(slots_.size() * n, 0);
+        samples_.assign(slots_.size() * n, {});
+        visible_.assign(slots_.size() * n, 0);
         for (int pass = 0; pass < c_.integrator.passes; ++pass) {
             const double cpu = thread_cpu_seconds();
             double trees = 0, maps = 0, drawn = 0;
-            queries_.clear(), asked_.clear();
+            queries_.clear();
+            asked_.clear();
             for (size_t k = 0; k < slots_.size(); ++k) {
                 PointEstimate& point = points_[keep ? k : 0];
                 const uint32_t eye = slots_[k].eye;
@@ -127,18 +130,23 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
                 slots_[k].moments = point.moments();
                 const double looked = tick();
                 if (!replace && !point.dark()) draw(eyes, k, point, pass, counters);
-                trees += built - start, maps += looked - built, drawn += tick() - looked;
+                trees += built - start;
+                maps += looked - built;
+                drawn += tick() - looked;
             }
             const double before = thread_cpu_seconds(),
                          share = (before - cpu) / (trees + maps + drawn + 1e-30);
-            seconds.trees += trees * share, seconds.maps += maps * share, seconds.samples += drawn * share;
+            seconds.trees += trees * share;
+            seconds.maps += maps * share;
+            seconds.samples += drawn * share;
             answer_.assign(words_for(queries_.size()), 0);
             oracle.pairs(eyes.block, queries_, answer_, counters);
             for_each_bit(answer_, [&](size_t i) { visible_[asked_[i]] = 1; });
             const double traced = thread_cpu_seconds();
             finish(eyes, pass, sum, last, counters);
             if (!tally_.rays.empty()) compare_records();
-            seconds.visibility += traced - before, seconds.finish += thread_cpu_seconds() - traced;
+            seconds.visibility += traced - before;
+            seconds.finish += thread_cpu_seconds() - traced;
         }
     }
 }
@@ -146,17 +154,21 @@ void EnvironmentProduct::add(const Tile& tile, const EyeTile& eyes, VisibilityOr
 namespace {
 
 constexpr size_t kPilotPixels = 1024, kPilotSamples = 16, kPilotChunk = 32;
-constexpr double kWorthGuiding = 0.9;
+constexpr double kGuidedBelow = 0.9;
 constexpr uint64_t kPilotPass = ~uint64_t{0};
 
-/// Sums over pilot pixels, in squared radiance: under product density (0) and the guided one (1).
+/// Sums over the pilot pixels in squared radiance: for the product density (0) and the guided density (1).
 struct PilotSums {
     double variance[2]{}, covariance[2]{}, variance_w[2]{};
     void merge(const PilotSums& b) {
-        for (int k = 0; k < 2; ++k)
-            variance[k] += b.variance[k], covariance[k] += b.covariance[k], variance_w[k] += b.variance_w[k];
+        for (int k = 0; k < 2; ++k) {
+            variance[k] += b.variance[k];
+            covariance[k] += b.covariance[k];
+            variance_w[k] += b.variance_w[k];
+        }
     }
-    /// Product samples of one point tell of both densities: E_p[y²] = E_IS[y² D^(−1)] for y over p.
+    /// Adds the product samples of one point. They estimate both densities: E_p[y²] = E_IS[y² D^(−1)] for y
+    /// over p.
     void add(const PointMoments& point, std::span<const DirectionSample> samples,
              std::span<const uint8_t> visible, std::span<const double> d) {
         AlphaSums sums;
@@ -166,10 +178,13 @@ struct PilotSums {
         double y1 = 0, y2[2]{}, zw[2]{}, ww[2]{}, z1 = 0;
         for (size_t i = 0; i < samples.size(); ++i) {
             const double z = visible[i] ? samples[i].z : 0, w = samples[i].w, y = z - alpha * w;
-            y1 += y, z1 += z;
+            y1 += y;
+            z1 += z;
             for (int k = 0; k < 2; ++k) {
                 const double q = 1 / (k ? d[i] : 1);
-                y2[k] += y * y * q, zw[k] += z * w * q, ww[k] += w * w * q;
+                y2[k] += y * y * q;
+                zw[k] += z * w * q;
+                ww[k] += w * w * q;
             }
         }
         const double scale = point.l_ns * point.l_ns, mean = y1 / n, mu = point.mean_w;
@@ -181,7 +196,7 @@ struct PilotSums {
     }
 };
 
-/// One thread's trial.
+/// Runs the pilot on one thread.
 class Pilot {
 public:
     Pilot(const ProductContext& c, const EyePathTracer& tracer, std::unique_ptr<VisibilityOracle> oracle)
@@ -205,9 +220,12 @@ public:
             const ProductTree::Sample s = point_.draw(stream.at(uint32_t(i)));
             samples_[i] = point_.complete(s, reflected(eyes_.shading[0], s.wi));
             if (!finite(samples_[i])) samples_[i] = {};
-            d_[i] = shaped ? point_.shaped_density(s.texel) : 1, visible_[i] = 0;
-            if (samples_[i].matters)
-                queries.push_back(query_towards(0, s.wi, LightGroup::kEnvironment, 0)), asked.push_back(i);
+            d_[i] = shaped ? point_.shaped_density(s.texel) : 1;
+            visible_[i] = 0;
+            if (samples_[i].matters) {
+                queries.push_back(query_towards(0, s.wi, LightGroup::kEnvironment, 0));
+                asked.push_back(i);
+            }
         }
         oracle_->begin_tile(eyes_.block);
         Word answer[1]{};
@@ -244,7 +262,7 @@ Forecast forecast(const ProductContext& c, const EyePathTracer& tracer, OracleSo
         auto& pilot = pilots[size_t(worker)];
         if (!pilot) pilot = std::make_unique<Pilot>(c, tracer, source.make());
         for (size_t i = chunk * kPilotChunk; i < std::min(tried, (chunk + 1) * kPilotChunk); ++i) {
-            // One pixel of every equal part of the frame, at random
+            // One random pixel from each of equal parts of the frame
             Rng rng(c.seed, Purpose::kProduct, i, kPilotPass - 1);
             const size_t from = i * pixels / tried, to = (i + 1) * pixels / tried;
             const size_t pixel = from + std::min(to - from - 1, size_t(rng.next() * float(to - from)));
@@ -252,10 +270,13 @@ Forecast forecast(const ProductContext& c, const EyePathTracer& tracer, OracleSo
         }
     });
     PilotSums all;
-    for (size_t i = 0; i < chunks; ++i) all.merge(sums[i]), counters.merge(counted[i]);
+    for (size_t i = 0; i < chunks; ++i) {
+        all.merge(sums[i]);
+        counters.merge(counted[i]);
+    }
     Forecast f;
     if (all.variance[0] > 0) f.variance_ratio = all.variance[1] / all.variance[0];
-    f.guided = f.variance_ratio < kWorthGuiding;
+    f.guided = f.variance_ratio < kGuidedBelow;
     const bool guided = c.settings.sampling == DensityChoice::kGuided ||
                         (c.settings.sampling == DensityChoice::kAuto && f.guided);
     if (all.variance_w[guided] > 0)

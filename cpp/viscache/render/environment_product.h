@@ -1,6 +1,5 @@
 #pragma once
-// The environment's light on a tile's eye points by product sampling, with visibility maps as control
-// variate where there are any.
+// Light of the environment by product sampling. Visibility maps serve as control variate where they exist.
 #include <optional>
 
 #include "viscache/render/eye_paths.h"
@@ -13,17 +12,17 @@ namespace viscache {
 
 /// How the density is chosen.
 enum class DensityChoice {
-    kProduct,  ///< light × reflection: the paper
+    kProduct,  ///< light × reflection, as in the paper
     kGuided,   ///< shaped by dilated maps
-    kAuto,     ///< guided if a trial on some pixels promises less variance
+    kAuto,     ///< guided if a pilot on some pixels predicts less variance
 };
 
 struct VisMapSettings {
     AlphaChoice alpha;
-    bool pilot_alpha = true;  ///< previous_pass begins with the trial's α, not with alpha.value
+    bool pilot_alpha = true;  ///< previous_pass starts with the pilot's α, not with alpha.value
     DensityChoice sampling = DensityChoice::kAuto;
-    double eta = 0.25;     ///< floor of guided densities
-    bool replace = false;  ///< J is the answer, without rays
+    double eta = 0.25;     ///< lower bound of guided densities
+    bool replace = false;  ///< J replaces the estimate; no rays are traced
 };
 
 /// What all tiles share.
@@ -34,19 +33,22 @@ struct ProductContext {
     int frame_width;
     const MapSource* maps;  ///< nullptr: product sampling alone
     VisMapSettings settings;
-    bool guided = false;  ///< of kAuto: what the trial said
+    bool guided = false;  ///< for kAuto: the result of the pilot
 };
 
-/// CPU seconds of the parts, summed over threads.
+/// CPU seconds of the steps, summed over threads.
 struct ProductSeconds {
     double trees = 0, maps = 0, samples = 0, visibility = 0, finish = 0;
     void merge(const ProductSeconds& b) {
-        trees += b.trees, maps += b.maps, samples += b.samples, visibility += b.visibility,
-            finish += b.finish;
+        trees += b.trees;
+        maps += b.maps;
+        samples += b.samples;
+        visibility += b.visibility;
+        finish += b.finish;
     }
 };
 
-/// One thread's work; buffers are kept.
+/// Renders on one thread. Its buffers are reused.
 class EnvironmentProduct {
 public:
     explicit EnvironmentProduct(const ProductContext& context)
@@ -54,10 +56,10 @@ public:
           read_(context.maps ? context.maps->reader() : MapReader()),
           tally_(context.maps ? context.maps->records : 0) {}
 
-    /// Every ray of the tiles so far against what each blended record said, as under product sampling.
+    /// Compares every ray of the tiles so far with each blended record, weighted as under product sampling.
     const RecordTally& tally() const { return tally_; }
 
-    /// Adds the mean of all passes to `sum`, and the last pass to `last`; both are the tile's pixels.
+    /// Adds the mean of all passes to `sum` and the last pass to `last`. Both hold the pixels of the tile.
     void add(const Tile& tile, const EyeTile& eyes, VisibilityOracle& oracle, std::span<Rgb> sum,
              std::span<Rgb> last, Counters& counters, ProductSeconds& seconds, const Control& control);
 
@@ -78,21 +80,21 @@ private:
     RecordTally tally_;
     std::vector<PointEstimate> points_;
     std::vector<Slot> slots_;
-    std::vector<DirectionSample> samples_;  ///< n of every slot
+    std::vector<DirectionSample> samples_;  ///< n per slot
     std::vector<uint8_t> visible_;
     std::vector<ShadowQuery> queries_;
-    std::vector<uint32_t> asked_;  ///< sample of every query
+    std::vector<uint32_t> asked_;  ///< index of the sample of each query
     std::vector<Word> answer_;
 };
 
-/// What the trial on some pixels says: independent of the frame's own samples.
+/// Result of the pilot. It is independent of the samples of the frame.
 struct Forecast {
-    double alpha = 1;           ///< pooled regression coefficient under the density of choice
+    double alpha = 1;           ///< pooled regression coefficient under the chosen density
     double variance_ratio = 1;  ///< guided over product density
     bool guided = false;
 };
 
-/// 16 product samples on up to 1024 pixels.
+/// Runs the pilot: some product samples on some pixels.
 Forecast forecast(const ProductContext& context, const EyePathTracer& tracer, OracleSource& source,
                   int threads, Counters& counters, const Control& control);
 

@@ -8,15 +8,15 @@ namespace viscache {
 
 namespace {
 
-constexpr size_t kRaysPerCall = 512;  // what they take, some 100 KB, is reused; a multiple of 16
-constexpr float kWeak = 3e-3f;        // branches that count for less play Russian roulette
+constexpr size_t kRaysPerCall = 512;  // small enough that the buffers stay in the cache; a multiple of 16
+constexpr float kWeak = 3e-3f;        // weaker branches play Russian roulette
 
 /// First differentials of a ray's origin and direction with respect to one pixel (Igehy 1999).
 struct Differential {
     Vec3 origin_x, origin_y, direction_x, direction_y;
 };
 
-/// One branch of an eye path on its way.
+/// One branch of an eye path that is still followed.
 struct Branch {
     Ray ray;
     Rgb throughput{1, 1, 1};
@@ -25,7 +25,8 @@ struct Branch {
     uint64_t stream;
     float distance = 0;  ///< unfolded length so far
     float camera_cos;    ///< cosine of the primary ray to the optical axis
-    float index2 = 1;    ///< squared index of the medium over the camera's: undoes the radiance's compression
+    float index2 = 1;    ///< squared index of refraction relative to the camera's medium; undoes the
+                         ///< compression of radiance
     int depth = 0;
     Differential d;
 };
@@ -37,12 +38,13 @@ void transfer(Differential& d, const Ray& ray, float t, Vec3 normal) {
         const Vec3 moved = o + dir * t;
         return dn != 0 ? moved - ray.d * (dot(moved, normal) / dn) : moved;
     };
-    d.origin_x = along(d.origin_x, d.direction_x), d.origin_y = along(d.origin_y, d.direction_y);
+    d.origin_x = along(d.origin_x, d.direction_x);
+    d.origin_y = along(d.origin_y, d.direction_y);
 }
 
 /// Change of the shading normal for a step `dp` on the surface.
 Vec3 normal_change(const SurfacePoint& s, Vec3 dp) {
-    // Barycentric change: least squares in the triangle's edges
+    // Change of the barycentric coordinates: least squares along the triangle's edges
     const float aa = length2(s.edge1), ab = dot(s.edge1, s.edge2), bb = length2(s.edge2);
     const float det = aa * bb - ab * ab;
     if (!(det > 0)) return {};
@@ -58,11 +60,11 @@ void reflect_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float c = dot(ray.d, n), dc = dot(dd, n) + dot(ray.d, dn);
         return dd - (n * dc + dn * c) * 2.f;
     };
-    d.direction_x = reflected(d.origin_x, d.direction_x),
+    d.direction_x = reflected(d.origin_x, d.direction_x);
     d.direction_y = reflected(d.origin_y, d.direction_y);
 }
 
-/// Refraction from relative index eta = n_i/n_t; n on the incoming side.
+/// Refraction with relative index eta = n_i/n_t; n points to the incoming side.
 void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s, Vec3 n, float eta,
                           Vec3 transmitted) {
     const float sign = dot(n, s.ns) < 0 ? -1.f : 1.f;
@@ -74,24 +76,29 @@ void refract_differential(Differential& d, const Ray& ray, const SurfacePoint& s
         const float dc = dot(dd, n) + dot(ray.d, dn);
         return dd * eta - (dn * mu + n * (dmu * dc));
     };
-    d.direction_x = refracted(d.origin_x, d.direction_x),
+    d.direction_x = refracted(d.origin_x, d.direction_x);
     d.direction_y = refracted(d.origin_y, d.direction_y);
 }
 
 }  // namespace
 
 void EyeTile::reset(int w, int h) {
-    width = w, height = h;
+    width = w;
+    height = h;
     block.clear();
     block.tile_width = block.tile_height = 0;
-    shading.clear(), throughput.clear(), pixel.clear(), stream.clear();
+    shading.clear();
+    throughput.clear();
+    pixel.clear();
+    stream.clear();
     const size_t n = size_t(w) * h;
-    emitted.assign(n, {}), first.assign(n, {});
+    emitted.assign(n, {});
+    first.assign(n, {});
 }
 
 namespace {
 
-/// Works through the branches of one tile.
+/// Traces all branches of one tile.
 class TilePaths {
 public:
     TilePaths(const EyePathTracer& tracer, EyeTile& out, Counters& counters)
@@ -103,7 +110,7 @@ public:
 
     void run(const Tile& tile, const Control& control) {
         trace_primary(tile, control);
-        // What mirrors and glass sent on
+        // Rays that mirrors and glass have spawned
         while (!next_.empty()) {
             std::swap(branches_, next_);
             next_.clear();
@@ -114,11 +121,11 @@ public:
     }
 
 private:
-    /// All samples of the tile's pixels, along its Morton curve.
+    /// Traces all samples of the tile, pixel by pixel along its Morton curve.
     void trace_primary(const Tile& tile, const Control& control) {
         const int spp = t_.frame.spp, grid = int(std::ceil(std::sqrt(double(spp))));
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
-        out_.block.tile_width = uint32_t(out_.width * grid),
+        out_.block.tile_width = uint32_t(out_.width * grid);
         out_.block.tile_height = uint32_t(out_.height * grid);
         const auto flush = [&] {
             step(branches_, Coherence::kCoherent, control);
@@ -132,7 +139,8 @@ private:
                 const Vec2 jitter = t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(s)];
                 Branch& b = branches_.emplace_back(primary(float(x) + jitter.x, float(y) + jitter.y));
                 b.pixel = uint32_t(py * out_.width + px);
-                b.order_x = uint32_t(px * grid + s % grid), b.order_y = uint32_t(py * grid + s / grid);
+                b.order_x = uint32_t(px * grid + s % grid);
+                b.order_y = uint32_t(py * grid + s / grid);
                 b.stream = (pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
                 if (branches_.size() == kRaysPerCall) flush();
             }
@@ -140,7 +148,7 @@ private:
         flush();
     }
 
-    /// The branch that starts at a place of the film.
+    /// The primary ray through a position on the film.
     Branch primary(float x, float y) const {
         const FilmCamera& film = t_.film;
         const Vec3 raw = film.direction(x, y);
@@ -150,14 +158,16 @@ private:
         b.camera_cos = 1 / norm;
         if (!footprint_) return b;
         auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
-        b.d.direction_x = unit_change(film.step_x()), b.d.direction_y = unit_change(film.step_y());
+        b.d.direction_x = unit_change(film.step_x());
+        b.d.direction_y = unit_change(film.step_y());
         return b;
     }
 
     void step(std::span<Branch> branches, Coherence coherence, const Control& control) {
         control.check();
         const size_t n = branches.size();
-        rays_.resize(n), hits_.resize(n);
+        rays_.resize(n);
+        hits_.resize(n);
         for (size_t i = 0; i < n; ++i) rays_[i] = branches[i].ray;
         t_.caster.intersect(rays_, hits_, coherence);
         for (size_t i = 0; i < n; ++i) arrive(branches[i], hits_[i]);
@@ -178,14 +188,16 @@ private:
             out_.emitted[b.pixel] += b.throughput * s.emission * inverse_spp_;
         if (b.depth == 0) {
             FirstHits& first = out_.first[b.pixel];
-            ++first.count, first.depth += hit.t;
-            first.normal += front ? s.ns : -s.ns, first.albedo += s.base_color;
+            ++first.count;
+            first.depth += hit.t;
+            first.normal += front ? s.ns : -s.ns;
+            first.albedo += s.base_color;
         }
         if (length2(s.ng) == 0) return;  // a degenerate triangle has no sides
         if (footprint_) transfer(b.d, b.ray, hit.t, s.ng);
         b.distance += hit.t;
         const Material& material = t_.scene.materials()[size_t(s.material)];
-        if (t_.integrator.ambient) {  // geometry alone decides: mirrors and glass are surfaces like others
+        if (t_.integrator.ambient) {  // only geometry matters: mirrors and glass count as surfaces
             store(b, s, material, front);
             return;
         }
@@ -199,27 +211,34 @@ private:
         }
     }
 
-    /// Keeps a point of a diffuse or glossy surface as an eye point.
+    /// Stores a point on a diffuse or glossy surface as an eye point.
     void store(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
         if (!front && !material.two_sided && !t_.integrator.ambient) return;
         if (b.depth > 0 && !t_.integrator.shade_after_specular) return;
         const Vec3 ng = front ? s.ng : -s.ng;
         ShadingPoint sp;
-        sp.ng = ng, sp.ns = front ? s.ns : -s.ns, sp.wo = -b.ray.d;
-        // A shading normal turned away from the eye would make the surface black: bend it back to the
-        // geometric one
+        sp.ng = ng;
+        sp.ns = front ? s.ns : -s.ns;
+        sp.wo = -b.ray.d;
+        // A shading normal that faces away from the eye would make the surface black: use the geometric
+        // normal
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
-        sp.base = s.base_color, sp.specular = material.specular, sp.roughness = material.roughness;
-        sp.kind = material.kind, sp.eta = material.eta;
+        sp.base = s.base_color;
+        sp.specular = material.specular;
+        sp.roughness = material.roughness;
+        sp.kind = material.kind;
+        sp.eta = material.eta;
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
         out_.block.origin.push_back(spawn(s.position, ng, t_.scene.offset_extent()));
         out_.block.density.push_back(density(b, ng, cos_eye));
-        out_.block.order_x.push_back(b.order_x), out_.block.order_y.push_back(b.order_y);
+        out_.block.order_x.push_back(b.order_x);
+        out_.block.order_y.push_back(b.order_y);
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);
-        out_.pixel.push_back(b.pixel), out_.stream.push_back(b.stream);
+        out_.pixel.push_back(b.pixel);
+        out_.stream.push_back(b.stream);
     }
 
     /// D_e = N_S·P_e: eye samples per unit area at the point.
@@ -234,10 +253,10 @@ private:
         return spp * cos_eye / (t_.film.pixel_area() * c * c * c * b.distance * b.distance);
     }
 
-    /// How much of the pixel's light a branch can bring, whatever medium it is in.
+    /// Largest share of the pixel's light that a branch can carry, in any medium.
     static float strength(const Branch& b) { return luminance(b.throughput) * b.index2; }
 
-    /// Russian roulette for weak branches: few go on, with the weight that keeps the expectation.
+    /// Russian roulette for weak branches. Survivors get the weight that keeps the expectation.
     bool survives(Branch& branch) const {
         const float s = strength(branch);
         if (s >= kWeak) return true;
@@ -247,7 +266,7 @@ private:
         return true;
     }
 
-    /// Sends a branch with its new throughput, medium and differentials off the surface.
+    /// Continues a branch from the surface with its new throughput, medium and differentials.
     void follow(Branch branch, const SurfacePoint& s, Vec3 side, Vec3 direction, uint64_t which) {
         if (branch.depth >= t_.integrator.max_depth) return lose(branch);
         branch.ray = {spawn(s.position, side, t_.scene.offset_extent()), 0, normalize(direction), kInfinity};
@@ -262,22 +281,25 @@ private:
         const Vec3 ng = front ? s.ng : -s.ng;
         Vec3 n = front ? s.ns : -s.ns;
         Vec3 direction = b.ray.d - n * (2 * dot(b.ray.d, n));
-        if (dot(direction, ng) <= 0) n = ng, direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        if (dot(direction, ng) <= 0) {
+            n = ng;
+            direction = b.ray.d - n * (2 * dot(b.ray.d, n));
+        }
         Branch reflected = b;
         reflected.throughput = b.throughput * factor;
         if (footprint_) reflect_differential(reflected.d, b.ray, s, n);
         follow(reflected, s, ng, direction, 0);
     }
 
-    /// Both branches of glass.
+    /// Follows the reflected and the refracted branch of glass.
     void split(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
         const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
-        const float cos_i = dot(s.ns, -b.ray.d);  // sign tells the side
+        const float cos_i = dot(s.ns, -b.ray.d);  // the sign tells the side
         const float fresnel = fresnel_dielectric(cos_i, material.eta);
         reflect(b, s, front, Rgb{fresnel, fresnel, fresnel});
         if (fresnel >= 1) return;
-        const float eta = front ? 1 / material.eta : material.eta;  // incoming over transmitted index
-        // Radiance is compressed by the change of index (it cancels where the path leaves the glass again)
+        const float eta = front ? 1 / material.eta : material.eta;  // incoming index over the other
+        // The change of index compresses radiance. This cancels where the path leaves the glass again
         Branch through = b;
         through.throughput = b.throughput * ((1 - fresnel) * eta * eta);
         through.index2 = b.index2 / (eta * eta);
@@ -291,7 +313,7 @@ private:
     EyeTile& out_;
     Counters& counters_;
     const float inverse_spp_;
-    const bool footprint_;  ///< differentials are followed
+    const bool footprint_;  ///< ray differentials are traced
     std::vector<Branch> branches_, next_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;

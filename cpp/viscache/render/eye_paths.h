@@ -1,5 +1,5 @@
 #pragma once
-// The near ends of a tile: camera paths through mirrors and glass, stored as eye points.
+// Eye paths of a tile: camera rays through mirrors and glass, and the eye points where they end.
 #include <vector>
 
 #include "viscache/math/parallel.h"
@@ -14,7 +14,7 @@
 
 namespace viscache {
 
-/// What the camera's own samples of a pixel hit first, mirrors and glass included: sums over `count` hits.
+/// First hits of the camera rays of a pixel, mirrors and glass included: sums over `count` hits.
 struct FirstHits {
     uint32_t count = 0;
     float depth = 0;  ///< distances from the camera
@@ -22,27 +22,24 @@ struct FirstHits {
     Rgb albedo;       ///< base colours
 };
 
-/// Eye points with what shading needs, beside the oracle's EyeBlock; index i is the same eye point in all
-/// arrays.
+/// Eye points with the data for shading and the EyeBlock for the oracle. All arrays use the same index.
 struct EyeTile {
     EyeBlock block;
     std::vector<ShadingPoint> shading;
     std::vector<Rgb> throughput;
-    std::vector<uint32_t> pixel;  ///< index into the tile's pixels, row-major
-    std::vector<uint64_t>
-        stream;  ///< key of the eye point's random numbers: unique in the frame, free of tiles and threads
+    std::vector<uint32_t> pixel;   ///< index into the tile's pixels, row-major
+    std::vector<uint64_t> stream;  ///< random-number key: unique in the frame, free of tiles and threads
 
     // Per pixel of the tile, row-major
     int width = 0, height = 0;
-    std::vector<Rgb>
-        emitted;  ///< light that reaches the eye without a connection: emitters and environment seen
+    std::vector<Rgb> emitted;  ///< light that needs no connection: visible emitters and environment
     std::vector<FirstHits> first;
 
     void reset(int width, int height);
     size_t size() const { return block.size(); }
 };
 
-/// Everything about the camera paths of a frame.
+/// Traces the eye paths of a frame.
 struct EyePathTracer {
     const Scene& scene;
     const RayCaster& caster;
@@ -50,7 +47,7 @@ struct EyePathTracer {
     IntegratorSettings integrator;
     FrameSettings frame;
 
-    /// Traces all samples of the tile's pixels, along its Morton curve.
+    /// Traces all samples of a tile, pixel by pixel along its Morton curve.
     void trace(const Tile& tile, EyeTile& out, Counters& counters, const Control& control) const;
 };
 

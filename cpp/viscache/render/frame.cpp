@@ -14,16 +14,16 @@ namespace viscache {
 
 namespace {
 
-constexpr int kTileSamples = 128;           // edge of a tile in eye samples
-constexpr int kTileSamplesFewLights = 256;  // where the largest shared group has at most kFewLights columns
+constexpr int kTileSamples = 128;           // edge of a tile, in eye samples
+constexpr int kTileSamplesFewLights = 256;  // for frames whose shared groups have at most kFewLights columns
 constexpr size_t kFewLights = 256;
-constexpr size_t kEyesPerBatch = 256;       // eye points whose own samples are asked for together,
-constexpr size_t kPairsPerBatch = 1 << 16;  // or fewer: their queries stay below this number
-constexpr size_t kRowsPerCheck = 256;       // eye points between looks at the wish to stop
+constexpr size_t kEyesPerBatch = 256;       // largest number of eye points per batch of local samples
+constexpr size_t kPairsPerBatch = 1 << 16;  // bounds the queries of a batch
+constexpr size_t kRowsPerCheck = 256;       // eye points between checks for an interrupt
 
 }  // namespace
 
-/// The frame's own virtual point lights.
+/// Traces and resamples the virtual point lights of the frame.
 static std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
                                   const IntegratorSettings& integrator, const FrameSettings& frame,
                                   Control& control, Counters& counters) {
@@ -42,7 +42,8 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
     const SceneDescription& d = scene.description();
     auto keep = [&](SharedLights& lights, Semantic semantic, LightGroup group) {
         if (lights.empty()) return;
-        lights.ends.semantic = semantic, lights.ends.group = int(group);
+        lights.ends.semantic = semantic;
+        lights.ends.group = int(group);
         lights.pad();
         groups.push_back(std::move(lights));
     };
@@ -72,14 +73,14 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         SharedLights lights;
         const float bound = integrator.vpl_bound * scene.bounds().diagonal();
         lights.bound2 = bound * bound;
-        // Lights near each other follow each other: their rays meet the same triangles
+        // Nearby lights are stored together, because their rays meet the same triangles
         std::vector<Vec3> places;
         for (const Vpl& v : vpls) places.push_back(v.position);
         for (const uint32_t i : morton_order(places)) {
             const Vec3 end = spawn(vpls[i].position, vpls[i].normal, scene.offset_extent());
             lights.add(vpls[i].position, vpls[i].normal, end, vpls[i].flux, density[i]);
         }
-        // As geometry factors they are surfaces; the cache may key them as points (vpl_key)
+        // The geometry factor treats VPLs as surfaces. The cache can key them as points (vpl_key)
         keep(lights, Semantic::kSurface, LightGroup::kVpl);
     }
     return groups;
@@ -87,7 +88,7 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
 
 namespace {
 
-/// Everything of a frame that all tiles share.
+/// Data of a frame that all tiles share.
 struct FrameContext {
     const Scene& scene;
     const RayCaster& caster;
@@ -95,11 +96,11 @@ struct FrameContext {
     const FrameSettings& frame;
     EyePathTracer tracer;
     std::vector<SharedLights> shared;
-    const ProductContext* product = nullptr;  ///< of the environment; nullptr: other ways, or none
-    const AmbientShares* shares = nullptr;    ///< of shared directions
+    const ProductContext* product = nullptr;  ///< product sampling of the environment; nullptr: not used
+    const AmbientShares* shares = nullptr;    ///< for shared directions
 };
 
-/// What a tile's eye points would receive from a group of shared lights.
+/// Unoccluded contributions of a group of shared lights to the eye points of a tile.
 class TileContributions : public Contributions {
 public:
     TileContributions(const SharedLights& lights, const EyeTile& eyes) : lights_(lights), eyes_(eyes) {}
@@ -130,7 +131,7 @@ private:
     mutable std::vector<float> scratch_;
 };
 
-/// One thread's work on tiles; buffers are kept between them.
+/// Renders tiles on one thread. Its buffers are reused.
 class TileWorker {
 public:
     TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
@@ -166,15 +167,16 @@ public:
 private:
     void add_shared(const SharedLights& lights, Counters& counters, StageSeconds& stages, StageClock& clock,
                     const Control& control) {
-        wanted_.reset(eyes_.size(), lights.ends.count), visible_.reset(eyes_.size(), lights.ends.count);
+        wanted_.reset(eyes_.size(), lights.ends.count);
+        visible_.reset(eyes_.size(), lights.ends.count);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
             if (!is_black(eyes_.shading[i]))
                 counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
         }
         clock.lap(stages.contributions);
-        const TileContributions worth(lights, eyes_);
-        oracle_->weigh(&worth);
+        const TileContributions contributions(lights, eyes_);
+        oracle_->weigh(&contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
         clock.lap(stages.visibility);
@@ -198,7 +200,8 @@ private:
         ProductSeconds s;
         product_->add(tile, eyes_, *oracle_, sums_[size_t(LightGroup::kEnvironment)], last_pass_, counters, s,
                       control);
-        stages.contributions += s.trees + s.maps + s.samples, stages.visibility += s.visibility;
+        stages.contributions += s.trees + s.maps + s.samples;
+        stages.visibility += s.visibility;
         stages.shading += s.finish;
         product.merge(s);
     }
@@ -227,7 +230,8 @@ private:
                         [&](uint32_t eye) { add_ambient_samples(eyes_, eye, s, c_.frame.seed, local_); });
     }
 
-    /// Runs of eye points in the oracle's order: make their samples (at most `samples` each), ask, add up.
+    /// Goes through batches of eye points in the oracle's order: makes their samples (at most `samples` per
+    /// eye point), queries visibility, adds the contributions.
     template <class MakeSamples>
     void add_batches(Semantic semantic, LightGroup group, int samples, Counters& counters,
                      StageSeconds& stages, StageClock& clock, const Control& control,
@@ -254,7 +258,7 @@ private:
         }
     }
 
-    /// Adds the visible samples' contributions to their pixels.
+    /// Adds the contributions of visible samples to their pixels.
     void add_seen(std::vector<Rgb>& sum) const {
         const std::span<const float> weights = oracle_->pair_weights();
         size_t row = 0;
@@ -265,7 +269,7 @@ private:
         });
     }
 
-    /// Ambient occlusion by shared directions; `first`: number of the tile's first eye point.
+    /// Ambient occlusion along shared directions. `first`: index of the first eye point of the tile.
     void add_shares(size_t first) {
         std::vector<Rgb>& sum = sums_[size_t(LightGroup::kAmbient)];
         for (size_t i = 0; i < eyes_.size(); ++i)
@@ -285,16 +289,19 @@ private:
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
                 if (!out.last_pass.empty()) out.last_pass[to] = last_pass_[from];
-                out.color[to] = color, out.emitted[to] = eyes_.emitted[from];
+                out.color[to] = color;
+                out.emitted[to] = eyes_.emitted[from];
                 write_first_hits(eyes_.first[from], to, out);
             }
     }
 
-    /// Means over the samples that hit, and their share of all.
+    /// Writes means over the samples that hit, and the share of such samples.
     void write_first_hits(const FirstHits& first, size_t to, FrameResult& out) const {
         const float hits = float(first.count), share = first.count ? 1 / hits : 0.f;
-        out.coverage[to] = hits / float(c_.frame.spp), out.depth[to] = first.depth * share;
-        out.normal[to] = first.normal * share, out.albedo[to] = first.albedo * share;
+        out.coverage[to] = hits / float(c_.frame.spp);
+        out.depth[to] = first.depth * share;
+        out.normal[to] = first.normal * share;
+        out.albedo[to] = first.albedo * share;
     }
 
     const FrameContext& c_;
@@ -310,10 +317,16 @@ private:
 
 FrameResult empty_result(const FrameContext& c) {
     FrameResult out;
-    out.width = c.frame.width, out.height = c.frame.height, out.spp = c.frame.spp;
+    out.width = c.frame.width;
+    out.height = c.frame.height;
+    out.spp = c.frame.spp;
     const size_t n = size_t(out.width) * size_t(out.height);
-    out.color.resize(n), out.emitted.resize(n), out.depth.resize(n), out.normal.resize(n),
-        out.albedo.resize(n), out.coverage.resize(n);
+    out.color.resize(n);
+    out.emitted.resize(n);
+    out.depth.resize(n);
+    out.normal.resize(n);
+    out.albedo.resize(n);
+    out.coverage.resize(n);
     if (c.product && c.integrator.passes > 1) out.last_pass.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
@@ -323,7 +336,7 @@ FrameResult empty_result(const FrameContext& c) {
     return out;
 }
 
-/// Runs the trial where something depends on it, and takes what it says into the context.
+/// Runs the pilot if a setting depends on it, and stores its result in the context.
 void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleSource& source,
                    Counters& counters, const Control& control, FrameResult& out) {
     VisMapSettings& s = product.settings;
@@ -336,7 +349,7 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleS
     out.pilot_s = wall_seconds() - start;
 }
 
-/// What a source may ask of a frame of tiles.
+/// What a source can ask about a frame of tiles.
 class TilesStart final : public FrameStart {
 public:
     TilesStart(const FrameContext& context, const Camera& camera, FrameResult& out)
@@ -418,20 +431,21 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     if (dealt) out.tile_edge_px = dealt;
     const auto tiles =
         tiles_of_part(cut_tiles(frame.width, frame.height, out.tile_edge_px), frame.part, frame.parts);
-    if (frame.part > 0) counters = out.counters = {};  // the first part counts what all of them do
+    if (frame.part > 0) counters = out.counters = {};  // the first part counts the work that all parts repeat
     out.threads = std::min<int>(resolve_threads(frame.threads), int(std::max<size_t>(1, tiles.size())));
     std::optional<AmbientShares> shares;
     if (integrator.ambient && integrator.ambient_aligned) {
         control.total = size_t(integrator.n_ambient);
         shares.emplace(aligned_ambient(context.tracer, tiles, *aligned, frame.threads, control));
         context.shares = &*shares;
-        out.aligned = shares->choice, out.aligned_s = shares->trace_s;
+        out.aligned = shares->choice;
+        out.aligned_s = shares->trace_s;
         counters.merge(shares->counters);
         control.done = 0;
     }
     control.total = tiles.size();
 
-    // Tiles write disjoint pixels; counters are merged in tile order
+    // Tiles write disjoint pixels. Counters are merged in the order of the tiles
     std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
@@ -453,8 +467,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         parallel_for(tiles.size(), out.threads, render_tile);
     if (frame.parts > 1)
         for (const Counters& c : counted) out.tile_sums.push_back({c.lost_throughput, c.expected_false_hits});
-    for (size_t i = 0; i < tiles.size(); ++i)
-        counters.merge(counted[i]), out.stages.merge(stages[i]), out.product.merge(product_stages[i]);
+    for (size_t i = 0; i < tiles.size(); ++i) {
+        counters.merge(counted[i]);
+        out.stages.merge(stages[i]);
+        out.product.merge(product_stages[i]);
+    }
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);
         for (const auto& worker : workers)

@@ -1,5 +1,5 @@
 #pragma once
-// Rendering one frame: tiles through eye paths, light groups and a visibility oracle.
+// Renders one frame, tile by tile: eye paths, light groups, visibility oracle.
 #include <memory>
 
 #include "viscache/math/parallel.h"
@@ -16,49 +16,49 @@ struct FrameResult {
     int width = 0, height = 0, spp = 1;
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
-    std::vector<Rgb> last_pass;  ///< environment by the last pass alone; empty unless there are several
-    std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty where the group does not exist
-    // First hits: means over a pixel's samples that hit anything, zero where none did
+    std::vector<Rgb> last_pass;  ///< environment from the last pass; empty if there is one pass only
+    std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty if the group does not exist
+    // First hits: means over the samples of a pixel that hit anything; zero if none did
     std::vector<float> depth;
     std::vector<Vec3> normal;
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
-    SourceReport source;  ///< what the oracles' source says of itself
+    SourceReport source;  ///< report of the oracle source
     StageSeconds stages;
-    ProductSeconds product;               ///< of the environment by product sampling; in `stages` too
-    std::optional<Forecast> forecast;     ///< of frames with maps
-    std::optional<RecordTally> tally;     ///< where the map source has numbered records
-    double pilot_s = 0;                   ///< wall seconds of the trial
-    std::optional<EngineChoice> aligned;  ///< of ambient occlusion along shared directions
+    ProductSeconds product;               ///< product sampling of the environment; included in `stages`
+    std::optional<Forecast> forecast;     ///< for frames with visibility maps
+    std::optional<RecordTally> tally;     ///< if the map source numbers its records
+    double pilot_s = 0;                   ///< wall seconds of the pilot
+    std::optional<EngineChoice> aligned;  ///< for ambient occlusion along shared directions
     double aligned_s = 0;                 ///< wall seconds of its rays and sums
-    double lights_s = 0, tiles_s = 0;     ///< wall seconds: making VPLs and groups; all tiles
+    double lights_s = 0, tiles_s = 0;     ///< wall seconds for VPLs and light groups, and for all tiles
     double prepare_s = 0;                 ///< wall seconds of the source's preparation
     size_t n_vpls = 0;
     int tile_edge_px = 0;
-    std::vector<std::array<double, 2>> tile_sums;  ///< of a part: lost throughput and false hits of each tile
+    std::vector<std::array<double, 2>> tile_sums;  ///< for parts: lost throughput and false hits of each tile
     int threads = 0;
 
-    /// Adds the rays and the time of a small frame that was rendered in preparation.
+    /// Adds the rays and the time of a small frame that the preparation rendered.
     void take_small(const FrameResult& small);
 };
 
-/// The shared light groups of a frame: point, directional, VPL.
+/// Makes the shared light groups of a frame: point, directional, environment and VPL.
 std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster& caster,
                                              const FilmCamera& film, const IntegratorSettings& integrator,
                                              const FrameSettings& frame, Control& control,
                                              Counters& counters);
 
-/// Visibility maps for the environment's light, from any cache.
+/// Visibility maps for the environment, from any cache.
 struct EnvironmentMaps {
     MapSource source;
     VisMapSettings settings;
 };
 
-/// The settings of a frame of about `pixels` pixels, at most those of `frame`, with one sample each.
+/// Settings for a frame of about `pixels` pixels with one sample each. It is never larger than `frame`.
 FrameSettings small_frame(FrameSettings frame, size_t pixels);
 
-/// `source` must be new: it serves one frame. `aligned` must be there if the integrator asks for shared
+/// `source` must be new: it serves one frame. `aligned` is required if the integrator asks for shared
 /// directions.
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,

@@ -7,18 +7,23 @@ namespace {
 
 #define VISCACHE_INLINE inline __attribute__((always_inline))
 
-/// Unit directions to the sixteen columns from k on, and what multiplies f·cos.
+/// Unit directions to the sixteen columns from k on, and the factor of f·cos.
 template <Semantic kSemantic>
 VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, float* y, float* z,
                          float* scale) {
     const FarEnds& e = s.ends;
     for (size_t i = 0; i < 16; ++i) {
         if constexpr (kSemantic == Semantic::kDirection) {
-            x[i] = e.x[k + i], y[i] = e.y[k + i], z[i] = e.z[k + i], scale[i] = 1;
+            x[i] = e.x[k + i];
+            y[i] = e.y[k + i];
+            z[i] = e.z[k + i];
+            scale[i] = 1;
         } else {
             const float dx = e.x[k + i] - p.x, dy = e.y[k + i] - p.y, dz = e.z[k + i] - p.z;
             const float d2 = dx * dx + dy * dy + dz * dz, inverse = 1 / __builtin_sqrtf(d2);
-            x[i] = dx * inverse, y[i] = dy * inverse, z[i] = dz * inverse;
+            x[i] = dx * inverse;
+            y[i] = dy * inverse;
+            z[i] = dz * inverse;
             if constexpr (kSemantic == Semantic::kPoint) {
                 scale[i] = 1 / d2;
             } else {
@@ -42,15 +47,21 @@ VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const Lob
             aim<kSemantic>(s, eye.position, k, x, y, z, scale);
             glossy16(lobe, x, y, z, f);
             for (uint32_t i = 0; i < 16; ++i) {
-                // Columns without a bit may hold anything
+                // Columns whose bit is not set may hold any value
                 const bool seen = mask >> i & 1;
                 const float fr = seen ? f.r[i] * scale[i] : 0.f, fg = seen ? f.g[i] * scale[i] : 0.f,
                             fb = seen ? f.b[i] * scale[i] : 0.f;
-                r[i] += fr * s.r[k + i], g[i] += fg * s.g[k + i], b[i] += fb * s.b[k + i];
+                r[i] += fr * s.r[k + i];
+                g[i] += fg * s.g[k + i];
+                b[i] += fb * s.b[k + i];
             }
         }
     for (size_t step = 8; step; step /= 2)
-        for (size_t i = 0; i < step; ++i) r[i] += r[i + step], g[i] += g[i + step], b[i] += b[i + step];
+        for (size_t i = 0; i < step; ++i) {
+            r[i] += r[i + step];
+            g[i] += g[i + step];
+            b[i] += b[i + step];
+        }
     return {r[0], g[0], b[0]};
 }
 

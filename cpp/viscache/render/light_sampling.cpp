@@ -8,7 +8,10 @@ LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
     const SceneDescription& d = scene.description();
     std::vector<double> power;
     auto add = [&](LightKind kind, size_t index, double watts) {
-        if (watts > 0) entries_.push_back({kind, index}), power.push_back(watts);
+        if (watts > 0) {
+            entries_.push_back({kind, index});
+            power.push_back(watts);
+        }
     };
     const double disk = M_PI * double(scene.radius()) * scene.radius();
     for (size_t i = 0; i < d.point_lights.size(); ++i)
@@ -38,7 +41,7 @@ std::optional<Emission> LightSampler::emit(Rng& rng) const {
 }
 
 double LightSampler::pdf_point(Rgb radiance, bool two_sided) const {
-    // Chosen by power: π·A·luminance of one side
+    // Lights are chosen by power: π·A·luminance per side
     return empty() ? 0 : M_PI * double(luminance(radiance)) * (two_sided ? 2 : 1) / choice_.total();
 }
 
@@ -50,7 +53,7 @@ double LightSampler::pdf_environment(Vec3 wi) const {
 
 double LightSampler::pdf_parallel() const { return 1 / (M_PI * double(disk_radius()) * disk_radius()); }
 
-/// Parallel light: a ray from the disk that the bounding sphere casts.
+/// Parallel light: a ray that starts on a disk as large as the bounding sphere.
 Emission LightSampler::emit_through_scene(Vec3 towards_light, Rgb irradiance, Rng& rng) const {
     const float radius = disk_radius();
     const Vec2 disk = square_to_disk_concentric(rng.next2());
@@ -91,7 +94,8 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
         case LightKind::kDirectional: {
             const DirectionalLight& l = d.directional_lights[entry.index];
             Emission e = emit_through_scene(l.direction, l.irradiance, rng);
-            e.kind = entry.kind, e.radiance = l.irradiance;
+            e.kind = entry.kind;
+            e.radiance = l.irradiance;
             return e;
         }
         case LightKind::kTriangle: {
@@ -109,7 +113,9 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
         case LightKind::kEnvironment: {
             const auto sample = scene_.environment()->sample(rng.next2());
             Emission e = emit_through_scene(sample.wi, sample.radiance / sample.pdf, rng);
-            e.kind = entry.kind, e.radiance = sample.radiance, e.pdf_point = sample.pdf;
+            e.kind = entry.kind;
+            e.radiance = sample.radiance;
+            e.pdf_point = sample.pdf;
             return e;
         }
     }
@@ -133,7 +139,7 @@ std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float
     const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
     const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);
     if (!on_sphere) return std::nullopt;
-    // At most half of a sphere is seen
+    // A point sees at most half of a sphere
     return AreaSample{on_sphere->p,
                       on_sphere->n,
                       spawn(on_sphere->p, on_sphere->n, extent),

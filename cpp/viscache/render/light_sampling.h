@@ -1,5 +1,5 @@
 #pragma once
-// Choosing lights: emission of light paths, and points on area lights for one eye point.
+// Sampling of lights: starts of light paths, and points on area lights for one eye point.
 #include <optional>
 
 #include "viscache/sampling/distribution.h"
@@ -11,7 +11,7 @@ namespace viscache {
 
 enum class LightKind { kPoint, kDirectional, kTriangle, kSphere, kEnvironment };
 
-/// Light from infinity: parallel rays.
+/// Whether the light comes from infinity, as parallel rays.
 inline bool is_infinite(LightKind k) { return k == LightKind::kDirectional || k == LightKind::kEnvironment; }
 
 /// Start of a light path.
@@ -19,23 +19,23 @@ struct Emission {
     Ray ray;
     Rgb flux;  ///< emitted power divided by the probability of this start, W
     LightKind kind = LightKind::kPoint;
-    Vec3 point{};            ///< on the light; where the ray starts, for light from infinity
-    Vec3 normal{};           ///< of an area light on the side of the ray; else zero
+    Vec3 point{};            ///< point on the light; origin of the ray for light from infinity
+    Vec3 normal{};           ///< for area lights, on the side of the ray; otherwise zero
     bool two_sided = false;  ///< an area light that shines from both sides
-    Rgb radiance{};          ///< what leaves: radiance, intensity (point) or irradiance (directional)
-    double pdf_point = 1;  ///< of the point per m², or of the direction of the environment per sr; the choice
+    Rgb radiance{};          ///< emitted radiance, intensity (point) or irradiance (directional)
+    double pdf_point = 1;  ///< density of the point per m², or of the direction per sr (environment), choice
                            ///< of the light included
-    double pdf_ray = 1;    ///< of the ray, given that: per sr, or per m² across the rays from infinity
+    double pdf_ray = 1;    ///< conditional density of the ray: per sr, or per m² across parallel rays
 };
 
-/// Chooses a light by power, then a ray it emits.
+/// Chooses a light by power, then one of its rays.
 class LightSampler {
 public:
     explicit LightSampler(const Scene& scene);
     bool empty() const { return choice_.size() == 0; }
     std::optional<Emission> emit(Rng& rng) const;
 
-    /// `Emission::pdf_point` of a point that shines with this radiance.
+    /// `Emission::pdf_point` of a point with this radiance.
     double pdf_point(Rgb radiance, bool two_sided) const;
     /// `Emission::pdf_point` of the environment in the direction wi.
     double pdf_environment(Vec3 wi) const;
@@ -59,12 +59,14 @@ private:
 /// A point on an area light, as seen from one eye point.
 struct AreaSample {
     Vec3 point, normal;
-    Vec3 ray_end;  ///< spawned off the light's own surface
+    Vec3 ray_end;  ///< offset from the surface of the light
     Rgb radiance;
-    float pdf_area;  ///< probability density per m² of light, light choice included
-    float pdf_even;  ///< the same, were all of a light that a point can see sampled evenly: of no eye point
+    float pdf_area;  ///< density per m², choice of the light included
+    float pdf_even;  ///< the same for even sampling of the side of a light that a point can see; independent
+                     ///< of the eye point
 };
-/// Chooses by power; triangles uniformly, spheres in the cone they span. Empty when the light turns its back.
+/// Chooses a light by power. Triangles are sampled uniformly, spheres in the cone they span. Empty if the
+/// light faces away.
 std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u);
 
 }  // namespace viscache

@@ -15,27 +15,34 @@ bool WeightedSamples::add(Vec3 to, Rgb value, float density, float light_density
         return false;
     }
     if (!(max_component(value) > 0)) return false;
-    at.add(to, density, light_density), contribution.push_back(value);
+    at.add(to, density, light_density);
+    contribution.push_back(value);
     return true;
 }
 
 ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density, float t_max) {
     ShadowQuery q;
-    q.eye = eye, q.semantic = Semantic::kSolidAngle, q.group = uint8_t(group);
-    q.far = direction, q.density = density, q.t_max = t_max;
+    q.eye = eye;
+    q.semantic = Semantic::kSolidAngle;
+    q.group = uint8_t(group);
+    q.far = direction;
+    q.density = density;
+    q.t_max = t_max;
     return q;
 }
 
 namespace {
 
-/// Randomised low-discrepancy samples keyed by one eye point and purpose: a (0,2)-sequence for positions, and
-/// beside it one number each for choices, in a shuffled order: else choice and position would go hand in
-/// hand.
+/// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
+/// number per sample for choices. The choices are shuffled, because they would be correlated with the
+/// positions otherwise.
 struct EyeSamples {
     uint32_t sx, sy, choice_scramble, choice_shuffle;
     EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
         Rng rng(seed, purpose, stream, 0);
-        sx = rng.next_u32(), sy = rng.next_u32(), choice_scramble = rng.next_u32(),
+        sx = rng.next_u32();
+        sy = rng.next_u32();
+        choice_scramble = rng.next_u32();
         choice_shuffle = rng.next_u32();
     }
     Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
@@ -63,37 +70,45 @@ void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
         if (!(cos_x > 0 && dot(sp.ng, wi) > 0 && cos_y > 0)) continue;
         const Rgb value = eyes.throughput[eye] * eval_bsdf(sp, wi) * y->radiance *
                           (cos_x * cos_y / (d2 * y->pdf_area * float(n)));
-        if (out.add(y->point, value, float(n) * y->pdf_area, float(n) * y->pdf_even, counters))
-            out.at.normal.push_back(y->normal), out.at.ray_end.push_back(y->ray_end);
+        if (out.add(y->point, value, float(n) * y->pdf_area, float(n) * y->pdf_even, counters)) {
+            out.at.normal.push_back(y->normal);
+            out.at.ray_end.push_back(y->ray_end);
+        }
     }
     out.at.close(eye);
 }
 
 namespace {
 
-/// Directions of one eye point with what is known of them, in arrays for SIMD.
+/// Directions of one eye point and their data, as arrays for SIMD.
 struct SkyBatch {
     static constexpr size_t kSize = HemisphereBatch::kSize;
     alignas(64) float x[kSize], y[kSize], z[kSize];
-    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos and its density
+    alignas(64) float r[kSize], g[kSize], b[kSize], pdf_brdf[kSize];  ///< f·cos, and the density of the BRDF
     Rgb radiance[kSize];
     float pdf_light[kSize];
 };
 
-/// Both techniques share f·cos·L / Σ_t n_t p_t (balance heuristic).
+/// Samples of both techniques have the value f·cos·L / Σ_t n_t p_t (balance heuristic).
 struct SkySampler {
     const EnvironmentMap& env;
     const LobeConstants lobe;
     Rgb throughput;
     float n_light, n_brdf;
 
-    /// Keeps what brings something of the first n of the batch, whose directions and light are known.
+    /// Adds those of the first n samples of the batch that contribute. Their directions and light must be
+    /// set.
     void add(SkyBatch& s, size_t n, WeightedSamples& out, Counters& counters) const {
         const size_t whole = (n + 15) / 16 * 16;
-        for (size_t i = n; i < whole; ++i) s.x[i] = s.x[0], s.y[i] = s.y[0], s.z[i] = s.z[0];
+        for (size_t i = n; i < whole; ++i) {
+            s.x[i] = s.x[0];
+            s.y[i] = s.y[0];
+            s.z[i] = s.z[0];
+        }
         reflect_directions(lobe, {s.x, s.y, s.z, s.r, s.g, s.b, s.pdf_brdf}, whole);
         const float n_cells = n_light > 0 ? n_light : n_brdf;
-        out.at.make_room(n), out.contribution.resize(out.at.room());
+        out.at.make_room(n);
+        out.contribution.resize(out.at.room());
         for (size_t i = 0; i < n; ++i) {
             const float density = n_light * s.pdf_light[i] + n_brdf * s.pdf_brdf[i];
             const Rgb value = throughput * Rgb{s.r[i], s.g[i], s.b[i]} * s.radiance[i] * (1 / density);
@@ -103,11 +118,12 @@ struct SkySampler {
             out.at.put({s.x[i], s.y[i], s.z[i]}, density, n_cells * s.pdf_light[i], lit && finite && sum > 0);
             counters.non_finite += lit && !finite;
         }
-        out.at.trim(), out.contribution.resize(out.at.size());
+        out.at.trim();
+        out.contribution.resize(out.at.size());
     }
 };
 
-/// Directions by the environment's radiance.
+/// Adds directions drawn by the radiance of the environment.
 void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int n, SkyBatch& batch,
                        WeightedSamples& out, Counters& counters) {
     Vec2 points[SkyBatch::kSize];
@@ -122,15 +138,18 @@ void add_light_samples(const SkySampler& sampler, const EyeSamples& numbers, int
             for (size_t i = 0; i < count; ++i) points[i] = numbers.position(first + int(i));
             sampler.env.sample({points, count}, {drawn, count});
             for (size_t i = 0; i < count; ++i) {
-                batch.x[i] = drawn[i].wi.x, batch.y[i] = drawn[i].wi.y, batch.z[i] = drawn[i].wi.z;
-                batch.radiance[i] = drawn[i].radiance, batch.pdf_light[i] = drawn[i].pdf;
+                batch.x[i] = drawn[i].wi.x;
+                batch.y[i] = drawn[i].wi.y;
+                batch.z[i] = drawn[i].wi.z;
+                batch.radiance[i] = drawn[i].radiance;
+                batch.pdf_light[i] = drawn[i].pdf;
             }
         }
         sampler.add(batch, count, out, counters);
     }
 }
 
-/// Directions by the BRDF.
+/// Adds directions drawn by the BRDF.
 void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const EyeSamples& numbers, int n,
                       SkyBatch& batch, WeightedSamples& out, Counters& counters) {
     const HemisphereSequence cosines{numbers.sx, numbers.sy, frame_around(sp.ns), true};
@@ -152,8 +171,11 @@ void add_brdf_samples(const SkySampler& sampler, const ShadingPoint& sp, const E
         if (count == 0) continue;
         sampler.env.look_up({wi, count}, {light, count});
         for (size_t i = 0; i < count; ++i) {
-            batch.x[i] = wi[i].x, batch.y[i] = wi[i].y, batch.z[i] = wi[i].z;
-            batch.radiance[i] = light[i].radiance, batch.pdf_light[i] = light[i].pdf;
+            batch.x[i] = wi[i].x;
+            batch.y[i] = wi[i].y;
+            batch.z[i] = wi[i].z;
+            batch.radiance[i] = light[i].radiance;
+            batch.pdf_light[i] = light[i].pdf;
         }
         sampler.add(batch, count, out, counters);
     }

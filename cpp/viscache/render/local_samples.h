@@ -1,5 +1,5 @@
 #pragma once
-// Light samples that belong to one eye point alone: area lights, environment, ambient occlusion.
+// Samples of one eye point: area lights, environment, ambient occlusion.
 #include <vector>
 
 #include "viscache/render/eye_paths.h"
@@ -8,25 +8,27 @@
 
 namespace viscache {
 
-/// Samples with what each brings when it is unoccluded.
+/// Samples and their unoccluded contributions.
 struct WeightedSamples {
     LocalSamples at;
     std::vector<Rgb>
         contribution;  ///< throughput · f · cos · L / (pdf · samples); RGB = fraction for ambient
-    /// Starts anew, for a light group and what its samples are.
+    /// Starts a new list for a light group and a kind of far end.
     void begin(Semantic semantic, LightGroup group) {
-        at.clear(), contribution.clear();
-        at.semantic = semantic, at.group = int(group);
+        at.clear();
+        contribution.clear();
+        at.semantic = semantic;
+        at.group = int(group);
     }
-    /// Keeps the sample when it brings something; non-finite contributions are dropped and counted.
+    /// Adds the sample if it contributes. Non-finite contributions are dropped and counted.
     bool add(Vec3 to, Rgb value, float density, float light_density, Counters& counters);
 };
 
-/// A query of one eye point's own direction.
+/// A query of one eye point along a direction.
 ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density,
                           float t_max = kInfinity);
 
-// Each adds the samples of one eye point and closes its row.
+// Each function adds the samples of one eye point and closes its row.
 void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                       const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
                       Counters& counters);

@@ -6,7 +6,7 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
                    const JoinDensities& join, StrategyRules rules) {
     const size_t t = eye.size(), s = light.size();
     double others = 0;
-    // Fewer vertices by the eye: its last ones are made by the light instead
+    // Strategies with fewer eye vertices: the light makes the last ones
     double ratio = 1;
     for (size_t i = t - 1; i >= 1; --i) {
         const double reverse = i == t - 1 ? join.eye_last : i == t - 2 ? join.eye_before : eye[i].reverse;
@@ -14,7 +14,7 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
         const bool allowed = i > 1 || (rules.to_camera && s + t > 2);
         if (allowed && eye[i].connects && eye[i - 1].connects) others += ratio;
     }
-    // More vertices by the eye
+    // Strategies with more eye vertices
     ratio = 1;
     for (size_t i = s; i-- > 0;) {
         const double reverse = i == s - 1   ? join.light_last
@@ -24,7 +24,8 @@ double path_weight(std::span<const PathVertex> eye, std::span<const PathVertex> 
         const bool allowed = i == 0 ? rules.hittable : light[i - 1].connects;
         if (allowed && light[i].connects) others += ratio;
     }
-    // A light that is not hit on purpose counts where nothing else finds it
+    // An eye path may hit a light that is not hittable. The hit counts only if no other strategy finds this
+    // path
     if (s == 0 && !rules.hittable) return others > 0 ? 0 : 1;
     return 1 / (1 + others);
 }

@@ -21,13 +21,13 @@ void blend(const BlendedMaps& maps, std::vector<float>& visible) {
 
 }  // namespace
 
-/// One thread's buffers.
+/// Buffers of one thread.
 struct Relighting::Worker {
     EyeTile eyes;
     MapReader maps;
     std::vector<float> visible;
 
-    /// Adds the blocks of one eye point; `colours`: 1 or 3.
+    /// Adds the blocks of one eye point. `colours` is 1 or 3.
     void add(const Reflection& reflection, int m, int colours, Part& part) const {
         RgbBlock quarters;
         for (size_t first = 0; first < visible.size(); first += kBlock) {
@@ -76,8 +76,11 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             ShadingPoint sp = w.eyes.shading[i];
             Rgb colour = w.eyes.throughput[i];
             const bool coloured = sp.kind == MaterialKind::kGlossy;
-            // A diffuse surface keeps its colour apart: one value per cell is enough
-            if (!coloured) colour = colour * sp.base, sp.base = {1, 1, 1};
+            // The colour of a diffuse surface is stored once, so that one value per cell is enough
+            if (!coloured) {
+                colour = colour * sp.base;
+                sp.base = {1, 1, 1};
+            }
             const SurfaceReflection reflection(sp);
             if (reflection.black() || !(max_component(colour) > 0)) continue;
             const BlendedMaps found = w.maps(w.eyes.block.position[i], w.eyes.block.normal[i], pixel);
@@ -92,10 +95,14 @@ Relighting::Relighting(const EyePathTracer& tracer, const MapSource& maps, Contr
             part.points.push_back({uint32_t(pixel), first_block, uint32_t(part.block.size()) - first_block,
                                    first_value, coloured, colour});
         }
-        part.block.shrink_to_fit(), part.value.shrink_to_fit();
+        part.block.shrink_to_fit();
+        part.value.shrink_to_fit();
         control.done.fetch_add(1);
     });
-    for (size_t t = 0; t < tiles.size(); ++t) counters_.merge(counted[t]), unserved_ += unserved[t];
+    for (size_t t = 0; t < tiles.size(); ++t) {
+        counters_.merge(counted[t]);
+        unserved_ += unserved[t];
+    }
 }
 
 /// Calls visit(first cell, values of the block in up to three channels).
@@ -113,7 +120,7 @@ void Relighting::image(const CellLight& light, std::span<std::array<double, 3>> 
                  *blue = light.channel[2].data();
     parallel_for(parts_.size(), threads, [&](size_t t, int) {
         for (const Point& p : parts_[t].points) {
-            // Lanes that are added up last keep the order of sums, and the loop in SIMD
+            // Separate lanes, added at the end: the order of sums is fixed and the loop uses SIMD
             double lanes[3][kBlock]{};
             if (p.blocks > 0)
                 for_each_value(parts_[t], p,

@@ -4,16 +4,16 @@ namespace viscache {
 
 namespace {
 
-/// What a mirror or glass does with light from one direction.
+/// Reflection or refraction of light from one direction.
 struct SpecularEvent {
     Vec3 direction;
-    Vec3 normal;  ///< that decided it, on the side of the light's arrival
+    Vec3 normal;  ///< normal that was used, on the side where the light arrives
     double probability = 1;
-    float eta = 1;  ///< index of refraction of the side of arrival over that of the other; 1: reflected
+    float eta = 1;  ///< index of the side of arrival over that of the other side; 1: reflected
 };
 
-/// The event for a direction on either side of the surface. Mirrors reflect about the shading normal, or
-/// about the geometric one where that would lead below the surface.
+/// The event for a direction on either side of the surface. Mirrors use the shading normal, or the geometric
+/// normal if the shading normal would reflect below the surface.
 std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool through) {
     const bool same_side = dot(v.surface.ng, from) >= 0, front = same_side == v.front;
     const Vec3 ng = same_side ? v.surface.ng : -v.surface.ng;
@@ -29,7 +29,10 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
         return SpecularEvent{normalize(*direction), n, 1 - fresnel, eta};
     }
     Vec3 direction = n * (2 * dot(from, n)) - from;
-    if (dot(direction, ng) <= 0) n = ng, direction = n * (2 * dot(from, n)) - from;
+    if (dot(direction, ng) <= 0) {
+        n = ng;
+        direction = n * (2 * dot(from, n)) - from;
+    }
     return SpecularEvent{normalize(direction), n, fresnel, 1};
 }
 
@@ -42,16 +45,18 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
     if (through) event = specular_event(v, from, true);
     if (!event || !(event->probability > 0)) return std::nullopt;
     Scatter s;
-    s.specular = true, s.direction = event->direction, s.pdf = event->probability;
+    s.specular = true;
+    s.direction = event->direction;
+    s.pdf = event->probability;
     s.side = through ? -v.surface.ng : v.surface.ng;
-    // Bent normals can make the way back another one
+    // With replaced normals the way back can be another event
     const auto back = specular_event(v, s.direction, through);
     if (back && dot(back->direction, from) > kSameDirection) s.pdf_back = back->probability;
     s.factor = glass ? Rgb{1, 1, 1} : v.surface.specular;
     if (transport == Transport::kImportance)
         s.factor = s.factor * adjoint(event->normal, v.surface.ng, from, s.direction);
     else
-        s.factor = s.factor * (event->eta * event->eta);  // radiance is compressed by the change of index
+        s.factor = s.factor * (event->eta * event->eta);  // the change of index compresses radiance
     return s;
 }
 
@@ -62,7 +67,9 @@ std::optional<Scatter> scatter_rough(const PathVertex& v, Transport transport, R
     const auto drawn = sample_bsdf(sp, u_lobe, rng.next2());
     if (!drawn || !(drawn->pdf > 0)) return std::nullopt;
     Scatter s;
-    s.direction = drawn->wi, s.side = sp.ng, s.pdf = double(drawn->pdf);
+    s.direction = drawn->wi;
+    s.side = sp.ng;
+    s.pdf = double(drawn->pdf);
     s.pdf_back = scatter_pdf(v, drawn->wi, sp.wo);
     s.factor = drawn->weight;
     if (transport == Transport::kImportance)

@@ -92,11 +92,19 @@ Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
 
 void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
     FarEnds& e = ends;
-    e.x.push_back(p.x), e.y.push_back(p.y), e.z.push_back(p.z);
-    e.nx.push_back(n.x), e.ny.push_back(n.y), e.nz.push_back(n.z);
-    e.tx.push_back(end.x), e.ty.push_back(end.y), e.tz.push_back(end.z);
+    e.x.push_back(p.x);
+    e.y.push_back(p.y);
+    e.z.push_back(p.z);
+    e.nx.push_back(n.x);
+    e.ny.push_back(n.y);
+    e.nz.push_back(n.z);
+    e.tx.push_back(end.x);
+    e.ty.push_back(end.y);
+    e.tz.push_back(end.z);
     e.density.push_back(density);
-    r.push_back(value.x), g.push_back(value.y), b.push_back(value.z);
+    r.push_back(value.x);
+    g.push_back(value.y);
+    b.push_back(value.z);
     ++e.count;
 }
 

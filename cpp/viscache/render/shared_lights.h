@@ -1,9 +1,9 @@
 #pragma once
-// Light groups whose members are shared by all eye points, and the sums over them.
+// Light groups that all eye points share, and sums over them.
 //
-// A row of bits says which lights are asked for (`wanted_row`) and which are seen (`sum_row`). One function
+// A row of bits says which lights need a query (`wanted_row`) and which are visible (`sum_row`). One function
 // adds contributions under a mask, in one order (16 running sums, then a fixed tree), for every oracle and
-// every ISA: two oracles that give the same bits give the same pixels.
+// every instruction set. Two oracles that give the same bits therefore give the same pixels.
 #include <vector>
 
 #include "viscache/scene/bsdf.h"
@@ -15,28 +15,28 @@ namespace viscache {
 struct SharedLights {
     FarEnds ends;
     std::vector<float> r, g,
-        b;             ///< intensity, irradiance, or reflected flux density of a VPL; padded with zeros
-    float bound2 = 0;  ///< VPLs: added to d² in the geometry term; 0 = unbounded
+        b;             ///< intensity, irradiance or reflected flux density; padded with zeros
+    float bound2 = 0;  ///< for VPLs: added to d² in the geometry term; 0 = unbounded
     bool empty() const { return ends.count == 0; }
 
-    /// Adds a column. `end` is where shadow rays stop, `value` the RGB factor of its contributions.
+    /// Adds a column. Shadow rays stop at `end`; `value` is the RGB factor of the contributions.
     void add(Vec3 position, Vec3 normal, Vec3 end, Rgb value, float density);
-    /// Pads all arrays to whole rows; call once after the last `add`.
+    /// Pads all arrays to whole rows. Call it once after the last `add`.
     void pad();
 };
 
-/// One eye point's side of a connection.
+/// The eye point of a connection.
 struct EyeShade {
     Vec3 position, ng, ns;
 };
 
-/// Geometry factor g of every column, unoccluded: point cosθ/d², direction cosθ, VPL cosθ·cosθ'/(d² +
-/// bound²). Sets the bits of `row` where 0 < g < ∞; returns the number of columns with g = ∞ (dropped,
-/// counted as non-finite).
+/// Unoccluded geometry factor g of every column: cosθ/d² (point), cosθ (direction), cosθ·cosθ'/(d² + bound²)
+/// (VPL). Sets the bits of `row` where 0 < g < ∞. Returns the number of columns with g = ∞, which are dropped
+/// and counted as non-finite.
 uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
 
-/// Row i gets the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i] times
-/// the mean of the positive ones. `scratch` holds a float per column.
+/// Sets in row i the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i]
+/// times the mean of the positive ones. `scratch` is resized to one float per column.
 void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<const float> shares,
                   std::span<Word* const> rows, std::vector<float>& scratch);
 

@@ -5,9 +5,9 @@
 
 namespace viscache {
 
-/// n directions drawn by the environment's radiance, once for a frame: each brings the irradiance L/(n·pdf).
-/// The expectation over seeds is that of samples of each eye point's own; errors show as bands, not as noise.
-/// Directions near each other follow each other.
+/// Draws n directions by the radiance of the environment, once per frame. Each has the irradiance L/(n·pdf).
+/// The expectation over seeds equals that of separate samples per eye point; errors show as bands, not as
+/// noise. Nearby directions are stored together.
 SharedLights shared_sky(const EnvironmentMap& environment, int n, uint64_t seed);
 
 }  // namespace viscache

@@ -15,7 +15,7 @@ struct StageSeconds {
     }
 };
 
-/// Adds the CPU time since the last call to one stage after another.
+/// Measures stages that follow each other: `lap` adds the CPU time since the last call to a stage.
 class StageClock {
 public:
     void skip() { last_ = thread_cpu_seconds(); }

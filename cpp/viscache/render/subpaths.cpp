@@ -12,7 +12,7 @@ void SubpathTracer::start(const SampleTile& work) {
     walkers_.clear();
 }
 
-/// Number of the sample in the frame.
+/// Key of the random numbers of a sample, unique in the frame.
 uint64_t SubpathTracer::stream_of(const SampleTile& work, uint32_t path) const {
     const auto [x, y] = places_[path];
     const uint64_t pixel = uint64_t(work.tile.y0 + y) * uint64_t(c_.film.width) + uint64_t(work.tile.x0 + x);
@@ -22,7 +22,7 @@ uint64_t SubpathTracer::stream_of(const SampleTile& work, uint32_t path) const {
 void SubpathTracer::trace_light(const SampleTile& work, Subpaths& out, Counters& counters,
                                 const Control& control) {
     start(work);
-    // With the camera as last vertex the light makes one vertex per edge, else one less
+    // A path that ends at the camera has one light vertex per edge; other paths have one less
     const size_t longest = size_t(c_.settings.max_depth - (c_.to_camera() ? 0 : 1));
     out.reset(places_.size(), std::max<size_t>(1, longest));
     if (c_.lights.empty() || longest == 0) return;
@@ -34,8 +34,11 @@ void SubpathTracer::trace_light(const SampleTile& work, Subpaths& out, Counters&
         out.start[p] = *e;
         PathVertex& y = out.append(p);
         y.infinite = is_infinite(e->kind);
-        y.position = e->point, y.surface.ng = e->normal;
-        y.forward = e->pdf_point, y.density = e->pdf_point, y.beta = e->radiance / float(e->pdf_point);
+        y.position = e->point;
+        y.surface.ng = e->normal;
+        y.forward = e->pdf_point;
+        y.density = e->pdf_point;
+        y.beta = e->radiance / float(e->pdf_point);
         walkers_.push_back({.path = p,
                             .stream = stream,
                             .ray = e->ray,
@@ -53,7 +56,8 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
     start(work);
     const size_t longest = size_t(c_.settings.max_depth) + 1;
     out.reset(places_.size(), longest);
-    light.emitted.assign(places_.size(), {}), light.first.assign(places_.size(), {});
+    light.emitted.assign(places_.size(), {});
+    light.first.assign(places_.size(), {});
     for (uint32_t p = 0; p < places_.size(); ++p) {
         const auto [px, py] = places_[p];
         const uint64_t stream = stream_of(work, p), pixel = stream / uint64_t(c_.frame.spp);
@@ -62,7 +66,8 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
             c_.film.direction(float(work.tile.x0 + px) + jitter.x, float(work.tile.y0 + py) + jitter.y);
         const double pdf = c_.film_pdf(1 / double(length(raw)));
         PathVertex& z = out.append(p);
-        z.position = c_.film.camera.origin, z.forward = 1;
+        z.position = c_.film.camera.origin;
+        z.forward = 1;
         walkers_.push_back({.path = p,
                             .stream = stream,
                             .ray = {z.position, 0, normalize(raw), kInfinity},
@@ -73,15 +78,16 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
     walk(Transport::kRadiance, longest - 1, out, &light, counters, control);
 }
 
-/// Follows all walkers for so many edges.
+/// Follows all walkers for at most `edges` edges.
 void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLight* light,
                          Counters& counters, const Control& control) {
     for (size_t edge = 0; edge < edges && !walkers_.empty(); ++edge) {
         control.check();
-        rays_.clear(), next_.clear();
+        rays_.clear();
+        next_.clear();
         for (const Walker& w : walkers_) rays_.push_back(w.ray);
         hits_.assign(rays_.size(), {});
-        // Primary rays alone stay together
+        // Only primary rays are coherent
         const bool primary = transport == Transport::kRadiance && edge == 0;
         c_.caster.intersect(rays_, hits_, primary ? Coherence::kCoherent : Coherence::kIncoherent);
         (light ? counters.camera_rays : counters.light_rays) += rays_.size();
@@ -95,7 +101,7 @@ void SubpathTracer::walk(Transport transport, size_t edges, Subpaths& out, EyeLi
     }
 }
 
-/// Adds the vertex that was hit; false where the sub-path ends without one.
+/// Adds the vertex that was hit. False if the sub-path ends without one.
 bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* light,
                            Counters& counters) const {
     if (!hit.valid()) {
@@ -106,7 +112,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     const SurfacePoint s = c_.scene.surface(hit.mesh, hit.triangle, instance, hit.u, hit.v);
     const bool front = dot(s.ng, w.ray.d) <= 0;
     if (light) {
-        if (out.count[w.path] == 1) note_first_hit(w, hit, s, *light);
+        if (out.count[w.path] == 1) add_first_hit(w, hit, s, *light);
         if (max_component(s.emission) > 0 && (front || s.emits_two_sided))
             hit_light(w, hit, s, out, *light, counters);
     }
@@ -117,18 +123,23 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     PathVertex& v = out.append(w.path);
     v = vertex_at(w, hit, s);
     w.distance += hit.t;
-    v.surface.base = s.base_color, v.surface.specular = material.specular;
-    v.surface.roughness = material.roughness, v.surface.kind = material.kind, v.surface.eta = material.eta;
+    v.surface.base = s.base_color;
+    v.surface.specular = material.specular;
+    v.surface.roughness = material.roughness;
+    v.surface.kind = material.kind;
+    v.surface.eta = material.eta;
     v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
     return true;
 }
 
-/// Position, normals and densities of the vertex at the end of the walker's ray.
+/// The vertex at the end of the ray of a walker: position, normals, densities.
 PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const SurfacePoint& s) const {
     PathVertex v;
     v.front = dot(s.ng, w.ray.d) <= 0;
     v.position = s.position;
-    v.surface.ng = v.front ? s.ng : -s.ng, v.surface.ns = v.front ? s.ns : -s.ns, v.surface.wo = -w.ray.d;
+    v.surface.ng = v.front ? s.ng : -s.ng;
+    v.surface.ns = v.front ? s.ns : -s.ns;
+    v.surface.wo = -w.ray.d;
     v.beta = w.beta;
     const double cosine = std::fabs(double(dot(v.surface.ng, w.ray.d))), t = double(hit.t);
     v.forward = w.parallel ? w.pdf * cosine : w.pdf * cosine / (t * t);
@@ -137,7 +148,7 @@ PathVertex SubpathTracer::vertex_at(const Walker& w, const Hit& hit, const Surfa
     return v;
 }
 
-/// Scatters at the last vertex; false where the sub-path ends.
+/// Scatters at the last vertex. False if the sub-path ends.
 bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> path) const {
     const PathVertex& v = path.back();
     PathVertex& before = path[path.size() - 2];
@@ -146,11 +157,16 @@ bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> 
     const auto s = scatter(v, transport, rng);
     if (!s) return false;
     before.reverse = to_area(s->pdf_back, v, before);
-    w.beta = w.beta * s->factor, w.pdf = s->pdf, w.parallel = false;
-    if (s->specular)
+    w.beta = w.beta * s->factor;
+    w.pdf = s->pdf;
+    w.parallel = false;
+    if (s->specular) {
         w.spread *= s->pdf;
-    else
-        w.spread = s->pdf, w.parallel_spread = false, w.distance = 0;
+    } else {
+        w.spread = s->pdf;
+        w.parallel_spread = false;
+        w.distance = 0;
+    }
     w.ray = {spawn(v.position, s->side, c_.scene.offset_extent()), 0, s->direction, kInfinity};
     return is_finite(w.beta) && max_component(w.beta) > 0;
 }
@@ -160,7 +176,9 @@ void SubpathTracer::hit_environment(const Walker& w, Subpaths& out, EyeLight& li
     const Rgb radiance = c_.scene.environment()->eval(w.ray.d);
     if (!(max_component(radiance) > 0)) return;
     PathVertex emitter;
-    emitter.infinite = true, emitter.beta = w.beta, emitter.forward = w.pdf;
+    emitter.infinite = true;
+    emitter.beta = w.beta;
+    emitter.forward = w.pdf;
     const PathVertex& before = out.of(w.path).back();
     const double pdf_before = c_.lights.pdf_parallel() * std::fabs(double(dot(before.surface.ng, w.ray.d)));
     add_emitted(w, emitter, c_.lights.pdf_environment(w.ray.d), pdf_before, radiance, out, light, counters,
@@ -172,15 +190,15 @@ void SubpathTracer::hit_light(const Walker& w, const Hit& hit, const SurfacePoin
     const PathVertex emitter = vertex_at(w, hit, s);
     const PathVertex& before = out.of(w.path).back();
     const double emitted = std::fabs(double(dot(s.ng, w.ray.d))) / M_PI * (s.emits_two_sided ? 0.5 : 1.0);
-    // Sphere lights are traced tessellated and sampled as spheres: found by chance only where nothing else
-    // finds them
+    // Sphere lights are traced as meshes and sampled as spheres. Hits by chance count only where no other
+    // strategy finds the light
     const bool sphere = c_.scene.sphere_light_of(hit.mesh) >= 0;
     add_emitted(w, emitter, c_.lights.pdf_point(s.emission, s.emits_two_sided),
                 to_area(emitted, emitter, before), s.emission, out, light, counters,
                 {c_.to_camera(), !sphere});
 }
 
-/// Adds what a light brings that the eye path has hit by itself.
+/// Adds the light of an emitter that the eye path has hit.
 void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, double pdf_point,
                                 double pdf_before, Rgb radiance, Subpaths& out, EyeLight& light,
                                 Counters& counters, StrategyRules rules) const {
@@ -194,11 +212,13 @@ void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, doub
         ++counters.non_finite;
 }
 
-void SubpathTracer::note_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,
-                                   EyeLight& light) const {
+void SubpathTracer::add_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,
+                                  EyeLight& light) const {
     FirstHits& first = light.first[pixel_of(w.path)];
-    ++first.count, first.depth += hit.t;
-    first.normal += dot(s.ng, w.ray.d) <= 0 ? s.ns : -s.ns, first.albedo += s.base_color;
+    ++first.count;
+    first.depth += hit.t;
+    first.normal += dot(s.ng, w.ray.d) <= 0 ? s.ns : -s.ns;
+    first.albedo += s.base_color;
 }
 
 }  // namespace viscache

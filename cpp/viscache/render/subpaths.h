@@ -1,5 +1,5 @@
 #pragma once
-// Sub-paths of bidirectional path tracing: from the camera and from the lights, one of each per sample.
+// Sub-paths of bidirectional path tracing: one from the camera and one from a light per sample.
 #include <array>
 #include <span>
 #include <vector>
@@ -13,7 +13,7 @@
 
 namespace viscache {
 
-/// Everything about a frame that its paths need.
+/// Data of a frame that its paths need.
 struct BdptContext {
     const Scene& scene;
     const RayCaster& caster;
@@ -22,12 +22,12 @@ struct BdptContext {
     BdptSettings settings;
     FrameSettings frame;
 
-    /// Density per sr of a primary ray over the whole film; `cosine` is that to the optical axis.
+    /// Density per sr of a primary ray over the whole film. `cosine`: between the ray and the optical axis.
     double film_pdf(double cosine) const {
         const double film_area = double(film.pixel_area()) * film.width * film.height;
         return 1 / (film_area * cosine * cosine * cosine);
     }
-    /// N_S, which is N_P too: every eye path is joined with one light path.
+    /// N_S. It equals N_P, because every eye path is joined with one light path.
     double samples() const { return double(frame.width) * frame.height * frame.spp; }
     bool to_camera() const { return settings.camera_connections != CameraConnections::kOff; }
 };
@@ -38,28 +38,31 @@ struct SampleTile {
     uint32_t sample = 0;
 };
 
-/// Vertices of many sub-paths, and how each began.
+/// Vertices of many sub-paths, and the start of each.
 struct Subpaths {
-    size_t stride = 0;  ///< room for each path
+    size_t stride = 0;  ///< most vertices per path
     std::vector<PathVertex> vertex;
     std::vector<uint32_t> count;
-    std::vector<Emission> start;  ///< of light paths
+    std::vector<Emission> start;  ///< for light paths
 
     void reset(size_t paths, size_t longest) {
-        stride = longest, vertex.resize(paths * longest), count.assign(paths, 0), start.resize(paths);
+        stride = longest;
+        vertex.resize(paths * longest);
+        count.assign(paths, 0);
+        start.resize(paths);
     }
     std::span<PathVertex> of(size_t path) { return {&vertex[path * stride], count[path]}; }
     std::span<const PathVertex> of(size_t path) const { return {&vertex[path * stride], count[path]}; }
     PathVertex& append(size_t path) { return vertex[path * stride + count[path]++] = PathVertex{}; }
 };
 
-/// What eye paths bring by themselves: sums per pixel of the tile, row-major.
+/// Contributions of eye paths without connections: sums per pixel of the tile, row-major.
 struct EyeLight {
-    std::vector<Rgb> emitted;  ///< lights that eye paths hit, weighted
+    std::vector<Rgb> emitted;  ///< weighted light of emitters that eye paths hit
     std::vector<FirstHits> first;
 };
 
-/// Traces the sub-paths of one sample tile after another; buffers are kept.
+/// Traces the sub-paths of sample tiles. Its buffers are reused.
 class SubpathTracer {
 public:
     explicit SubpathTracer(const BdptContext& context) : c_(context) {}
@@ -69,16 +72,16 @@ public:
                    const Control& control);
 
 private:
-    /// A sub-path on its way.
+    /// A sub-path that is still followed.
     struct Walker {
         uint32_t path = 0;
         uint64_t stream = 0;
         Ray ray;
         Rgb beta;
-        double pdf = 0;         ///< of the ray's direction per sr, or per m² across parallel light
-        bool parallel = false;  ///< the first edge of light from infinity
-        // Since the last vertex that is no mirror and no glass
-        double spread = 0;  ///< density of the ray that left it × probabilities of the events since
+        double pdf = 0;         ///< density of the ray's direction per sr, or per m² across parallel light
+        bool parallel = false;  ///< on the first edge of light from infinity
+        // Since the last vertex that is neither mirror nor glass
+        double spread = 0;  ///< density of the ray at that vertex × probabilities of later events
         bool parallel_spread = false;
         float distance = 0;
     };
@@ -93,7 +96,7 @@ private:
     void hit_environment(const Walker& w, Subpaths& out, EyeLight& light, Counters& counters) const;
     void hit_light(const Walker& w, const Hit& hit, const SurfacePoint& s, Subpaths& out, EyeLight& light,
                    Counters& counters) const;
-    void note_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s, EyeLight& light) const;
+    void add_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s, EyeLight& light) const;
     uint32_t pixel_of(uint32_t path) const {
         return uint32_t(places_[path].second) * uint32_t(width_) + places_[path].first;
     }

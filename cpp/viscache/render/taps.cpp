@@ -138,7 +138,7 @@ void AnswerSource::end_item(VisibilityOracle& oracle, size_t item) {
     tiles_[item] = std::move(own.kept);
 }
 
-/// Takes down the contributions that blocks are weighed by.
+/// Records the contributions of a group of shared lights.
 class ContributionOracle final : public VisibilityOracle {
 public:
     explicit ContributionOracle(ContributionSource& source) : source_(source) {}

@@ -1,8 +1,8 @@
 #pragma once
-// The renderer's own questions, kept tile by tile; and frames whose answers are given.
+// Records of the renderer's queries, tile by tile, and frames with given answers.
 //
-// Both are oracles, so that a frame is rendered by the same code: what is kept is what any oracle is asked,
-// and given answers are added up as any oracle's are.
+// Both are oracles, so the same code renders the frame. The records hold the queries that any oracle would
+// get, and given answers are summed like those of any oracle.
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,20 +14,20 @@
 
 namespace viscache {
 
-/// Samples that belong to one eye point each, of one light group of a tile.
+/// Samples of the eye points of a tile, for one light group.
 struct SamplesTap {
     LocalSamples at;                ///< rows in the order of the eye points
-    std::vector<Rgb> contribution;  ///< what each brings unoccluded
+    std::vector<Rgb> contribution;  ///< unoccluded contribution of each
 };
 
-/// What a frame asks about one tile.
+/// Queries of a frame for one tile.
 struct TileTap {
     EyeBlock eyes;
     std::vector<BitMatrix> wanted;      ///< of every shared light group
     std::map<int, SamplesTap> samples;  ///< by light group
 };
 
-/// Keeps what a frame asks; nothing is visible.
+/// Records the queries of a frame. Nothing is visible.
 class TapSource final : public OracleSource {
 public:
     void prepare(FrameStart& frame, Control& control) override;
@@ -43,23 +43,23 @@ private:
     std::vector<TileTap> tiles_;
 };
 
-/// What an oracle answered about one tile.
+/// Answers of an oracle for one tile.
 struct TileAnswers {
     std::vector<BitMatrix> bits;              ///< of every shared light group
-    std::vector<std::vector<float>> weights;  ///< of each: rows × columns, or empty
+    std::vector<std::vector<float>> weights;  ///< for each group: rows × columns, or empty
     struct Samples {
-        /// By eye point of the tile: answers and weights of its samples.
+        /// By eye point of the tile: answers for its samples and their weights.
         std::map<uint32_t, std::pair<std::vector<uint8_t>, std::vector<float>>> rows;
-        std::vector<uint32_t> order, run_end;  ///< as the oracle liked to be asked
+        std::vector<uint32_t> order, run_end;  ///< order and ends of batches that the oracle asked for
         bool weighted = false;
     };
     std::map<int, Samples> samples;  ///< by light group
 };
 
-/// Keeps the answers of another source's oracles, which the frame gets as well.
+/// Records the answers of the oracles of another source. The frame uses them as well.
 class AnswerSource final : public OracleSource {
 public:
-    /// `inner` must outlive the source and serve nobody else.
+    /// `inner` must outlive this source and serve no other frame.
     explicit AnswerSource(OracleSource& inner) : inner_(inner) {}
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override;
@@ -79,10 +79,10 @@ private:
     std::vector<TileAnswers> tiles_;
 };
 
-/// What some eye points would receive from the far ends of one shared group: rows × columns.
+/// Unoccluded contributions of one shared group to some eye points: rows × columns.
 class ContributionSource final : public OracleSource {
 public:
-    /// `first_row[t]`: number of the first eye point of tile t. Rows [begin, end) are wanted.
+    /// `first_row[t]`: index of the first eye point of tile t. Rows [begin, end) are wanted.
     ContributionSource(std::vector<size_t> first_row, int group, size_t begin, size_t end)
         : first_row_(std::move(first_row)), group_(group), begin_(begin), end_(end) {}
     std::unique_ptr<VisibilityOracle> make() override;
@@ -97,7 +97,7 @@ private:
     std::vector<Rgb> values_;
 };
 
-/// Answers of one shared light group, eye point by eye point through all tiles.
+/// Answers for one shared light group: one row per eye point, through all tiles.
 struct GivenBlock {
     size_t words = 0;
     const Word* bits = nullptr;      ///< rows × words
@@ -105,23 +105,23 @@ struct GivenBlock {
     size_t columns = 0;
 };
 
-/// Answers of one group of samples, in the order a TapSource keeps them.
+/// Answers for one group of samples, in the order of a TapSource.
 struct GivenSamples {
     const uint8_t* visible = nullptr;
     const float* weights = nullptr;  ///< nullptr: 1 each
-    /// For each tile, the order in which its eye points are added up, and the ends of runs in it; empty:
-    /// theirs.
+    /// For each tile, the order in which its eye points are added, and the ends of batches in it. Empty: the
+    /// order of the eye points.
     std::vector<std::vector<uint32_t>> order, run_end;
-    std::vector<size_t> first_sample;  ///< of every eye point of the frame, and the end
+    std::vector<size_t> first_sample;  ///< index of every eye point's first sample, and the end
 };
 
 struct GivenAnswers {
-    std::vector<size_t> first_row;  ///< number of the first eye point of every tile
+    std::vector<size_t> first_row;  ///< index of the first eye point of every tile
     std::map<int, GivenBlock> blocks;
     std::map<int, GivenSamples> samples;
 };
 
-/// A frame with these answers; groups that are not among them are dark.
+/// A frame with these answers. Groups without answers stay dark.
 class GivenSource final : public OracleSource {
 public:
     explicit GivenSource(GivenAnswers answers) : answers_(std::move(answers)) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Tiles: the unit of work, of reuse and of determinism. Cut from parameters and scene only, never from
+// Tiles are the unit of work, of reuse and of determinism. They depend on parameters and scene only, never on
 // threads.
 #include <algorithm>
 #include <bit>
@@ -13,8 +13,8 @@ struct Tile {
     int x0, y0, x1, y1;  ///< pixels [x0, x1) × [y0, y1)
 };
 
-/// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp rounded to a power of two,
-/// ≥ 4.
+/// Edge in pixels of a tile of about samples_edge² eye samples: samples_edge/√spp, rounded to a power of two
+/// of at least 4.
 inline int tile_edge(int samples_edge, int spp) {
     const double edge = samples_edge / std::sqrt(double(spp));
     return std::max(4, int(std::exp2(std::round(std::log2(edge)))));
@@ -28,7 +28,7 @@ inline std::vector<Tile> cut_tiles(int width, int height, int edge) {
     return tiles;
 }
 
-/// Every `parts`-th tile from number `part` on: part of a frame that is spread over all of it.
+/// Every `parts`-th tile from number `part` on. A part is spread over the whole frame.
 inline std::vector<Tile> tiles_of_part(const std::vector<Tile>& tiles, int part, int parts) {
     std::vector<Tile> own;
     for (size_t i = size_t(part); i < tiles.size(); i += size_t(parts)) own.push_back(tiles[i]);
@@ -42,8 +42,10 @@ inline std::vector<std::pair<uint16_t, uint16_t>> morton_pixels(int width, int h
     pixels.reserve(size_t(width) * height);
     for (uint64_t code = 0; code < uint64_t(side) * side; ++code) {
         uint32_t x = 0, y = 0;
-        for (int bit = 0; bit < 16; ++bit)
-            x |= uint32_t(code >> (2 * bit) & 1) << bit, y |= uint32_t(code >> (2 * bit + 1) & 1) << bit;
+        for (int bit = 0; bit < 16; ++bit) {
+            x |= uint32_t(code >> (2 * bit) & 1) << bit;
+            y |= uint32_t(code >> (2 * bit + 1) & 1) << bit;
+        }
         if (int(x) < width && int(y) < height) pixels.emplace_back(uint16_t(x), uint16_t(y));
     }
     return pixels;

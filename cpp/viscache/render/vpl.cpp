@@ -15,39 +15,42 @@ constexpr size_t kPathsPerChunk = 256;
 constexpr size_t kCandidatesPerChunk = 256;
 constexpr size_t kPilotPaths = 4096;
 constexpr size_t kMaxPathsPerCandidate = 256;
-constexpr double kFloor = 0.1;          // share of the probability that follows flux alone
+constexpr double kFloor = 0.1;          // share of the probability that depends on flux only
 constexpr float kCompatibleCos = 0.7f;  // normals within 45°
 
-/// A photon: position and direction of a light path with the flux it carries.
+/// A photon: ray of a light path, and the flux it carries.
 struct Photon {
     Ray ray;
     Rgb flux;
 };
 
-/// Where a photon landed: normals on its side.
+/// The point that a photon has hit. Normals are on its side.
 struct Landing {
     const SurfacePoint& s;
     const Material& material;
-    Vec3 ng, ns, wi;  ///< wi: to where it came from
+    Vec3 ng, ns, wi;  ///< wi: direction the photon came from
     bool front;
 };
 
-/// Sends the photon on; false where its flux is not finite.
+/// Continues the photon. False if its flux is not finite.
 bool leave(Photon& photon, const Landing& l, Vec3 side, Vec3 direction, Rgb flux, float extent) {
     photon = {{spawn(l.s.position, side, extent), 0, direction, kInfinity}, flux};
     return is_finite(flux);
 }
 
-/// A mirror's photon, by the rule of eye paths: about the shading normal, or about the geometric one where
-/// that would lead below the surface.
+/// Reflects the photon by the rule of eye paths: with the shading normal, or with the geometric normal if the
+/// shading normal would reflect below the surface.
 bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
     Vec3 n = l.ns, direction = n * (2 * dot(l.wi, n)) - l.wi;
-    if (dot(direction, l.ng) <= 0) n = l.ng, direction = n * (2 * dot(l.wi, n)) - l.wi;
+    if (dot(direction, l.ng) <= 0) {
+        n = l.ng;
+        direction = n * (2 * dot(l.wi, n)) - l.wi;
+    }
     return leave(photon, l, l.ng, normalize(direction),
                  photon.flux * factor * adjoint(n, l.ng, l.wi, direction), extent);
 }
 
-/// Glass mirrors or refracts by chance; false where an eye path would be lost as well.
+/// Glass reflects or refracts at random. False where an eye path would end as well.
 bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
     const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
     if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
@@ -57,12 +60,16 @@ bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
                  extent);
 }
 
-/// Stores a VPL and goes on in a cosine-distributed direction, with the probability of the albedo. The
-/// glossy lobe is not carried by VPLs: they reflect diffusely what it leaves.
+/// Stores a VPL and continues in a cosine-distributed direction, with the probability of the albedo. VPLs do
+/// not carry the glossy lobe: they reflect the rest diffusely.
 bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<Vpl>& out, float extent) {
     ShadingPoint sp;
-    sp.kind = l.material.kind, sp.ng = l.ng, sp.ns = l.ns, sp.wo = l.wi;
-    sp.base = l.s.base_color, sp.specular = l.material.specular;
+    sp.kind = l.material.kind;
+    sp.ng = l.ng;
+    sp.ns = l.ns;
+    sp.wo = l.wi;
+    sp.base = l.s.base_color;
+    sp.specular = l.material.specular;
     const Rgb albedo = diffuse_albedo(sp);
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
     if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
@@ -99,7 +106,7 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
     }
 }
 
-/// VPLs of `paths` light paths; `pass` keys the random numbers.
+/// VPLs of `paths` light paths. `pass` keys the random numbers.
 std::vector<Vpl> trace_paths(const LightSampler& lights, const Scene& scene, const RayCaster& caster,
                              size_t paths, int max_depth, uint64_t seed, uint64_t pass, int threads,
                              Control& control, Counters& counters) {
@@ -130,8 +137,8 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
                             uint64_t seed, int threads, Control& control, Counters& counters) {
     const LightSampler lights(scene);
     if (lights.empty() || candidates == 0) return {};
-    // A pilot tells how many VPLs a path leaves: few where light only enters through windows. Its own VPLs
-    // are dropped, so that the number of paths is independent of the paths that count.
+    // A pilot estimates how many VPLs a path leaves. There are few where light enters only through windows.
+    // The VPLs of the pilot are dropped, so that the number of paths is independent of the paths that count.
     const auto pilot =
         trace_paths(lights, scene, caster, kPilotPaths, max_depth, seed, 0, threads, control, counters);
     const double per_path = std::max(double(pilot.size()), 1.0) / double(kPilotPaths);
@@ -142,7 +149,7 @@ std::vector<Vpl> trace_vpls(const Scene& scene, const RayCaster& caster, size_t 
 
 namespace {
 
-/// First diffuse or glossy hits of stratified camera samples: the judges of the candidates.
+/// First diffuse or glossy hits of stratified camera samples. The candidates are weighted at these points.
 std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
                                      int count, uint64_t seed, std::vector<float>& albedo,
                                      Counters& counters) {
@@ -169,7 +176,7 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
     return points;
 }
 
-/// Exact contributions of the candidates in [first, last) to the judging points. Returns the number of rays.
+/// Exact contributions of the candidates in [first, last) to those points. Returns the number of rays.
 uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
                const std::vector<EyeShade>& eyes, const std::vector<float>& albedo, float extent,
                const RayCaster& caster, float bound2, std::vector<double>& value) {
@@ -179,7 +186,9 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
     std::vector<float> what;
     std::vector<uint8_t> blocked;
     for (size_t e = 0; e < eyes.size(); ++e) {
-        rays.clear(), who.clear(), what.clear();
+        rays.clear();
+        who.clear();
+        what.clear();
         for (size_t i = first; i < last; ++i) {
             const Vpl& v = candidates[i];
             const Vec3 d = v.position - eyes[e].position;
@@ -189,7 +198,8 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
             if (!std::isfinite(g)) continue;
             rays.push_back(segment_to_point(spawn(eyes[e].position, eyes[e].ng, extent),
                                             spawn(v.position, v.normal, extent), extent));
-            who.push_back(i), what.push_back(g);
+            who.push_back(i);
+            what.push_back(g);
         }
         blocked.resize(rays.size());
         caster.occluded(rays, blocked);
@@ -200,7 +210,7 @@ uint64_t judge(const std::vector<Vpl>& candidates, size_t first, size_t last,
     return traced;
 }
 
-/// The same for all candidates, by all threads.
+/// The same for all candidates, on all threads.
 std::vector<double> judge_all(const std::vector<Vpl>& candidates, const std::vector<EyeShade>& eyes,
                               const std::vector<float>& albedo, float extent, const RayCaster& caster,
                               float bound2, int threads, Control& control, Counters& counters) {
@@ -228,13 +238,15 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
     const auto eyes =
         judging_points(scene, caster, film, settings.vpl_eye_points, frame.seed, albedo, counters);
     const float bound = settings.vpl_bound * scene.bounds().diagonal();
-    // With an unbounded geometry term single pairs would dominate: judge with the default bound
+    // With an unbounded geometry term single pairs would dominate: use the default bound here
     const float judge_bound = bound > 0 ? bound : 0.01f * scene.bounds().diagonal();
     const auto value = judge_all(candidates, eyes, albedo, scene.offset_extent(), caster,
                                  judge_bound * judge_bound, frame.threads, control, counters);
     double total_value = 0, total_flux = 0;
-    for (size_t i = 0; i < candidates.size(); ++i)
-        total_value += value[i], total_flux += luminance(candidates[i].flux);
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        total_value += value[i];
+        total_flux += luminance(candidates[i].flux);
+    }
     if (!(total_flux > 0)) return {};
     // Systematic resampling: one random offset, `wanted` equal steps through the cumulative probability
     std::vector<Vpl> kept;
@@ -246,7 +258,10 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
         const double q = total_value > 0 ? (1 - kFloor) * value[i] / total_value + kFloor * by_flux : by_flux;
         cumulative += q * double(wanted);
         size_t picks = 0;
-        while (next < wanted && double(next) + offset < cumulative) ++picks, ++next;
+        while (next < wanted && double(next) + offset < cumulative) {
+            ++picks;
+            ++next;
+        }
         if (!picks) continue;
         Vpl v = candidates[i];
         v.flux = v.flux * float(double(picks) / (q * double(wanted)));
@@ -257,7 +272,7 @@ std::vector<Vpl> resample_vpls(const std::vector<Vpl>& candidates, size_t wanted
 
 namespace {
 
-/// Density of one VPL among all.
+/// Density of the VPLs at one of them.
 float density_at(const std::vector<Vpl>& vpls, size_t i) {
     std::array<float, 4> nearest;  // squared distances, ascending
     nearest.fill(kInfinity);
@@ -267,7 +282,7 @@ float density_at(const std::vector<Vpl>& vpls, size_t i) {
         for (float& n : nearest)
             if (d2 < n) std::swap(d2, n);
     }
-    // Fewer than four: the farthest there is
+    // With fewer than four neighbours, use the farthest one
     for (size_t k = 4; k-- > 0;)
         if (nearest[k] < kInfinity) return nearest[k] > 0 ? 4 / (kPi * nearest[k]) : kInfinity;
     return 0;

@@ -34,6 +34,27 @@ void check_depth(std::string_view json, const std::string& path) {
     }
 }
 
+bool is_known(const std::string& extension) {
+    return extension == "KHR_lights_punctual" || extension == "KHR_materials_emissive_strength" ||
+           extension == "KHR_materials_ior" || extension == "KHR_materials_transmission" ||
+           extension == "KHR_mesh_quantization";
+}
+
+/// Looks at the required extensions before the buffers, which may be readable with them alone.
+void check_required(std::string_view json, const std::string& path) {
+    if (json.find("\"extensionsRequired\"") == std::string_view::npos) return;
+    const auto root = nlohmann::json::parse(json, nullptr, false);
+    if (!root.is_object() || !root.contains("extensionsRequired")) return;
+    for (const auto& name : root["extensionsRequired"]) {
+        if (!name.is_string() || is_known(name.get<std::string>())) continue;
+        const std::string text = name.get<std::string>();
+        const bool compressed = text == "EXT_meshopt_compression" || text == "KHR_draco_mesh_compression";
+        fail(path,
+             "the file requires the extension '" + text + "', which is not modelled" +
+                 (compressed ? "; 'gltf-transform copy IN OUT' writes the file without compression" : ""));
+    }
+}
+
 tinygltf::FsCallbacks file_callbacks() {
     tinygltf::FsCallbacks fs{};
     fs.FileExists = [](const std::string& name, void*) {
@@ -71,9 +92,10 @@ void GltfReader::parse() {
     const bool binary = bytes.starts_with("glTF");
     uint32_t json_bytes = 0;
     if (binary && bytes.size() >= 20) std::memcpy(&json_bytes, bytes.data() + 12, 4);
-    check_depth(
-        binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes,
-        path_);
+    const std::string_view json =
+        binary ? std::string_view(bytes).substr(std::min<size_t>(20, bytes.size()), json_bytes) : bytes;
+    check_depth(json, path_);
+    check_required(json, path_);
 
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks(file_callbacks());
@@ -92,16 +114,8 @@ void GltfReader::parse() {
 }
 
 void GltfReader::check_extensions() {
-    const auto known = [](const std::string& name) {
-        return name == "KHR_lights_punctual" || name == "KHR_materials_emissive_strength" ||
-               name == "KHR_materials_ior" || name == "KHR_materials_transmission" ||
-               name == "KHR_mesh_quantization";
-    };
-    for (const std::string& name : model_.extensionsRequired)
-        if (!known(name))
-            fail(path_, "the file requires the extension '" + name + "', which is not modelled");
     for (const std::string& name : model_.extensionsUsed)
-        if (!known(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
+        if (!is_known(name)) loading_.warn(path_, "the extension '" + name + "' is not modelled; ignored");
     if (!model_.animations.empty())
         loading_.warn(path_, "animations are not modelled; the scene at rest is used");
 }

@@ -1,4 +1,6 @@
 // Mitsuba XML: files, includes, ids, and the elements of a scene.
+#include <filesystem>
+
 #include "viscache/scene/mitsuba_reader.h"
 
 namespace viscache::loading {
@@ -7,6 +9,7 @@ MitsubaReader::XmlFile& MitsubaReader::open(const std::string& path, const std::
     for (const std::string& outer : open_)
         if (outer == path) fail(asked_at, "the include of '" + path + "' is cyclic");
     if (open_.size() >= size_t(kMaxDepth)) fail(asked_at, "includes are nested too deeply");
+    if (files_.size() >= kMaxFiles) fail(asked_at, "the scene includes more than 10,000 files");
     files_.push_back(std::make_unique<XmlFile>(path, read_file(path, asked_at)));
     XmlFile& file = *files_.back();
     const auto result = file.document.load_buffer(file.text.data(), file.text.size());
@@ -40,7 +43,27 @@ std::string MitsubaReader::path_of(Node owner) const {
     if (!name) fail_at(owner, "'" + type_of(owner) + "' needs a filename");
     const std::string value = attribute(name, "value");
     if (value.empty()) fail_at(name, "the filename is empty");
-    return resolve(file_of(owner).path, value);
+    return find_file(value, owner);
+}
+
+std::string MitsubaReader::find_file(const std::string& name, Node asker) const {
+    std::error_code error;
+    const auto is_there = [&](const std::string& path) { return std::filesystem::exists(path, error); };
+    // Mitsuba's order: the <path> elements, the latest first, then the folder of the main file. Files that
+    // were moved together with an included file are found beside it.
+    for (size_t i = folders_.size(); i-- > 0;)
+        if (const std::string path = resolve(folders_[i], name); is_there(path)) return path;
+    const std::string from_main = resolve(files_.front()->path, name);
+    const std::string from_here = resolve(file_of(asker).path, name);
+    return !is_there(from_main) && is_there(from_here) ? from_here : from_main;
+}
+
+void MitsubaReader::add_folder(Node node) {
+    const std::string folder = find_file(attribute(node, "value"), node);
+    std::error_code error;
+    if (!std::filesystem::is_directory(folder, error))
+        return warn_at(node, "the folder '" + folder + "' is not there; skipped");
+    folders_.push_back(folder + "/");
 }
 
 void MitsubaReader::register_ids(Node root) {
@@ -64,7 +87,7 @@ void MitsubaReader::register_ids(Node root) {
 }
 
 void MitsubaReader::include(Node node) {
-    const XmlFile& file = open(resolve(file_of(node).path, attribute(node, "filename")), where(node));
+    const XmlFile& file = open(find_file(attribute(node, "filename"), node), where(node));
     const Node scene = file.document.child("scene");
     if (!scene) fail(file.path, "the root element must be <scene>");
     register_ids(scene);
@@ -86,6 +109,8 @@ void MitsubaReader::read_elements(Node scene) {
             sensor(node);
         } else if (tag == "include") {
             include(node);
+        } else if (tag == "path") {
+            add_folder(node);
         } else if (tag == "alias") {
             ids_[attribute(node, "as")] = target_of(node);
         } else if (tag != "integrator" && tag != "bsdf" && tag != "texture" && tag != "sampler" &&

@@ -22,9 +22,11 @@ void PbrtReader::save(char kind, const PbrtToken& token) {
 }
 
 void PbrtReader::restore(char kind, const PbrtToken& token) {
-    if (saved_.empty() || saved_.back().kind != kind)
+    // An object is an attribute block to pbrt: each may end the other.
+    const bool is_transform = kind == 't';
+    if (saved_.empty() || (saved_.back().kind == 't') != is_transform)
         fail(token.where(), std::string(token.text) + " has no matching begin");
-    if (kind == 't')
+    if (is_transform)
         now_.ctm = saved_.back().graphics.ctm;
     else
         now_ = std::move(saved_.back().graphics);

@@ -200,6 +200,14 @@ void flip_normals(Mesh& mesh) {
     for (Vec3& n : mesh.normals) n = -n;
 }
 
+void wind_by_normals(Mesh& mesh) {
+    if (mesh.normals.size() != mesh.vertices.size()) return;
+    for (Vec3u& t : mesh.triangles) {
+        const Vec3 a = mesh.vertices[t.x], n = mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z];
+        if (dot(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a), n) < 0) std::swap(t.y, t.z);
+    }
+}
+
 void append_mesh(Mesh& a, const Mesh& b) {
     const auto base = uint32_t(a.vertices.size());
     if (base && a.normals.empty() != b.normals.empty())

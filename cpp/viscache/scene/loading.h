@@ -78,6 +78,8 @@ void check_mesh(const Mesh& mesh, const std::string& where);
 void transform_mesh(Mesh& mesh, const Affine& t);
 void flip_winding(Mesh& mesh);
 void flip_normals(Mesh& mesh);
+/// Turns triangles whose winding disagrees with their normals. The indices must be valid.
+void wind_by_normals(Mesh& mesh);
 /// Appends `b` to `a`. Normals and uvs are dropped unless both have them.
 void append_mesh(Mesh& a, const Mesh& b);
 

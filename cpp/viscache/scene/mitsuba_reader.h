@@ -23,6 +23,8 @@ public:
     void read_scene(const std::string& path);
 
 private:
+    static constexpr size_t kMaxFiles = 10'000;  ///< a file counts each time it is included
+
     struct XmlFile {
         XmlFile(std::string path, std::string text)
             : path(std::move(path)), text(std::move(text)), lines(this->text) {}
@@ -41,7 +43,9 @@ private:
     [[noreturn]] void fail_at(Node node, const std::string& what) const { fail(where(node), what); }
     void warn_at(Node node, const std::string& what) { loading_.warn(where(node), what); }
     Node target_of(Node ref) const;
-    std::string path_of(Node owner) const;  ///< its `filename`, relative to the file that contains it
+    std::string path_of(Node owner) const;  ///< the file that its `filename` names
+    std::string find_file(const std::string& name, Node asker) const;
+    void add_folder(Node node);
 
     // mitsuba_values.cpp: properties and values
     std::string attribute(Node node, const char* name) const;  ///< with $parameters replaced
@@ -95,7 +99,8 @@ private:
 
     Loading& loading_;
     std::vector<std::unique_ptr<XmlFile>> files_;
-    std::vector<std::string> open_;  ///< chain of open includes
+    std::vector<std::string> open_;     ///< chain of open includes
+    std::vector<std::string> folders_;  ///< of <path> elements, each with a slash at its end
     std::map<std::string, std::string> parameters_;
     std::map<std::string, Node> ids_;
     std::map<size_t, int> materials_;                ///< key: bsdf element

@@ -3,6 +3,12 @@
 
 namespace viscache::loading {
 
+namespace {
+
+bool is_generated(const std::string& type) { return type == "rectangle" || type == "cube" || type == "disk"; }
+
+}  // namespace
+
 Mesh MitsubaReader::serialized_mesh(Node node) {
     const std::string path = path_of(node);
     const auto [found, is_new] = serialized_.try_emplace(path);
@@ -22,7 +28,7 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
         turn_v = !boolean(node, "flip_tex_coords", type == "obj");
     } else if (type == "serialized") {
         mesh = serialized_mesh(node);
-    } else if (type == "rectangle" || type == "cube" || type == "disk") {
+    } else if (is_generated(type)) {
         mesh = type == "rectangle" ? rectangle_mesh() : type == "cube" ? cube_mesh() : disk_mesh();
         turn_v = true;
     }
@@ -38,14 +44,14 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
     if (!(radius > 0)) fail_at(node, "the radius of a sphere must be > 0");
     const Affine to_world = transform(node);
     const auto scale = uniform_scale(to_world);
-    const bool flipped = boolean(node, "flip_normals", false);
+    // A transform that mirrors turns a sphere inside out, as in Mitsuba 3: its radius becomes negative.
+    const bool flipped = boolean(node, "flip_normals", false) != (to_world.determinant() < 0);
     if (max_component(emission) > 0 && scale && !flipped && !in_group) {
         loading_.scene.sphere_lights.push_back({to_world.point(center), float(radius * *scale), emission});
         return;
     }
     Mesh mesh = sphere_mesh(center, float(radius));
     transform_mesh(mesh, to_world);
-    // The normals of a sphere point outwards in the world, even if the transform mirrors it.
     if (to_world.determinant() < 0) flip_winding(mesh);
     if (flipped) flip_normals(mesh);
     mesh.name = attribute(node, "id");
@@ -75,7 +81,15 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (property(node, "max_smooth_angle"))
         warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
     if (boolean(node, "face_normals", false)) mesh->normals.clear();
-    transform_mesh(*mesh, transform(node));
+    const Affine to_world = transform(node);
+    transform_mesh(*mesh, to_world);
+    // The front is where the normals point, also under a transform that mirrors. Files without normals have
+    // it where their winding says.
+    if (is_generated(type) && to_world.determinant() < 0) flip_winding(*mesh);
+    if (!mesh->normals.empty()) {
+        check_mesh(*mesh, where(node));
+        wind_by_normals(*mesh);
+    }
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
     if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;
     mesh->material = material;

@@ -194,7 +194,7 @@ Rgb MitsubaReader::rgb_value(Node node) const {
 Rgb MitsubaReader::spectrum_value(Node node) const {
     std::string text = attribute(node, "value");
     if (node.attribute("filename"))
-        text = read_file(resolve(file_of(node).path, attribute(node, "filename")), where(node));
+        text = read_file(find_file(attribute(node, "filename"), node), where(node));
     const bool pairs = text.find(':') != std::string::npos || node.attribute("filename");
     if (!pairs) return rgb_value(node);
     std::replace(text.begin(), text.end(), ':', ' ');

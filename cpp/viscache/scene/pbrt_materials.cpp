@@ -85,8 +85,9 @@ PbrtTexture PbrtReader::color_texture(const PbrtParams& params, const char* name
     if (p->type != "texture" || p->strings.size() != 1)
         fail(p->where, std::string("'") + name + "' must be a colour or a texture");
     const auto found = now_.textures->find(p->strings[0]);
-    if (found == now_.textures->end()) fail(p->where, "the texture '" + p->strings[0] + "' is not defined");
-    return found->second;
+    if (found != now_.textures->end()) return found->second;
+    loading_.warn(p->where, "the texture '" + p->strings[0] + "' is not defined; the default is used");
+    return {fallback};
 }
 
 Rgb PbrtReader::color(const PbrtParams& params, const char* name, Rgb fallback) {
@@ -227,7 +228,8 @@ void PbrtReader::set_named_material(const std::string& where) {
     const std::string name = name_argument();
     PbrtParams::read(tokens_);
     const auto found = now_.named->find(name);
-    if (found == now_.named->end()) fail(where, "the material '" + name + "' is not defined");
+    if (found == now_.named->end())
+        return loading_.warn(where, "the material '" + name + "' is not defined; the one before is kept");
     now_.material = found->second;
 }
 

@@ -71,11 +71,7 @@ void PbrtReader::orient(Mesh& mesh) {
         if (mirrored != now_.reversed) flip_winding(mesh);
         return;
     }
-    if (mesh.normals.size() == mesh.vertices.size())
-        for (Vec3u& t : mesh.triangles) {
-            const Vec3 a = mesh.vertices[t.x], n = mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z];
-            if (dot(cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a), n) < 0) std::swap(t.y, t.z);
-        }
+    wind_by_normals(mesh);
     if (now_.reversed) flip_normals(mesh);
 }
 
@@ -111,6 +107,9 @@ void PbrtReader::shape(const std::string& where) {
     const PbrtParams params = PbrtParams::read(tokens_);
     if (now_.material == kNoSurface)
         return loading_.warn(where, "a shape without a surface (material \"none\") is skipped");
+    // An alpha of 0 makes a shape invisible
+    if (const PbrtParam* alpha = params.find("alpha"); alpha && alpha->numbers == std::vector<double>{0})
+        return;
     if (type == "sphere" && sphere_light(params, where)) return;
     auto mesh = shape_mesh(type, params, where);
     if (!mesh) return loading_.warn(where, "shape '" + type + "' is not modelled; skipped");

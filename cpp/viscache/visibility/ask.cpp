@@ -47,7 +47,7 @@ private:
     std::span<const uint32_t> row_;
 };
 
-/// Keeps a tile's log until its clusters have numbers.
+/// Stores the log of a tile until its clusters are numbered.
 class TileLog final : public QueryLog {
 public:
     TileLog(std::span<const uint32_t> row, const BlockQuestion& question) : row_(row), question_(question) {}
@@ -62,13 +62,13 @@ private:
     const BlockQuestion& question_;
 };
 
-/// One thread's oracle and buffers.
-struct Asker {
+/// Oracle and buffers of one thread.
+struct ThreadState {
     std::unique_ptr<VisibilityOracle> oracle;
     BitMatrix wanted, visible;
 };
 
-/// What a source may ask when there is no frame but arrays.
+/// Frame of a call with arrays, as its source sees it.
 class ArraysStart final : public FrameStart {
 public:
     ArraysStart(const EyeTiles& tiles, const BlockQuestion* block, const PairQuestion* pairs, int threads,
@@ -120,19 +120,19 @@ private:
     std::vector<const FarEnds*> lights_;
 };
 
-/// Runs `work(tile, asker, counters)` over all tiles as one round of the source.
+/// Runs `work(tile, state, counters)` over all tiles as one round of the source.
 template <class Work>
 void over_tiles(OracleSource& source, const EyeTiles& tiles, int threads, Control& control,
                 Counters& counters, Work work) {
     const size_t n = tiles.eyes.size();
     threads = std::min<int>(resolve_threads(threads), int(std::max<size_t>(1, n)));
-    std::vector<Asker> askers(static_cast<size_t>(threads));
+    std::vector<ThreadState> states(static_cast<size_t>(threads));
     std::vector<Counters> counted(n);
     control.total = n;
     source.begin_round(n);
     parallel_for(n, threads, [&](size_t t, int worker) {
         control.check();
-        Asker& mine = askers[size_t(worker)];
+        ThreadState& mine = states[size_t(worker)];
         if (!mine.oracle) {
             mine.oracle = source.make();
             mine.oracle->watch(control);
@@ -146,7 +146,7 @@ void over_tiles(OracleSource& source, const EyeTiles& tiles, int threads, Contro
     source.end_round(counters);
 }
 
-/// The wanted bits of a tile; all where none are given.
+/// Collects the wanted bits of a tile; all bits if none are given.
 void gather_wanted(const BlockQuestion& q, size_t words, std::span<const uint32_t> row, BitMatrix& wanted) {
     wanted.reset(row.size(), q.lights->count);
     for (size_t i = 0; i < row.size(); ++i) {
@@ -159,7 +159,7 @@ void gather_wanted(const BlockQuestion& q, size_t words, std::span<const uint32_
     }
 }
 
-/// Clusters of one tile get numbers in order of first appearance, from `next` on.
+/// Numbers the clusters of one tile in the order of first appearance, starting at `next`.
 void number_clusters(std::vector<AskedQuery>& log, uint64_t& next) {
     std::sort(log.begin(), log.end(), [](const AskedQuery& a, const AskedQuery& b) {
         return std::pair(a.row, a.column) < std::pair(b.row, b.column);
@@ -203,22 +203,22 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
     std::vector<std::vector<AskedQuery>> logs(logs_some ? tiles.eyes.size() : 0);
     std::mutex weights_mutex;
     over_tiles(
-        source, tiles, threads, control, out.counters, [&](size_t t, Asker& asker, Counters& counters) {
+        source, tiles, threads, control, out.counters, [&](size_t t, ThreadState& state, Counters& counters) {
             const EyeBlock& eyes = tiles.eyes[t];
             const std::span<const uint32_t> row = tiles.row[t];
-            gather_wanted(question, out.words, row, asker.wanted);
-            asker.visible.reset(row.size(), lights.count);
+            gather_wanted(question, out.words, row, state.wanted);
+            state.visible.reset(row.size(), lights.count);
             std::optional<GivenContributions> given;
             if (question.contributions) given.emplace(question.contributions, lights.count, row);
             TileLog log(row, question);
-            asker.oracle->log(logs_some ? &log : nullptr);
-            asker.oracle->weigh(given ? &*given : nullptr);
-            asker.oracle->block(eyes, lights, asker.wanted, asker.visible, counters);
-            asker.oracle->weigh(nullptr);
-            asker.oracle->log(nullptr);
+            state.oracle->log(logs_some ? &log : nullptr);
+            state.oracle->weigh(given ? &*given : nullptr);
+            state.oracle->block(eyes, lights, state.wanted, state.visible, counters);
+            state.oracle->weigh(nullptr);
+            state.oracle->log(nullptr);
             for (size_t i = 0; i < row.size(); ++i) {
-                std::copy_n(asker.visible.row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
-                const std::span<const float> weights = asker.oracle->block_weights(uint32_t(i));
+                std::copy_n(state.visible.row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
+                const std::span<const float> weights = state.oracle->block_weights(uint32_t(i));
                 if (weights.empty()) continue;
                 {
                     const std::lock_guard lock(weights_mutex);
@@ -242,7 +242,7 @@ PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQues
     PairAnswer out;
     const size_t n = question.queries.size();
     out.visible.assign(n, 0);
-    // Where each eye point is, and its queries
+    // The tile and place of each eye point, and its queries
     std::vector<uint32_t> tile_of(tiles.size, kNowhere), place_of(tiles.size, 0), begin(tiles.size + 1, 0);
     for (uint32_t t = 0; t < tiles.row.size(); ++t)
         for (uint32_t i = 0; i < tiles.row[t].size(); ++i) {
@@ -260,9 +260,9 @@ PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQues
     source.prepare(start, control);
     std::mutex weights_mutex;
     over_tiles(
-        source, tiles, threads, control, out.counters, [&](size_t t, Asker& asker, Counters& counters) {
+        source, tiles, threads, control, out.counters, [&](size_t t, ThreadState& state, Counters& counters) {
             const EyeBlock& eyes = tiles.eyes[t];
-            const PairOrder order = asker.oracle->pair_order(eyes);
+            const PairOrder order = state.oracle->pair_order(eyes);
             std::vector<ShadowQuery> queries;
             std::vector<uint32_t> number;
             std::vector<Word> answer;
@@ -284,8 +284,8 @@ PairAnswer ask_pairs(OracleSource& source, const EyeTiles& tiles, const PairQues
                 first = last;
                 if (queries.empty()) continue;
                 answer.assign(words_for(queries.size()), 0);
-                asker.oracle->pairs(eyes, queries, answer, counters);
-                const std::span<const float> weights = asker.oracle->pair_weights();
+                state.oracle->pairs(eyes, queries, answer, counters);
+                const std::span<const float> weights = state.oracle->pair_weights();
                 if (!weights.empty()) {
                     const std::lock_guard lock(weights_mutex);
                     if (out.weights.empty()) out.weights.assign(n, 1.f);

@@ -1,5 +1,6 @@
 #pragma once
-// Any number of eye points asked about far ends, without a renderer: cut into tiles, spread over threads.
+// Queries for any number of eye points without a renderer. The points are split into tiles, and the tiles are
+// distributed over threads.
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,38 +10,39 @@
 
 namespace viscache {
 
-/// Eye points in tiles: tile t holds `eyes[t]`, and `row[t][i]` is the caller's number of its point i.
+/// Eye points in tiles. Tile t holds `eyes[t]`; `row[t][i]` is the index of its point i in the arrays of the
+/// caller.
 struct EyeTiles {
     std::vector<EyeBlock> eyes;
     std::vector<std::vector<uint32_t>> row;
-    size_t size = 0;  ///< points in all tiles
+    size_t size = 0;  ///< number of points in all tiles
 
-    /// Cuts points along the Morton curve of their places into tiles of at most `most` points. Their order
-    /// inside a tile is Halton–Morton order's: a curve through a square.
+    /// Splits points along the Morton curve of their positions into tiles of at most `most` points. Inside a
+    /// tile, order_x and order_y follow a curve through a square, for the Halton–Morton order.
     static EyeTiles along_curve(const EyeBlock& points, size_t most);
 };
 
-/// One query of a block and who answered it, by the caller's numbers.
+/// One query of a block and its answer, with the indices of the caller.
 struct AskedQuery {
     uint32_t row, column;
-    uint64_t cluster;         ///< numbered from 0 in order of first appearance, tile after tile
-    uint32_t representative;  ///< row of the point whose ray answered
+    uint64_t cluster;         ///< numbered from 0 in order of first appearance
+    uint32_t representative;  ///< row of the point whose ray was traced
     uint8_t level;
     bool traced;
 };
 
 struct BlockQuestion {
     const FarEnds* lights = nullptr;
-    /// Bits asked for, rows of `words` words by the caller's numbers; nullptr: all.
+    /// Queried bits in rows of `words` words, with the indices of the caller; nullptr: all.
     const Word* wanted = nullptr;
-    /// Unoccluded contributions (rows × columns); nullptr: none. A cache may spend rays by them.
+    /// Unoccluded contributions (rows × columns); nullptr: none. A cache can distribute its rays by them.
     const float* contributions = nullptr;
-    /// Tell who answered each query of the columns [log_begin, log_end).
+    /// Log the queries of the columns [log_begin, log_end).
     size_t log_begin = 0, log_end = 0;
 };
 
 struct BlockAnswer {
-    size_t words = 0;            ///< of a row: the columns, rounded up to whole words
+    size_t words = 0;            ///< words per row: columns rounded up to whole words
     std::vector<Word> bits;      ///< size × words; 1 = visible
     std::vector<float> weights;  ///< size × columns, or empty: 1 each
     std::vector<AskedQuery> log;
@@ -48,13 +50,13 @@ struct BlockAnswer {
     SourceReport report;
 };
 
-/// Everything × everything. `source` must be new: it serves one call.
+/// Answers all eye points × all far ends. `source` must be new: it serves one call.
 BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQuestion& question, int threads,
                       Control& control);
 
-/// Connections of which each belongs to one eye point.
+/// Connections that each belong to one eye point.
 struct PairQuestion {
-    std::vector<ShadowQuery> queries;  ///< `eye` is the caller's number
+    std::vector<ShadowQuery> queries;  ///< `eye` is an index of the caller
 };
 
 struct PairAnswer {

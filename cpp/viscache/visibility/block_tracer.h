@@ -9,9 +9,9 @@
 
 namespace viscache {
 
-/// One object per thread and batch of similar rays. Rays in a coherent order (such as that of an image) are
-/// traced as given, with the traversal flag that trials find to be faster. Rays in no order are sorted
-/// first, unless they are cheap or sorting a block did not make it faster.
+/// One object per thread and batch of similar rays. Rays in a coherent order, such as that of an image, are
+/// traced as given, with the traversal flag that is fastest in trials. Other rays are sorted first, unless
+/// they are cheap or sorting a block did not save time.
 class BlockTracer {
 public:
     /// The answer for ray k is stored in occluded[k].

@@ -55,11 +55,10 @@ struct BspNode {
 
 struct BspTree {
     std::vector<BspNode> nodes;  ///< node 0 is the root; empty if there are no triangles
-    std::vector<uint32_t>
-        ids;            ///< triangles of the leaves; a triangle across a plane is listed on both sides
-    Bounds bounds;      ///< cell of the root
-    int max_depth = 0;  ///< the limit
-    int depth = 0;      ///< depth of the deepest leaf
+    std::vector<uint32_t> ids;   ///< triangles of the leaves; one across a plane is listed on both sides
+    Bounds bounds;               ///< cell of the root
+    int max_depth = 0;           ///< the limit
+    int depth = 0;               ///< depth of the deepest leaf
 
     uint64_t bytes() const { return nodes.size() * sizeof(BspNode) + ids.size() * sizeof(uint32_t); }
 };
@@ -68,8 +67,8 @@ struct BspTree {
 /// rounding cannot place a hit in a cell that does not list its triangle.
 constexpr float kCellUlps = 16;
 
-/// Limits on the tests of a triangle against a cell during a build: a hundred times what scenes need at the
-/// default depth, some seconds.
+/// Limits on the tests of a triangle against a cell during a build. They allow about a hundred times what
+/// scenes need at the default depth, which takes some seconds.
 constexpr uint64_t kMostTests = uint64_t{1} << 23, kMostTestsPerTriangle = 1 << 12;
 
 /// Builds the tree. The result is the same for any number of threads. Throws OverBudget if the tree exceeds

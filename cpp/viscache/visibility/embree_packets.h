@@ -36,8 +36,8 @@ void set_common(Packet& packet) {
     std::memset(packet.id, 0, sizeof packet.id);
 }
 
-/// Nearest hits in packets of kWidth consecutive rays. `hit_of` makes a Hit of (geomID, instID, primID, u,
-/// v, t).
+/// Nearest hits in packets of kWidth consecutive rays. `hit_of` converts (geomID, instID, primID, u, v, t) to
+/// a Hit.
 template <class Packet, int kWidth, class HitOf>
 void nearest_packets(Query& query, RTCScene scene, std::span<const Ray> rays, std::span<Hit> hits,
                      HitOf hit_of) {

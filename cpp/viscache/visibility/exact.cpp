@@ -29,7 +29,7 @@ uint64_t count_bits(const BitMatrix& m) {
     return n;
 }
 
-/// Traces the connections numbered in `order` and sets the bits of the visible ones.
+/// Traces the connections with the indices in `order` and sets the bits of the visible ones.
 template <class RayOf>
 static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> order, RayOf ray_of,
                          std::span<Word> visible, Coherence flag) {
@@ -47,7 +47,7 @@ static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> orde
 
 void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters) {
-    uint64_t asked = 0;
+    uint64_t queries = 0;
     for (size_t first = 0; first < wanted.rows(); first += 16) {
         check_cancelled();
         block_plan_.piece([&](const Plan& plan) {
@@ -57,7 +57,7 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
             else
                 for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
                     rays += row_by_pixel(row, eyes, lights, wanted, visible, plan.flag);
-            asked += rays;
+            queries += rays;
             return rays;
         });
     }
@@ -67,7 +67,9 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
                 log_->answered(i, uint32_t(k), {i * uint64_t(lights.count) + k, i, 0, true});
             });
     GroupCounters& group = counters.group(lights.group);
-    group.queries += asked, group.rays += asked, group.occluded += asked - count_bits(visible);
+    group.queries += queries;
+    group.rays += queries;
+    group.occluded += queries - count_bits(visible);
 }
 
 std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> order,
@@ -79,7 +81,7 @@ std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> ord
     return plans;
 }
 
-/// Sixteen eye points towards all their lights, one light after another. Returns the number of rays.
+/// Traces 16 eye points towards all their lights, one light after another. Returns the number of rays.
 size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights,
                                     const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
     RayPacket16 origin, packet;
@@ -88,7 +90,9 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
     const size_t n = std::min<size_t>(16, wanted.rows() - first);
     for (size_t i = 0; i < 16; ++i) {
         const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
-        origin.ox[i] = o.x, origin.oy[i] = o.y, origin.oz[i] = o.z;
+        origin.ox[i] = o.x;
+        origin.oy[i] = o.y;
+        origin.oz[i] = o.z;
     }
     for (size_t w = 0; w < words_for(lights.count); ++w) {
         columns16(wanted, first, w, columns);
@@ -100,8 +104,11 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
             // Aim the 16 eye points at light k
             const size_t k = w * kWordBits + size_t(j);
             std::memcpy(packet.ox, origin.ox, 3 * sizeof origin.ox);
-            for (int i = 0; i < 16; ++i)
-                packet.dx[i] = lights.tx[k], packet.dy[i] = lights.ty[k], packet.dz[i] = lights.tz[k];
+            for (int i = 0; i < 16; ++i) {
+                packet.dx[i] = lights.tx[k];
+                packet.dy[i] = lights.ty[k];
+                packet.dz[i] = lights.tz[k];
+            }
             aim16(packet, lights, extent_);
             answers[j] = uint16_t(columns[j] & ~caster_.occluded16(columns[j], packet, flag));
             rays += size_t(std::popcount(columns[j]));
@@ -111,8 +118,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
     return rays;
 }
 
-/// One eye point towards all its lights, sixteen neighbours of the list at a time. Returns the number of
-/// rays.
+/// Traces one eye point towards all its lights, 16 consecutive lights at a time. Returns the number of rays.
 size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights,
                                  const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
     RayPacket16 packet;
@@ -126,7 +132,8 @@ size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds
         const uint16_t blocked = caster_.occluded16(mask, packet, flag);
         for (int i = 0; i < used; ++i)
             if (!(blocked >> i & 1)) visible.set(row, lane_light[i]);
-        rays += size_t(used), used = 0;
+        rays += size_t(used);
+        used = 0;
     };
     for_each_bit(wanted.row_span(row), [&](size_t k) {
         set_lane(packet, used, shadow_ray(eyes, uint32_t(row), lights, k, extent_));
@@ -139,7 +146,7 @@ size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds
 
 namespace {
 
-/// Connections as they are handed to `pairs`.
+/// Connections of a call of `pairs`.
 struct QuerySource {
     std::span<const ShadowQuery> queries;
     size_t size() const { return queries.size(); }
@@ -165,8 +172,8 @@ struct SampleSource {
 
 }  // namespace
 
-/// Numbers of the traceable connections, by direction and then in the order asked: neighbours towards the
-/// same side.
+/// Sorts the indices of the traceable connections by direction; the order within a direction bin is kept. So
+/// neighbouring rays have similar directions.
 template <class Source>
 void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, Counters& counters) {
     constexpr uint32_t kBinEdge = 16, kBins = kBinEdge * kBinEdge;
@@ -176,7 +183,8 @@ void ExactOracle::sort_by_direction(const Source& source, const EyeBlock& eyes, 
     for (size_t i = 0; i < source.size(); ++i) {
         const Vec3 origin = eyes.origin[source.eye(i)], target = source.target(i);
         if (!is_traceable(origin) || !is_traceable(target)) {
-            bin_[i] = kLeftOut, ++counters.bypassed;
+            bin_[i] = kLeftOut;
+            ++counters.bypassed;
             continue;
         }
         bin_[i] = uint16_t(direction_bin<kBinEdge>(source.is_direction(i) ? target : target - origin));
@@ -210,7 +218,9 @@ void ExactOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queri
     trace_all(QuerySource{queries}, eyes, visible, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         GroupCounters& group = counters.group(queries[i].group);
-        group.queries += 1, group.rays += 1, group.occluded += !get_bit(visible.data(), i);
+        group.queries += 1;
+        group.rays += 1;
+        group.occluded += !get_bit(visible.data(), i);
     }
 }
 
@@ -220,7 +230,8 @@ void ExactOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std
     for_each_sample(samples, [&](uint32_t eye, size_t i) { eye_of_sample_[i] = eye; });
     trace_all(SampleSource{samples, eye_of_sample_}, eyes, visible, counters);
     GroupCounters& group = counters.group(samples.group);
-    group.queries += samples.size(), group.rays += samples.size();
+    group.queries += samples.size();
+    group.rays += samples.size();
     group.occluded += samples.size() - count_bits(visible);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The exact oracle: one ray per question, in the order that traces fastest.
+// The exact oracle: one ray per query, in the order that traces fastest.
 #include <optional>
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace viscache {
 
-/// Which rays share a packet. Speed only: the answers are the same.
+/// The rays that share a packet. Affects speed only.
 enum class PacketOrder {
     kByLight,  ///< 16 neighbouring eye points towards one light: the fastest
     kByPixel,  ///< one eye point towards 16 lights
@@ -18,7 +18,7 @@ enum class PacketOrder {
 
 class ExactOracle final : public VisibilityOracle {
 public:
-    /// `extent` is Scene::offset_extent. Without an order or a flag, short trials find the fastest.
+    /// `extent` is Scene::offset_extent. Without an order or a flag, short trials select the fastest.
     ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
         : caster_(caster), extent_(extent), block_plan_(plans(order, flag), {}, 1024), pairs_flag_(flag) {}
@@ -43,7 +43,8 @@ private:
     size_t row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Coherence flag);
 
-    /// Connections i = 0 … size − 1 of any source: its eye(i), target(i), ray(i) and is_direction(i).
+    /// Traces connections i = 0 … size − 1 of a source, which has eye(i), target(i), ray(i) and
+    /// is_direction(i).
     template <class Source>
     void trace_all(const Source& source, const EyeBlock& eyes, std::span<Word> visible, Counters& counters);
     template <class Source>
@@ -54,7 +55,7 @@ private:
     QueryLog* log_ = nullptr;
     Trial<Plan> block_plan_;
     CoherenceTrial pairs_flag_;
-    // Of `pairs` and `samples`: the connections' direction bins, and their numbers sorted by bin
+    // For `pairs` and `samples`: direction bins of the connections, and indices sorted by bin
     std::vector<uint16_t> bin_;
     std::vector<uint32_t> order_by_direction_;
     std::vector<uint32_t> begin_;

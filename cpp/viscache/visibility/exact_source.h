@@ -1,5 +1,5 @@
 #pragma once
-// The exact oracles of a frame.
+// Source of exact oracles.
 #include "viscache/scene/scene.h"
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/oracle_source.h"
@@ -8,7 +8,7 @@ namespace viscache {
 
 class ExactSource final : public OracleSource {
 public:
-    /// Without an order or a flag, short trials find the fastest.
+    /// Without an order or a flag, short trials select the fastest.
     ExactSource(const Scene& scene, const RayCaster& caster, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
         : caster_(caster), extent_(scene.offset_extent()), order_(order), flag_(flag) {}

@@ -1,9 +1,9 @@
 #pragma once
-// Where the oracles of one frame come from.
+// Sources of the oracles of one frame.
 //
-// A source is made for one frame. The frame lets it prepare (shadow maps are traced, visibilities are
-// learned), asks it for one oracle per thread and tells it of its course. What oracles learn is handed over
-// between rounds, in the order of the items, so that answers do not depend on threads.
+// A source is made for one frame. The frame calls `prepare` (which can trace shadow maps or learn
+// visibilities), takes one oracle per thread, and reports its progress. What oracles learn is merged between
+// rounds in the order of the items, so that answers do not depend on the number of threads.
 #include <memory>
 #include <span>
 #include <string>
@@ -19,24 +19,24 @@ namespace viscache {
 
 class OracleSource;
 
-/// What a source may ask of a frame before the first item.
+/// The part of a frame that a source can use before the first item.
 class FrameStart {
 public:
     virtual ~FrameStart() = default;
-    /// The light groups that all eye points share. They stay as they are for the whole frame.
+    /// The light groups that all eye points share. They do not change during the frame.
     virtual std::span<const FarEnds* const> lights() const = 0;
-    /// Asks the queries of a small version of the frame, with about `pixels` eye samples, to the oracles of
-    /// another source. Returns what it counted; the frame adds these rays to its own.
+    /// Runs the queries of a small version of the frame, with about `pixels` eye samples, through the oracles
+    /// of another source. Returns its counters; the frame adds these rays to its own.
     virtual Counters ask_small(size_t pixels, OracleSource& source, Control& control) = 0;
     virtual int threads() const = 0;
 };
 
-/// What a source adds to a frame's account of itself.
+/// What a source adds to the report of a frame.
 struct SourceReport {
     using Value = std::variant<uint64_t, double, std::string>;
     std::vector<std::pair<std::string, uint64_t>> counters;
     std::vector<std::pair<std::string, double>> timings;
-    std::vector<std::pair<std::string, Value>> engine;  ///< which engine traced how much
+    std::vector<std::pair<std::string, Value>> engine;  ///< use of the engines
 };
 
 class OracleSource {
@@ -54,7 +54,7 @@ public:
     virtual void end_item(VisibilityOracle&, size_t /*item*/) {}
     /// Called after a round, from one thread.
     virtual void end_round(Counters&) {}
-    /// Called once, when the frame is done: rays of the preparation are added to `counters`.
+    /// Called once at the end of the frame. Rays of the preparation are added to `counters`.
     virtual void report(Counters& /*counters*/, SourceReport& /*out*/) const {}
 };
 

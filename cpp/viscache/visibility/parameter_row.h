@@ -1,6 +1,6 @@
 #pragma once
-// One row per parameter of a method: its name, member, range and meaning. Checks, bindings and the help read
-// it.
+// One row per parameter of a method: name, member, range and meaning. Checks, bindings and the help use the
+// rows.
 #include <array>
 #include <bit>
 #include <charconv>
@@ -21,30 +21,30 @@ void require(bool holds, const std::string& what, Value given) {
 }
 }  // namespace detail
 
-/// Names of a closed set, in the order of its enumerators.
+/// Names of the values of an enumeration, in the order of its enumerators.
 template <class Enum>
 inline constexpr std::array<const char*, 0> kNames{};
 
-/// What a number may be.
+/// The values that a number can have.
 struct Range {
     static constexpr double kAny = std::numeric_limits<double>::infinity();
     double low = -kAny, high = kAny;
-    bool above = false;  ///< low itself is not in it
+    bool above = false;  ///< `low` is excluded
     bool even = false;
-    bool by_side = false;  ///< errors name the end that was passed alone
+    bool by_side = false;  ///< errors state only the limit that was exceeded
 
     bool holds(double v) const {
         const bool past_low = above ? v > low : v >= low;
         return past_low && v <= high && std::abs(v) < kAny && !(even && std::fmod(v, 2) != 0);
     }
-    /// "in [1, 64]", "> 0": as errors and the help say it.
+    /// The range as text for errors and the help: "in [1, 64]", "> 0".
     std::string text() const {
         if (low > -kAny && high < kAny)
             return (even ? "even and in [" : "in [") + number(low) + ", " + number(high) + "]";
         if (low > -kAny) return (above ? "> " : ">= ") + number(low);
         return "";
     }
-    /// What must hold of v, which does not fit.
+    /// The condition that v violates.
     std::string text_for(double v) const {
         if (!by_side) return text();
         return v < low ? ">= " + number(low) : "<= " + number(high);
@@ -58,8 +58,8 @@ struct Range {
     }
 };
 
-/// What else is said of a parameter: the cells that one C_E gives, or keys, or what is kept under them,
-/// depend on it; it exists for the paper's own form alone (viscache.PaperForm).
+/// Further properties of a parameter. kKeyed: the cells for one C_E, the keys, or the values stored under
+/// them depend on it. kPaper: it exists only for the form of the paper (viscache.PaperForm).
 enum ParameterUse : unsigned { kPlain = 0, kKeyed = 1, kPaper = 2 };
 
 template <class Struct, class Value>
@@ -70,7 +70,8 @@ struct ParameterRow {
     Range range;
     const char* doc;
 
-    /// Throws std::invalid_argument unless the number is in range. What is no number always is.
+    /// Throws std::invalid_argument if the number is out of range. Does nothing for values that are not
+    /// numbers.
     void check(const Struct& parameters) const {
         if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
             const Value value = parameters.*member;

@@ -1,14 +1,14 @@
 #pragma once
-// Who answered each query of a block: of caches whose queries share answers.
+// Log of the queries of a block, for caches whose queries share answers.
 #include <cstdint>
 
 namespace viscache {
 
 struct QueryRecord {
     uint64_t cluster = 0;         ///< queries of one tile with equal numbers share one answer
-    uint32_t representative = 0;  ///< the eye point whose ray answered, an index into the tile
-    uint8_t level = 0;            ///< of refinement, 0 = coarsest
-    bool traced = false;          ///< the query's own ray was the one that answered
+    uint32_t representative = 0;  ///< index in the tile of the eye point whose ray was traced
+    uint8_t level = 0;            ///< refinement level; 0 is the coarsest
+    bool traced = false;          ///< the traced ray is that of the query itself
 };
 
 class QueryLog {

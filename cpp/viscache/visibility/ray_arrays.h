@@ -31,8 +31,8 @@ struct AxisLanes {
 
 /// How rays are passed to Embree. Affects speed only: in robust scenes every plan gives the same answers.
 struct PacketPlan {
-    int width =
-        8;  ///< 1, 4, 8 or 16; in scenes with instances, coherent packets of 16 are traced as packets of 8
+    /// 1, 4, 8 or 16. In scenes with instances, coherent packets of 16 are traced as packets of 8.
+    int width = 8;
     Coherence coherence = Coherence::kIncoherent;
 };
 

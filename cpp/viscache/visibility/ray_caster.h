@@ -13,8 +13,8 @@ struct alignas(64) RayPacket16 {
     float dx[16], dy[16], dz[16], t_max[16];
 };
 
-/// Coherent traversal suits consecutive rays with similar origins and ends. It does not change answers,
-/// except that of several hits at equal distance another one may be the nearest.
+/// Coherent traversal suits consecutive rays with similar origins and ends. Answers do not change, with one
+/// exception: among several hits at equal distance, the nearest can be a different one.
 enum class Coherence { kIncoherent, kCoherent };
 
 constexpr uint32_t kNoHit = 0xffffffffu;

@@ -26,7 +26,7 @@ void ResidualOracle::begin_tile(const EyeBlock& eyes) {
     exact_.begin_tile(eyes);
 }
 
-/// Keyed by where the eye point lies: free of tiles and threads.
+/// Random key of an eye point. It depends on its position, not on tiles or threads.
 uint64_t ResidualOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const {
     Rng rng(seed_, Purpose::kResidual, uint64_t(group), 0);
     return mix_point(rng.next_u32(), eyes.position[eye]);
@@ -63,7 +63,7 @@ void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
             counters.contradicted += answer != truth;
             const float value = !answer ? 0.f : inner.empty() ? 1.f : inner[k];
             const float weight = corrected(value, truth);
-            // Without noise to carry, the bit says it all: a share of 1 gives the exact bits
+            // Without weights the bit is the full answer: a share of 1 gives the exact bits
             if (weight == 0) {
                 clear_bit(visible.row(i), k);
             } else {

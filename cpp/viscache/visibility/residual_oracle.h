@@ -1,9 +1,9 @@
 #pragma once
 // Any oracle as a control variate: V~ + (V - V~)/q for a random share q of the queries.
 //
-// The inner oracle answers everything, with its weights if it has some. A share q of the queries is traced as
-// well, and where the ray contradicts, the weight of the answer carries the correction. So the frame is right
-// in expectation whatever the inner oracle says, as long as its answer does not depend on the draw.
+// The inner oracle answers all queries, with weights if it has them. A share q of the queries is also traced.
+// If the ray contradicts the answer, the weight of the answer is corrected. So the frame is unbiased for any
+// inner oracle whose answers do not depend on the random choice.
 #include <memory>
 
 #include "viscache/visibility/exact.h"
@@ -12,8 +12,8 @@ namespace viscache {
 
 class ResidualOracle final : public VisibilityOracle {
 public:
-    /// `share` in (0, 1]. Without `weighted`, a corrected answer counts as if q were 1, which is wrong: for
-    /// tests that must notice.
+    /// `share` is in (0, 1]. Without `weighted`, a corrected answer counts as if q were 1. This is biased on
+    /// purpose, for tests that must detect it.
     ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
                    double share, uint64_t seed, bool weighted = true);
 
@@ -38,8 +38,8 @@ public:
 private:
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
-    /// The weight of an answer: the inner oracle's value moved towards the truth by 1/q.
-    /// At q = 1 that is the truth, without rounding.
+    /// The weight of an answer: the value of the inner oracle, moved towards the true visibility by 1/q. For
+    /// q = 1 this is the true visibility without rounding.
     float corrected(float value, bool truth) const {
         return inverse_share_ == 1 ? float(truth) : value + (float(truth) - value) * inverse_share_;
     }
@@ -49,9 +49,9 @@ private:
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
     uint64_t seed_;
-    uint64_t threshold_;  ///< a number of 32 random bits is drawn if it is smaller
+    uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
     float inverse_share_;
-    // Of `block`: answers that the inner oracle and the ray disagree on
+    // For `block`: answers that the ray contradicts or whose weight changes
     struct Correction {
         uint32_t column;
         float weight;
@@ -59,11 +59,11 @@ private:
     BitMatrix drawn_, seen_;
     std::vector<uint32_t> correction_begin_;
     std::vector<Correction> corrections_;
-    /// Room for rows of weights; whoever looks at one row after another sees another address each time.
+    /// Buffers for rows of weights. Consecutive rows have different addresses.
     mutable std::vector<float> row_[2];
     mutable unsigned next_row_ = 0;
     size_t columns_ = 0;
-    // Of `pairs` and `samples`
+    // For `pairs` and `samples`
     std::vector<float> pair_weights_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// use="correct": the oracles of another source as control variates.
+// use="correct": source of oracles that correct those of another source.
 #include <memory>
 
 #include "viscache/scene/scene.h"
@@ -10,7 +10,7 @@ namespace viscache {
 
 class ResidualSource final : public OracleSource {
 public:
-    /// `inner` must outlive the source and serve nobody else.
+    /// `inner` must outlive the source and belong to it alone.
     ResidualSource(const Scene& scene, const RayCaster& caster, OracleSource& inner, double share,
                    uint64_t seed, bool weighted = true)
         : caster_(caster),

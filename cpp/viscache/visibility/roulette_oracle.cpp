@@ -6,22 +6,25 @@ namespace viscache {
 
 namespace {
 
-/// q as a threshold of 32 random bits, and exactly the inverse of the probability that gives.
+/// q as a threshold for 32 random bits, and the inverse of the resulting probability.
 struct Chance {
     uint32_t threshold;
     float weight;
     explicit Chance(double q) {
         const double steps = std::clamp(std::floor(q * 0x1p32), 1.0, 0x1p32);
-        threshold = uint32_t(steps - 1), weight = float(0x1p32 / steps);
+        threshold = uint32_t(steps - 1);
+        weight = float(0x1p32 / steps);
     }
 };
 
-/// 32 random bits of one connection: key of the eye point, number of the far end.
+/// 32 random bits of one connection, from the key of the eye point and the index of the far end.
 inline uint32_t random_bits(uint32_t low, uint32_t high, uint32_t number) {
     uint32_t x = low + number * 0x9E3779B9u;
-    x ^= x >> 16, x *= 0x7FEB352Du;
+    x ^= x >> 16;
+    x *= 0x7FEB352Du;
     x ^= high;
-    x ^= x >> 15, x *= 0x846CA68Bu;
+    x ^= x >> 15;
+    x *= 0x846CA68Bu;
     return x ^ (x >> 16);
 }
 
@@ -60,13 +63,13 @@ void RouletteOracle::watch(const Control& control) {
     exact_.watch(control);
 }
 
-/// Of where the eye point lies: free of tiles and threads.
+/// Random key of an eye point. It depends on its position, not on tiles or threads.
 uint64_t RouletteOracle::eye_key(const EyeBlock& eyes, size_t eye, int group) const {
     Rng rng(seed_, Purpose::kRoulette, uint64_t(group), 0);
     return mix_point(rng.next_u32(), eyes.position[eye]);
 }
 
-/// Probabilities of all columns, for every voxel that holds eye points.
+/// Computes the probabilities of all columns for every voxel with eye points.
 void RouletteOracle::make_rows(const EyeBlock& eyes, const FarEnds& lights) {
     for (const auto& row : rows_) row_of_voxel_[row->voxel] = kNone;
     rows_.clear();
@@ -79,10 +82,12 @@ void RouletteOracle::make_rows(const EyeBlock& eyes, const FarEnds& lights) {
         if (row_of_voxel_[voxel] == kNone) {
             auto row = std::make_unique<Row>();
             row->voxel = voxel;
-            row->threshold.assign(lights.x.size(), 0), row->weight.assign(lights.x.size(), 1.f);
+            row->threshold.assign(lights.x.size(), 0);
+            row->weight.assign(lights.x.size(), 1.f);
             for (size_t k = 0; k < far_.size(); ++k) {
                 const Chance chance(map_.probability(voxel, far_[k]));
-                row->threshold[k] = chance.threshold, row->weight[k] = chance.weight;
+                row->threshold[k] = chance.threshold;
+                row->weight[k] = chance.weight;
             }
             row_of_voxel_[voxel] = uint32_t(rows_.size());
             rows_.push_back(std::move(row));
@@ -91,7 +96,7 @@ void RouletteOracle::make_rows(const EyeBlock& eyes, const FarEnds& lights) {
     }
 }
 
-/// The wanted columns of one eye point that survive.
+/// Selects the wanted columns of one eye point that are traced.
 void RouletteOracle::keep_row(const EyeBlock& eyes, size_t eye, const FarEnds& lights, const Word* wanted,
                               Word* kept) const {
     const uint64_t key = eye_key(eyes, eye, lights.group);
@@ -121,26 +126,32 @@ void RouletteOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     exact_.block(eyes, lights, kept_, visible, counters);
     const uint64_t left_out = count_bits(wanted) - count_bits(kept_);
     GroupCounters& group = counters.group(lights.group);
-    group.queries += left_out, group.occluded += left_out;
+    group.queries += left_out;
+    group.occluded += left_out;
 }
 
 void RouletteOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                            std::span<Word> visible, Counters& counters) {
-    weight_.assign(queries.size(), 1.f), asked_.clear(), queries_.clear();
+    weight_.assign(queries.size(), 1.f);
+    traced_.clear();
+    queries_.clear();
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
         const Chance chance(
             map_.probability(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far)));
         const uint64_t key = mix_point(eye_key(eyes, q.eye, q.group), q.far);
         weight_[i] = chance.weight;
-        if (random_bits(uint32_t(key), uint32_t(key >> 32), 0) <= chance.threshold)
-            asked_.push_back(uint32_t(i)), queries_.push_back(q);
-        else
-            ++counters.group(q.group).queries, ++counters.group(q.group).occluded;
+        if (random_bits(uint32_t(key), uint32_t(key >> 32), 0) <= chance.threshold) {
+            traced_.push_back(uint32_t(i));
+            queries_.push_back(q);
+        } else {
+            ++counters.group(q.group).queries;
+            ++counters.group(q.group).occluded;
+        }
     }
     answer_.assign(words_for(queries_.size()), 0);
     exact_.pairs(eyes, queries_, answer_, counters);
-    for_each_bit(answer_, [&](size_t i) { set_bit(visible.data(), asked_[i]); });
+    for_each_bit(answer_, [&](size_t i) { set_bit(visible.data(), traced_[i]); });
 }
 
 }  // namespace viscache

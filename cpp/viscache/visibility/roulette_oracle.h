@@ -1,7 +1,8 @@
 #pragma once
-// Next Event Estimation++ (Guo, Eisemann, Eisemann 2020) as oracles: one learns the map of visibilities, one
-// plays Russian roulette with it. A connection is traced with a probability q that grows with its estimated
-// visibility; what is seen counts 1/q, what is left out is answered "blocked". Without bias, with noise.
+// Next Event Estimation++ (Guo, Eisemann, Eisemann 2020) as two oracles: one learns a map of visibilities,
+// the other uses it for Russian roulette. A connection is traced with a probability q that grows with its
+// estimated visibility. A visible connection has weight 1/q; a connection that is not traced counts as
+// blocked. The result is unbiased but has noise.
 #include <memory>
 
 #include "viscache/visibility/exact.h"
@@ -9,7 +10,7 @@
 
 namespace viscache {
 
-/// Exact answers, each of which is added to the map.
+/// Answers exactly and adds each answer to the map.
 class LearningOracle final : public VisibilityOracle {
 public:
     /// `map` must outlive the oracle and may be shared by several.
@@ -28,11 +29,11 @@ private:
     ExactOracle exact_;
 };
 
-/// Answers that carry weights.
+/// Answers with weights.
 class RouletteOracle final : public VisibilityOracle {
 public:
-    /// `map` must outlive the oracle, and is only read.
-    /// Without `weighted` what is seen counts 1, which is wrong: for tests that must notice.
+    /// `map` must outlive the oracle and is only read. Without `weighted`, visible connections have weight 1.
+    /// This is biased on purpose, for tests that must detect it.
     RouletteOracle(const VoxelVisibility& map, const RayCaster& caster, float extent, uint64_t seed,
                    bool weighted = true)
         : map_(map),
@@ -56,7 +57,8 @@ public:
 
 private:
     static constexpr uint32_t kNone = ~uint32_t{0};
-    /// One voxel's probabilities of a block's columns; a number of 32 random bits passes if it is not larger.
+    /// Probabilities of the columns of a block for one voxel. A column is traced if 32 random bits are at
+    /// most its threshold.
     struct Row {
         uint32_t voxel = 0;
         std::vector<uint32_t> threshold;
@@ -71,13 +73,13 @@ private:
     ExactOracle exact_;
     uint64_t seed_;
     bool weighted_;
-    // Of `block`
+    // For `block`
     std::vector<uint32_t> row_of_voxel_, row_of_eye_, far_;
     std::vector<std::unique_ptr<Row>> rows_;
     BitMatrix kept_;
-    // Of `pairs`
+    // For `pairs`
     std::vector<float> weight_;
-    std::vector<uint32_t> asked_;
+    std::vector<uint32_t> traced_;
     std::vector<ShadowQuery> queries_;
     std::vector<Word> answer_;
 };

@@ -6,7 +6,7 @@ namespace viscache {
 
 namespace {
 
-/// The oracles of the small frame that learns.
+/// Source of the oracles of the small learning frame.
 class LearningSource final : public OracleSource {
 public:
     LearningSource(VoxelVisibility& map, const RayCaster& caster, float extent)
@@ -49,7 +49,7 @@ std::unique_ptr<VisibilityOracle> RouletteSource::make() {
 }
 
 void RouletteSource::report(Counters& counters, SourceReport& out) const {
-    // Every query was traced or discarded; the learning rays are in the frame's sum already
+    // Every query was traced or discarded; the sum of the frame includes the learning rays
     const uint64_t traced = counters.rays() - learning_rays_;
     out.counters = {{"discarded", counters.queries() - traced},
                     {"learning_rays", learning_rays_},

@@ -1,5 +1,6 @@
 #pragma once
-// Next Event Estimation++ of a frame: a small frame learns the map of visibilities, then Russian roulette.
+// Source of Next Event Estimation++: a small frame learns the map of visibilities, then the frame uses
+// Russian roulette.
 #include <optional>
 
 #include "viscache/scene/scene.h"
@@ -10,7 +11,8 @@ namespace viscache {
 
 class RouletteSource final : public OracleSource {
 public:
-    /// Without `weighted` what is seen counts 1, which is wrong: for tests that must notice.
+    /// Without `weighted`, visible connections have weight 1. This is biased on purpose, for tests that must
+    /// detect it.
     RouletteSource(const Scene& scene, const RayCaster& caster, const NeePlusPlusSettings& settings,
                    uint64_t seed, bool weighted = true);
     void prepare(FrameStart& frame, Control& control) override;

@@ -12,10 +12,10 @@ namespace viscache {
 namespace {
 
 constexpr size_t kFaces = 6;
-constexpr size_t kBandRows = 4;      // rows of texels traced together, in squares of 4 × 4
-constexpr size_t kPieceRays = 1024;  // rays handed to the caster at once
-constexpr float kGrow = 1.0001f;     // of the directional map: points on the sphere lie inside
-constexpr float kBehind = 2.f;       // radii from which directional depths are measured
+constexpr size_t kBandRows = 4;      // rows of texels traced together, in squares of 4 × 4 texels
+constexpr size_t kPieceRays = 1024;  // rays per call of the caster
+constexpr float kGrow = 1.0001f;     // enlarges the directional map, so that points on the sphere lie inside
+constexpr float kBehind = 2.f;       // distance of the origin of directional depths from the centre, in radii
 
 template <class Value>
 void require(bool holds, const char* what, Value given) {
@@ -24,7 +24,7 @@ void require(bool holds, const char* what, Value given) {
 
 size_t faces_of(Semantic s) { return is_direction(s) ? 1 : kFaces; }
 
-/// Texel of a coordinate in [-1, 1]; what lies outside, or is not a number, goes to the border.
+/// Texel of a coordinate in [-1, 1]. A coordinate outside, or NaN, belongs to the border.
 inline uint32_t texel_of(float u, float resolution) {
     float t = 0.5f * (u + 1.f) * resolution;
     t = t > 0 ? t : 0;
@@ -49,7 +49,7 @@ ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
       bias_(float(settings.bias) * 2 * extent.radius),
       slope_(float(settings.slope_bias) / float(settings.resolution)) {
     settings.validate();
-    // How much memory all maps need, before any of it is taken
+    // Check the memory of all maps before any is allocated
     const size_t square = size_t(resolution_) * size_t(resolution_);
     uint64_t bytes = 0;
     for (const FarEnds* l : lights) bytes += l->count * faces_of(l->semantic) * square * sizeof(float);
@@ -57,7 +57,7 @@ ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
         throw std::invalid_argument("max_bytes must be >= " + std::to_string(bytes) +
                                     " for the shadow maps of these lights, got " +
                                     std::to_string(settings.max_bytes));
-    // Bands of rows of every map, traced by whichever thread is free
+    // Bands of rows of all maps are distributed over threads
     struct Band {
         const FarEnds* lights;
         size_t light, first, last;
@@ -81,7 +81,8 @@ ShadowMaps::ShadowMaps(const RayCaster& caster, const ShadowMapExtent& extent,
     control.done = 0;
 }
 
-/// Rows [first, last) of a light's maps, faces one below the other, in squares of neighbouring texels.
+/// Traces rows [first, last) of the maps of a light, in squares of neighbouring texels. The faces are stacked
+/// vertically.
 void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size_t k, size_t first,
                             size_t last) {
     Group& group = groups_[size_t(lights.group)];
@@ -93,7 +94,8 @@ void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size
     const auto flush = [&] {
         caster.intersect(rays, std::span(hits).first(rays.size()), Coherence::kCoherent);
         for (size_t i = 0; i < rays.size(); ++i) depth[texels[i]] = hits[i].valid() ? hits[i].t : kInfinity;
-        rays.clear(), texels.clear();
+        rays.clear();
+        texels.clear();
     };
     for (size_t left = 0; left < columns; left += kBandRows)
         for (size_t row = first; row < last; ++row)
@@ -105,7 +107,7 @@ void ShadowMaps::trace_rows(const RayCaster& caster, const FarEnds& lights, size
     flush();
 }
 
-/// The ray through a texel's centre, as long as depth 1: its hit's t is the depth.
+/// The ray through the centre of a texel. Its direction has depth 1, so t of the hit is the depth.
 Ray ShadowMaps::texel_ray(const FarEnds& lights, size_t k, size_t row, size_t column) const {
     const float resolution = float(resolution_);
     const float u = (2 * float(column) + 1) / resolution - 1;
@@ -116,10 +118,12 @@ Ray ShadowMaps::texel_ray(const FarEnds& lights, size_t k, size_t row, size_t co
         const float r = extent_.radius * kGrow;
         return {extent_.center + f.x * (u * r) + f.y * (v * r) - f.z * (kBehind * r), 0, f.z, kInfinity};
     }
-    // Faces in the order +x, −x, +y, −y, +z, −z; u and v run along the two axes that follow
+    // Faces are ordered +x, −x, +y, −y, +z, −z; u and v are the next two axes
     const size_t face = row / size_t(resolution_), axis = face / 2;
     float d[3];
-    d[axis] = face % 2 ? -1.f : 1.f, d[(axis + 1) % 3] = u, d[(axis + 2) % 3] = v;
+    d[axis] = face % 2 ? -1.f : 1.f;
+    d[(axis + 1) % 3] = u;
+    d[(axis + 2) % 3] = v;
     return {end, spawn_offset(end, extent_.offset_extent), {d[0], d[1], d[2]}, kInfinity};
 }
 
@@ -146,7 +150,7 @@ uint16_t ShadowMaps::lit_by_point(const float* depth, Vec3 light, const Receiver
     uint32_t texel[16];
     float limit[16];
     for (int i = 0; i < 16; ++i) {
-        // The face whose axis the receiver lies along most, and its coordinates there
+        // The face of the largest coordinate, and the coordinates on that face
         const float qx = p.x[i] - light.x, qy = p.y[i] - light.y, qz = p.z[i] - light.z;
         const float ax = std::fabs(qx), ay = std::fabs(qy), az = std::fabs(qz);
         const bool is_x = ax >= ay && ax >= az, is_y = !is_x && ay >= az;
@@ -158,7 +162,7 @@ uint16_t ShadowMaps::lit_by_point(const float* depth, Vec3 light, const Receiver
         const uint32_t face = (is_x ? 0u : is_y ? 2u : 4u) + (along < 0 ? 1u : 0u);
         texel[i] =
             face * square + texel_of(qv * inverse, resolution) * columns + texel_of(qu * inverse, resolution);
-        // Plane n·q = c seen along d = q/z: ∂z/∂u = −z² n_u / (n·q)
+        // Plane n·q = c along d = q/z: ∂z/∂u = −z² n_u / (n·q)
         const float facing = std::fabs(p.nx[i] * qx + p.ny[i] * qy + p.nz[i] * qz);
         const float gain = z * z * (std::fabs(nu) + std::fabs(nv)) / std::max(facing, 1e-30f);
         limit[i] = z - bias_ - slope_ * gain;
@@ -183,9 +187,9 @@ uint16_t ShadowMaps::lit_by_direction(const float* depth, Vec3 towards, const Re
         const float nv = p.nx[i] * f.y.x + p.ny[i] * f.y.y + p.nz[i] * f.y.z;
         const float nz = std::fabs(p.nx[i] * f.z.x + p.ny[i] * f.z.y + p.nz[i] * f.z.z);
         texel[i] = texel_of(v, resolution) * uint32_t(resolution_) + texel_of(u, resolution);
-        // Half a texel is r/resolution wide; the depth of a plane grows by n_u/n_z over width 1
+        // Half a texel is r/resolution wide; the depth of a plane grows by n_u/n_z per unit of width
         const float gain = r * (std::fabs(nu) + std::fabs(nv)) / std::max(nz, 1e-30f);
-        // Beside the sphere stands nothing that could block
+        // Nothing beside the sphere can block
         const bool inside = std::fabs(u) <= 1 && std::fabs(v) <= 1;
         limit[i] = inside ? z - bias_ - slope_ * gain : -kInfinity;
     }

@@ -4,13 +4,18 @@ namespace viscache {
 
 namespace {
 
-/// Rows [first, first + 16) side by side; past the end the last one again.
+/// Rows [first, first + 16) as arrays; the last row is repeated beyond the end.
 Receivers16 receivers_of(const EyeBlock& eyes, size_t first) {
     Receivers16 r;
     for (size_t i = 0; i < 16; ++i) {
         const size_t eye = std::min(first + i, eyes.size() - 1);
         const Vec3 p = eyes.position[eye], n = eyes.normal[eye];
-        r.x[i] = p.x, r.y[i] = p.y, r.z[i] = p.z, r.nx[i] = n.x, r.ny[i] = n.y, r.nz[i] = n.z;
+        r.x[i] = p.x;
+        r.y[i] = p.y;
+        r.z[i] = p.z;
+        r.nx[i] = n.x;
+        r.ny[i] = n.y;
+        r.nz[i] = n.z;
     }
     return r;
 }
@@ -24,10 +29,10 @@ void ShadowMapOracle::watch(const Control& control) {
 
 void ShadowMapOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                             BitMatrix& visible, Counters& counters) {
-    const uint64_t asked = count_bits(wanted);
+    const uint64_t queries = count_bits(wanted);
     if (!maps_.covers(lights)) {
         exact_.block(eyes, lights, wanted, visible, counters);
-        counters.bypassed += asked;
+        counters.bypassed += queries;
         return;
     }
     for (size_t first = 0; first < wanted.rows(); first += 16) {
@@ -42,8 +47,9 @@ void ShadowMapOracle::block(const EyeBlock& eyes, const FarEnds& lights, const B
         }
     }
     GroupCounters& group = counters.group(lights.group);
-    group.queries += asked, group.occluded += asked - count_bits(visible);
-    counters.lookups += asked;
+    group.queries += queries;
+    group.occluded += queries - count_bits(visible);
+    counters.lookups += queries;
 }
 
 void ShadowMapOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,

@@ -5,8 +5,8 @@
 
 namespace viscache {
 
-/// Answers about groups without maps (area, environment and ambient samples, virtual point lights unless
-/// asked for) are exact and count as bypassed.
+/// Answers for groups without maps are exact and count as bypassed: area, environment and ambient samples,
+/// and virtual point lights by default.
 class ShadowMapOracle final : public VisibilityOracle {
 public:
     /// `maps` must outlive the oracle and may be shared by several.

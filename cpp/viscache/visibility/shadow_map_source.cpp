@@ -12,7 +12,7 @@ ShadowMapSource::ShadowMapSource(const Scene& scene, const RayCaster& caster,
 
 void ShadowMapSource::prepare(FrameStart& frame, Control& control) {
     const double start = wall_seconds();
-    // Shared directions of the sky are samples, not lights: they get no maps
+    // Shared directions of the sky are samples, not lights, and have no maps
     std::vector<const FarEnds*> with_maps;
     for (const FarEnds* lights : frame.lights()) {
         const auto group = LightGroup(lights->group);

@@ -1,5 +1,5 @@
 #pragma once
-// Shadow maps of a frame: traced before its first tile, then read by all threads.
+// Source of shadow maps: traced before the first tile of a frame, then read by all threads.
 #include <optional>
 
 #include "viscache/scene/scene.h"

@@ -1,7 +1,7 @@
 #pragma once
-// Intersection of one ray with one triangle: the layout of Wald's thesis, which the tracers of the paper
-// share, and a watertight test. Both find hits with t_min < t <= limit; `NearestHit` and callers of any-hit
-// rays exclude t_max itself.
+// Intersection of one ray with one triangle: in the layout of the thesis of Wald, which the tracers of the
+// paper use, and by a watertight test. Both find hits with t_min < t <= limit. `NearestHit` and callers of
+// any-hit rays exclude t_max itself.
 #include <array>
 #include <cstdint>
 

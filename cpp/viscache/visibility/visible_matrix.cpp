@@ -10,8 +10,8 @@ namespace {
 
 constexpr size_t kPointsPerTile = 128, kLanes = 16;
 
-/// 64 targets seen from neighbouring points. Lanes of a packet are points of one target, or, of fewer than 16
-/// points, also those of the next targets.
+/// Traces 64 targets from neighbouring points. The lanes of a packet are points for one target. With fewer
+/// than 16 points, a packet also holds the next targets.
 void trace_tile(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> some,
                 std::span<const Vec3> targets, size_t word, size_t row_words, std::span<Word> rows) {
     const size_t first = word * kWordBits, columns = std::min(kWordBits, targets.size() - first);
@@ -24,9 +24,14 @@ void trace_tile(const RayCaster& caster, std::span<const Vec3> points, std::span
             const size_t pair = begin + lane;
             const Ray ray =
                 segment_between(points[some[pair % some.size()]], targets[first + pair / some.size()]);
-            packet.ox[lane] = ray.o.x, packet.oy[lane] = ray.o.y, packet.oz[lane] = ray.o.z;
-            packet.dx[lane] = ray.d.x, packet.dy[lane] = ray.d.y, packet.dz[lane] = ray.d.z;
-            packet.t_min[lane] = ray.t_min, packet.t_max[lane] = ray.t_max;
+            packet.ox[lane] = ray.o.x;
+            packet.oy[lane] = ray.o.y;
+            packet.oz[lane] = ray.o.z;
+            packet.dx[lane] = ray.d.x;
+            packet.dy[lane] = ray.d.y;
+            packet.dz[lane] = ray.d.z;
+            packet.t_min[lane] = ray.t_min;
+            packet.t_max[lane] = ray.t_max;
         }
         const auto mask = uint16_t((1u << lanes) - 1u);
         const uint16_t occluded = caster.occluded16(mask, packet, Coherence::kCoherent);
@@ -46,7 +51,7 @@ void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::
     const std::vector<uint32_t> along = morton_order(points);  // neighbours in space share packets
     const size_t tiles = (points.size() + kPointsPerTile - 1) / kPointsPerTile;
     control.total = tiles * row_words;
-    // A work item is 128 points and one word of targets: it writes words that no other item writes
+    // A work item is 128 points and one word of targets; its words belong to no other item
     parallel_for(tiles * row_words, threads, [&](size_t item, int) {
         control.check();
         const size_t first = item / row_words * kPointsPerTile;

@@ -1,5 +1,5 @@
 #pragma once
-// Every point against every target: exact visibility as rows of bits.
+// Visibility of all targets from all points: exact rows of bits.
 #include <span>
 
 #include "viscache/math/bits.h"
@@ -10,8 +10,8 @@
 namespace viscache {
 
 /// Bit k of row i is 1 if points[i] sees targets[k] along `segment_between`. `rows` has words_for(targets)
-/// words a point; unused bits become 0. The bits are those of one ray after another, for any number of
-/// threads. Besides `rows`, each thread needs a few hundred bytes and all together 4 bytes a point.
+/// words per point; unused bits become 0. The bits equal those of single rays, for any number of threads.
+/// Besides `rows`, the call needs 4 bytes per point and a few hundred bytes per thread.
 void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::span<const Vec3> targets,
                     std::span<Word> rows, int threads, Control& control);
 

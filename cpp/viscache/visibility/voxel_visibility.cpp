@@ -16,7 +16,7 @@ void require(bool holds, const char* what, Value given) {
     if (!holds) throw std::invalid_argument(std::string(what) + ", got " + std::to_string(given));
 }
 
-/// Cells per unit of length; 0 along an edge without extent.
+/// Cells per unit of length; 0 along an axis without extent.
 float cells_per_unit(uint32_t n, float low, float high) {
     const float scale = float(n) / (high - low);
     return std::isfinite(scale) && scale > 0 ? scale : 0.f;

@@ -44,7 +44,8 @@ void EditableSubfield::add(List& list, uint32_t id) {
     const auto begin = ids_.begin() + list.first, end = begin + list.count;
     const auto place = std::lower_bound(begin, end, id);
     std::move_backward(place, end, end + 1);
-    *place = id, ++list.count;
+    *place = id;
+    ++list.count;
 }
 
 void EditableSubfield::insert(size_t tile, const TileEntry& entry) {

@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'given_maps', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'given_maps', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -644,6 +644,12 @@ class ExactSource(OracleSource):
     See viscache.Exact.
     """
     def __init__(self, scene: Scene, caster: RayCaster, *, order: PacketOrder | None = None, coherent: bool | None = None) -> None:
+        ...
+class UnoccludedSource(OracleSource):
+    """
+    See viscache.Unoccluded.
+    """
+    def __init__(self) -> None:
         ...
 class AlignedSource(OracleSource):
     """

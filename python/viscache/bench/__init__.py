@@ -1,4 +1,4 @@
-"""Benches: figures are ratios against named baselines of the same run, answers are checked."""
+"""Benchmarks. Each figure is a ratio to a named baseline of the same run; answers are checked."""
 
 from viscache.bench.registry import BENCHES, BenchInfo, run, run_all
 

@@ -1,4 +1,4 @@
-"""`viscache bench aqvc-apartment`: light of every kind, samples of each pixel's own among it."""
+"""`viscache bench aqvc-apartment`: lights of every kind, also with separate samples per pixel."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["aqvc_apartment"]
 
 GOAL = 6.0
 REL_L1_GOAL = 0.015
-#: A frame further from the exact one than this is wrong, whatever its speed.
+#: A frame with a larger error than this is wrong, however fast it is.
 WRONG_REL_L1 = 0.2
 STAGES: Sequence[str] = ("eye_paths", "contributions", "visibility", "shading")
 Sky = Literal["mis", "shared"]
 
 
 def settings(c_e: float) -> dict[str, Visibility]:
-    """Who answers; the first has the goal."""
+    """The visibilities compared; the first has the goal."""
     groups = {"point": 4.0}
     return {
         "rows": Aqvc(c_e=c_e, c_e_groups=groups),
@@ -34,7 +34,7 @@ def settings(c_e: float) -> dict[str, Visibility]:
 
 
 def aqvc_apartment(quick: bool = False) -> Outcome:
-    """24 lamps, 1024 virtual lights and 256 samples of the sky, each pixel's own or shared."""
+    """24 lamps, 1024 virtual lights and 256 sky samples, per pixel or shared by all pixels."""
     outcome = Outcome()
     scene = build_scene(f"apartment?triangles={20_000 if quick else 750_000}")
     scene.caster()  # not part of any frame
@@ -51,17 +51,22 @@ def aqvc_apartment(quick: bool = False) -> Outcome:
 
 
 def integrator(sky: Sky, quick: bool, **more: Any) -> Whitted:
-    """The paper's numbers of samples; an eighth where quick."""
+    """The paper's numbers of samples; an eighth of them if quick."""
     share = 8 if quick else 1
     each = 128 // share if sky == "mis" else 256 // share
-    return Whitted(**({"n_vpls": 1024 // share} | more), n_area=0, n_environment=each,
-                   n_brdf=each if sky == "mis" else 0, environment=sky)  # fmt: skip
+    return Whitted(
+        **({"n_vpls": 1024 // share} | more),
+        n_area=0,
+        n_environment=each,
+        n_brdf=each if sky == "mis" else 0,
+        environment=sky,
+    )
 
 
 def frame_of(
     frames: dict[str, Frame], key: str, scene: Scene, light: Whitted, by: Visibility, quick: bool
 ) -> Callable[[], Sample]:
-    """Renders once, keeps the frame, tells the time."""
+    """Render once, keep the frame, return the time."""
 
     def run() -> Sample:
         size = (160, 100) if quick else (1280, 800)
@@ -73,7 +78,7 @@ def frame_of(
 
 
 def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
-    """Whole frames against exact ones."""
+    """Compare whole frames with exact ones."""
     frames: dict[str, Frame] = {}
     light = integrator(sky, quick)
     runs = {
@@ -93,10 +98,16 @@ def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
         error = compare(frames[key], frames["exact"]).rel_l1 or 0.0
         goal = GOAL if key == "rows" and sky == "mis" and not quick else None
         row = ratio_figure(
-            f"apartment, {name}, {key} whole-frame vs exact", samples[key], samples["exact"],
-            goal=goal, rel_l1=error, rel_l1_groups=errors, stages_cpu_s=stages(frames[key]),
-            exact_stages_cpu_s=stages(frames["exact"]), share_rays=ray_shares(frames[key]),
-        )  # fmt: skip
+            f"apartment, {name}, {key} whole-frame vs exact",
+            samples[key],
+            samples["exact"],
+            goal=goal,
+            rel_l1=error,
+            rel_l1_groups=errors,
+            stages_cpu_s=stages(frames[key]),
+            exact_stages_cpu_s=stages(frames["exact"]),
+            share_rays=ray_shares(frames[key]),
+        )
         if goal is not None:
             row |= {"rel_l1_goal": REL_L1_GOAL, "rel_l1_holds": error <= REL_L1_GOAL}
         outcome.figures.append(row)
@@ -104,13 +115,14 @@ def measure(outcome: Outcome, scene: Scene, sky: Sky, quick: bool) -> None:
 
 
 def measure_table(outcome: Outcome, scene: Scene) -> None:
-    """The sky's samples alone: rows of bits, the table and rays, visibility only."""
+    """Visibility of the sky samples alone: bit rows, the hash table and rays."""
     frames: dict[str, Frame] = {}
     light = integrator("mis", False, n_vpls=0)
     ways: dict[str, Visibility] = {
-        "rows": Aqvc(c_e=10), "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
+        "rows": Aqvc(c_e=10),
+        "table": Aqvc(c_e=10, paper=PaperForm(form="pairs")),
         "exact": Exact(),
-    }  # fmt: skip
+    }
     for key, by in ways.items():
         frame_of(frames, key, scene, light, by, False)()
     queries = frames["exact"].counters["queries"]
@@ -137,7 +149,7 @@ def stages(frame: Frame) -> dict[str, float]:
 
 
 def ray_shares(frame: Frame) -> dict[str, float]:
-    """Rays over queries, by light group."""
+    """Rays per query, by light group."""
     groups = frame.counters["groups"]
     return {n: g["rays"] / g["queries"] for n, g in groups.items() if g["queries"]}
 

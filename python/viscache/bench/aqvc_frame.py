@@ -1,4 +1,4 @@
-"""`viscache bench aqvc-frame`: whole frames with the quantized cache against exact ones."""
+"""`viscache bench aqvc-frame`: frames with the quantized cache against exact frames."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ __all__ = ["aqvc_frame"]
 
 ROOM = "room?triangles=200000"
 SMALL = "room?triangles=20000"
-#: A frame further from the exact one than this is wrong, whatever its speed.
+#: A frame with a larger error than this is wrong, however fast it is.
 WRONG_REL_L1 = 0.1
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """One frame at C_E `c_e`, and at the setting that came nearest its goal, `tuned`."""
+    """One frame at C_E `c_e`, and at `tuned`, the setting that came nearest to the goal."""
 
     size: tuple[int, int]
     spp: int
@@ -74,14 +74,14 @@ CASES = (
     Case(size=(1280, 800), spp=1, n_vpls=1024, c_e=10),
 )
 QUICK = (Case(size=(128, 128), spp=1, n_vpls=64, c_e=10, repeats=2, with_slow=True),)
-#: Scenes that do not come with viscache, without a goal.
+#: Scenes that viscache does not include; they have no goal.
 FILES = ("living-room", "veach-ajar")
-#: The error up to which a ratio with a goal counts.
+#: A goal applies only up to this error.
 REL_L1_GOAL = 0.01
 
 
 def aqvc_frame(quick: bool = False) -> Outcome:
-    """The room in several sizes. Refinement on for all light groups."""
+    """The room in several sizes, with refinement for all light groups."""
     outcome = Outcome()
     scene = build_scene(SMALL if quick else ROOM)
     for case in QUICK if quick else CASES:
@@ -113,7 +113,7 @@ def measure(
         "points": Aqvc(c_e=case.c_e, refinement="on", c_e_groups={"point": 2.0}),
         "exact": Exact(),
     }
-    # Slow and far from any goal: run once
+    # Slow, and far from any goal: runs once
     once: dict[str, Visibility] = {}
     if case.with_slow:
         once["exact-by-pixel"] = Exact(order="by_pixel")
@@ -171,7 +171,7 @@ def measure(
 
 
 def _after_first_hits(frame: Frame) -> float:
-    """CPU seconds of a frame without its camera paths."""
+    """CPU seconds of a frame, without its camera paths."""
     return float(frame.timings["cpu_s"] - frame.timings["eye_paths_cpu_s"])
 
 

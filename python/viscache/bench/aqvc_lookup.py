@@ -1,4 +1,4 @@
-"""`viscache bench aqvc-lookup`: what a query costs in each form of the cache, beside a ray."""
+"""`viscache bench aqvc-lookup`: the cost of a query in each form of the cache, and of a ray."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["aqvc_lookup"]
 
 
 def aqvc_lookup(quick: bool = False) -> Outcome:
-    """Time inside the oracle per query: tracing of misses included, and with nearly none."""
+    """Time per query inside the oracle, with its misses traced and with almost no misses."""
     outcome = Outcome()
     scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
     size = (96, 96) if quick else (512, 512)
@@ -30,7 +30,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
     forms = {"waves": PaperForm(), "pairs": PaperForm(form="pairs")}
     for name, form in forms.items():
         settings[name] = Aqvc(c_e=10, refinement="on", paper=form)
-        # Cells so large that nearly every query is answered by a look-up
+        # The cells are so large that a look-up answers nearly every query
         settings[f"{name}, look-ups alone"] = Aqvc(c_e=200, refinement="off", paper=form)
     settings |= storages()
     frames: dict[str, Frame] = {}
@@ -76,7 +76,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
 
 
 def storages() -> dict[str, Visibility]:
-    """Ways of the paper beside batches: one query at a time, its queue, its tiles, and both."""
+    """The paper's alternatives to batches: single queries, its queue, its tiles, and both."""
     tiles = PaperForm(form="pairs", storage="paper_tiles")
     ways = {
         "pairs, one at a time": replace(tiles, storage="table", batch=1),
@@ -88,7 +88,7 @@ def storages() -> dict[str, Visibility]:
 
 
 def keys(points: int, outcome: Outcome) -> dict[str, Any]:
-    """Nanoseconds per key: cells and hash of four levels, one after the other and at once."""
+    """Nanoseconds per key: cells and hashes of four levels, in sequence and at once."""
     rng = np.random.default_rng(1)
     x, lights = rng.uniform(-1, 1, (2, points, 3)).astype(np.float32)
     normals = rng.normal(size=(points, 3)).astype(np.float32)
@@ -112,6 +112,11 @@ def keys(points: int, outcome: Outcome) -> dict[str, Any]:
     same = all(np.array_equal(a, b) for a, b in zip(found["one"], found["four"], strict=True))
     outcome.check("keys of 4 levels at once: other hashes", float(not same), 0)
     return figure(
-        "ns/key of 4 levels at once vs one at a time", median(per_key["four"]), "ns",
-        baseline=median(per_key["one"]), ratios=ratios, rel_l1=0.0, clock="cpu",
-    )  # fmt: skip
+        "ns/key of 4 levels at once vs one at a time",
+        median(per_key["four"]),
+        "ns",
+        baseline=median(per_key["one"]),
+        ratios=ratios,
+        rel_l1=0.0,
+        clock="cpu",
+    )

@@ -1,4 +1,4 @@
-"""Fair timing: both sides take turns, and a figure is the median of their ratios."""
+"""Fair timing: both sides take turns, and a figure is the median of the ratios."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Clock: TypeAlias = Literal["cpu_s", "wall_s"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sample:
-    """What one run took: seconds of the clock on the wall, and of all threads' processors."""
+    """Duration of one run: wall-clock seconds and CPU seconds of all threads."""
 
     wall_s: float
     cpu_s: float
@@ -42,7 +42,7 @@ class Sample:
 
 @dataclass(kw_only=True, slots=True)
 class Outcome:
-    """What a bench found; `answers` names each check of an answer and whether it held."""
+    """The results of a bench; `answers` lists each check of an answer and whether it holds."""
 
     figures: list[dict[str, Any]] = field(default_factory=list)
     answers: list[dict[str, Any]] = field(default_factory=list)
@@ -74,7 +74,7 @@ def timed(function: Callable[[], Any]) -> tuple[Sample, Any]:
 def interleave(
     runs: Mapping[str, Callable[[], Sample]], repeats: int, *, warm_up: bool = True
 ) -> dict[str, list[Sample]]:
-    """Let all runs take turns, `repeats` times; every other round backwards."""
+    """Let all runs take turns, `repeats` times; every other round is in reverse order."""
     names = list(runs)
     if warm_up:
         for name in names:
@@ -115,7 +115,7 @@ def figure(
 def at_most_figure(
     name: str, value: float, unit: str, limit: float | None, **more: Any
 ) -> dict[str, Any]:
-    """A figure that holds where its value is at most the limit; None asks for nothing."""
+    """A figure that holds if its value is at most the limit; None: no limit."""
     made = figure(name, value, unit, **more)
     made["at_most"] = limit
     made["holds"] = None if limit is None else bool(value <= limit)
@@ -132,10 +132,10 @@ def ratio_figure(
     goal: float | None = None,
     **more: Any,
 ) -> dict[str, Any]:
-    """How many times faster we are than the baseline named in `name`.
+    """How many times faster viscache is than the baseline named in `name`.
 
-    With `work` (rays, both sides equal) values are millions per second, else seconds. The ratio
-    is by `clock`; the other clock's is given beside it.
+    With `work` (rays, the same on both sides) values are millions per second, else seconds.
+    `clock` determines the ratio; the other clock's ratio is recorded, too.
     """
     other: Clock = "wall_s" if clock == "cpu_s" else "cpu_s"
 
@@ -163,13 +163,13 @@ def ratio_figure(
 
 
 def build_scene(spec: str) -> Scene:
-    """A built-in scene by its text."""
+    """A built-in scene from its spec."""
     made = build(spec)
     return made if isinstance(made, Scene) else Scene.from_description(made, spec=spec)
 
 
 def machine() -> dict[str, Any]:
-    """What the figures were measured on: the class of the machine, no names."""
+    """The class of the machine that ran the bench, without names."""
     return {
         "processor": _processor(),
         "architecture": platform.machine(),

@@ -1,4 +1,4 @@
-"""`viscache bench correlation`: pairs per second, against numpy and the machine's bound."""
+"""`viscache bench correlation`: pairs per second, against NumPy and the machine's bound."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ GOAL_BOUND_IN, GOAL_BOUND_OUT = 0.95, 0.87
 GOAL_NUMPY = 15.0
 #: 512-bit steps of one measurement of the bound.
 BOUND_STEPS = 40_000_000
-#: One thread: numpy's product must not spin on other cores. Only the product is timed.
+#: One thread: NumPy's product must not use other cores. Only the product is timed.
 NUMPY_PROGRAM = """
 import json, sys, time
 import numpy as np
@@ -64,16 +64,16 @@ class Points:
 
 
 class Run(NamedTuple):
-    """What is timed, and how many pairs it does."""
+    """A timed function and its number of pairs."""
 
     pairs: int
     function: Callable[[], Sample]
 
 
 def make_points(n: int, groups: int, seed: int = 0) -> Points:
-    """n points of a 10 x 10 ground; each sees the half space above it but for two spheres.
+    """n points of a 10 x 10 ground. Each sees the half space above it, except two spheres.
 
-    `groups` is a square number: blocks of the ground.
+    `groups`, the number of blocks of the ground, is a square.
     """
     random = np.random.default_rng(seed)
     directions = DirectionSet(map_size=MAP_SIZE).directions
@@ -99,7 +99,7 @@ def make_points(n: int, groups: int, seed: int = 0) -> Points:
 def _spheres(
     positions: npt.NDArray[np.float32], centres: npt.NDArray[np.float32], radius: float = 0.8
 ) -> list[tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]]:
-    """Axis and cosine of the cones of the two nearest spheres of every point."""
+    """Axes and cosines of the cones of the two spheres nearest to each point."""
     offset = centres[None] - positions[:, None]
     distance = np.linalg.norm(offset, axis=2)
     cones = []
@@ -112,9 +112,9 @@ def _spheres(
 
 
 def correlation(quick: bool = False) -> Outcome:
-    """Bare kernel and binned statistics, in cache and out of it; all figures on one thread."""
+    """The bare kernel and the binned statistics, in and out of the CPU cache, on one thread."""
     outcome = Outcome()
-    # In cache one pair of groups; out of it the sixteen groups of a paper's run
+    # In cache: one pair of groups. Out of cache: the sixteen groups of one of the paper's runs
     near = make_points(1024 if quick else 16_384, 1)
     far = make_points(4096 if quick else 195_000, 16, seed=1)
     _check_answers(outcome, far)
@@ -133,7 +133,7 @@ def _measure(outcome: Outcome, near: Points, far: Points, quick: bool) -> None:
     isa = _core.active_isa()
     runs: dict[str, Run] = {}
     for label, points in (("in cache", near), ("out of cache", far)):
-        # Packing the panels is part of a call: enough rows that it counts little
+        # A call includes packing the panels; with this many rows that costs little
         some = points.bits[: 512 if quick else 16_384 if label == "in cache" else 2048]
         tiles = _some_tiles(points, 10**6 if quick else 6 * 10**8)
         for skip in (False, True):
@@ -178,8 +178,12 @@ def _figures(outcome: Outcome, rates: dict[str, list[float]]) -> None:
     against("pairs/s, all words vs numpy", "bins in cache all words", "numpy")
     if "bound" in rates:
         against("pairs/s vs bound", "kernel in cache all words", "bound", GOAL_BOUND_IN)
-        against("pairs/s, out of cache vs bound", "kernel out of cache all words", "bound",
-                GOAL_BOUND_OUT)  # fmt: skip
+        against(
+            "pairs/s, out of cache vs bound",
+            "kernel out of cache all words",
+            "bound",
+            GOAL_BOUND_OUT,
+        )
         against("pairs/s with bins, in cache vs bound", "bins in cache all words", "bound")
     else:
         outcome.skip("bound", "needs AVX-512 with VPOPCNTDQ, and VISCACHE_ISA to leave it on")
@@ -190,7 +194,7 @@ def _figures(outcome: Outcome, rates: dict[str, list[float]]) -> None:
 
 
 def _on_one_thread(function: Callable[[], Any]) -> Sample:
-    """Time a call that works on one thread, by the processor time of this process."""
+    """Time a single-threaded call by the CPU time of this process."""
     wall, cpu = time.perf_counter(), time.process_time()
     function()
     return Sample(wall_s=time.perf_counter() - wall, cpu_s=time.process_time() - cpu)
@@ -198,13 +202,21 @@ def _on_one_thread(function: Callable[[], Any]) -> Sample:
 
 def _statistics(points: Points, tiles: npt.NDArray[np.int64] | None, skip_dead: bool) -> PairTable:
     return pair_statistics(
-        points.bits, points.n_directions, points.positions, points.normals, points.group,
-        D_EDGES, THETA_EDGES_DEG, tiles=tiles, threads=1, skip_dead=skip_dead,
-    )  # fmt: skip
+        points.bits,
+        points.n_directions,
+        points.positions,
+        points.normals,
+        points.group,
+        D_EDGES,
+        THETA_EDGES_DEG,
+        tiles=tiles,
+        threads=1,
+        skip_dead=skip_dead,
+    )
 
 
 def _some_tiles(points: Points, n_pairs: int) -> npt.NDArray[np.int64]:
-    """The first tiles, all of them where they hold fewer pairs than asked for."""
+    """The first tiles; all tiles if they contain fewer pairs than requested."""
     tiles = tile_list(points.group)["pairs"]
     return np.arange(1 + int(np.searchsorted(np.cumsum(tiles), min(n_pairs, tiles.sum() - 1))))
 
@@ -213,15 +225,17 @@ def _numpy_product(n: int) -> Sample:
     threads = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "BLIS_NUM_THREADS")
     done = subprocess.run(
         [sys.executable, "-c", NUMPY_PROGRAM, str(n), str(MAP_SIZE**2)],
-        env={**os.environ, **dict.fromkeys(threads, "1")}, capture_output=True, text=True,
+        env={**os.environ, **dict.fromkeys(threads, "1")},
+        capture_output=True,
+        text=True,
         check=True,
-    )  # fmt: skip
+    )
     report = json.loads(done.stdout)
     return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"])
 
 
 def _check_answers(outcome: Outcome, points: Points) -> None:
-    """Counts, ρ and sums of a subset against numpy by brute force."""
+    """Compare counts, ρ and sums of a subset with brute force in NumPy."""
     rows = np.random.default_rng(0).choice(len(points.bits), 600, replace=False)
     bits = points.bits[rows]
     seen = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little").astype(np.float64)
@@ -234,12 +248,16 @@ def _check_answers(outcome: Outcome, points: Points) -> None:
     columns = [_columns(points.bits), _columns(bits)]
     outcome.check("total of n11 unlike numpy's", float(total != int(columns[0] @ columns[1])), 0)
 
-    subset = Points(bits=bits, positions=points.positions[rows], normals=points.normals[rows],
-                    group=np.zeros(len(rows), np.int32))  # fmt: skip
+    subset = Points(
+        bits=bits,
+        positions=points.positions[rows],
+        normals=points.normals[rows],
+        group=np.zeros(len(rows), np.int32),
+    )
     tables = [_statistics(subset, None, skip) for skip in (False, True)]
     i, j = np.triu_indices(len(rows), 1)
     d = np.linalg.norm(subset.positions[i] - subset.positions[j], axis=1)
-    # A pair at an edge may fall to either side in other roundings: count by distance alone
+    # Rounding may move a pair at an edge to either side: count by distance alone
     counts = np.histogram(d, np.append(D_EDGES[:-1], 1e9))[0]
     missed = abs(tables[0].n.sum(axis=(0, 2)) - counts).sum()
     outcome.check("pairs in other bins of distance", float(missed), 4)

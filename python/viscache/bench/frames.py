@@ -20,7 +20,7 @@ __all__ = ["frames"]
 
 
 def frames(quick: bool = False) -> Outcome:
-    """Ambient occlusion over a G-buffer, and 500 point lights over all pixels."""
+    """Ambient occlusion from a G-buffer, and 500 point lights at all pixels."""
     outcome = Outcome()
     side, lights, samples = (64, 20, 8) if quick else (512, 500, 64)
     triangles = 20_000 if quick else 200_000
@@ -51,7 +51,7 @@ def frames(quick: bool = False) -> Outcome:
 
 
 def g_buffer(scene: Scene, side: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-    """First hits of a square image, lifted off the surface on the side of the camera."""
+    """First hits of a square image, moved off the surface towards the camera."""
     rays = make_ray_set(scene, "camera", side * side)
     hits = scene.intersect(rays.origins, rays.directions)
     hit = hits.triangle >= 0

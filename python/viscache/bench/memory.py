@@ -1,4 +1,4 @@
-"""`viscache bench memory`: the peak memory of a frame of a large scene, in a process of its own."""
+"""`viscache bench memory`: peak memory of a frame of a large scene, in a separate process."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ print(json.dumps({"triangles": scene.triangles, "peak_bytes": peak * 1024,
 
 
 def memory(quick: bool = False) -> Outcome:
-    """2.2 million placed triangles, unlike each other, at 1280x800 with 1024 VPLs."""
+    """2.2 million distinct placed triangles at 1280x800 with 1024 VPLs."""
     outcome = Outcome()
     specs = ["random_triangles?triangles=" + ("20000" if quick else "2200000")]
     if not quick:

@@ -1,4 +1,4 @@
-"""The C_E slider of a notebook: from the move to the picture in the cell's output."""
+"""The C_E slider of a notebook: time from a move to the picture in the cell's output."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ C_E = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
 class Callback:
-    """What that notebook does when the slider moves, with a clock on each stage."""
+    """What the notebook does when the slider moves, with each stage timed."""
 
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
         self.scene, self.size = scene, size
@@ -45,12 +45,13 @@ class Callback:
         return frame, f"{saved:.1f} queries per ray, error {100 * error:.2f} %"
 
     def frame(self, c_e: float, threads: int | None = None) -> Frame:
-        return render(self.scene, Direct(), visibility=Aqvc(c_e=c_e), size=self.size,
-                      threads=threads)  # fmt: skip
+        return render(
+            self.scene, Direct(), visibility=Aqvc(c_e=c_e), size=self.size, threads=threads
+        )
 
 
 def notebook_slider(quick: bool) -> Outcome:
-    """64 lights of the room at 480×270, 1 sample, on all cores; every C_E, moved to and fro."""
+    """64 lights of the room at 480×270, 1 sample, on all cores; moved to every C_E and back."""
     outcome = Outcome()
     if importlib.util.find_spec("ipywidgets") is None:
         outcome.skip("the C_E slider", "ipywidgets is not installed")
@@ -58,8 +59,9 @@ def notebook_slider(quick: bool) -> Outcome:
     size, turns = ((120, 68), 1) if quick else ((480, 270), 5)
     callback = Callback(build_scene(QUICK_SCENE if quick else SCENE), size)
     began = time.perf_counter()
-    view = notebook.sliders(callback, c_e=list(C_E), first={"c_e": C_E[-1]},
-                            exposure=callback.exposure)  # fmt: skip
+    view = notebook.sliders(
+        callback, c_e=list(C_E), first={"c_e": C_E[-1]}, exposure=callback.exposure
+    )
     first_ms = 1000 * (time.perf_counter() - began)
     moves: dict[int, list[dict[str, Sample]]] = {c_e: [] for c_e in C_E}
     for turn in range(turns):
@@ -67,21 +69,27 @@ def notebook_slider(quick: bool) -> Outcome:
             moves[c_e].append(_moved(view, callback, c_e))
     wrong = sum(_differs(view, callback, c_e) for c_e in C_E)
     outcome.check("bytes of shown pictures that are not those of vc.render", wrong, 0)
-    expected = 1 + len(C_E) * (turns + 1)  # a slider tells of moves alone: none may stand still
+    expected = 1 + len(C_E) * (turns + 1)  # a slider reports changes only
     outcome.check("moves without a picture", abs(expected - len(view.milliseconds)), 0)
     rows = [_row(c_e, taken) for c_e, taken in moves.items()]
     worst = max(rows, key=lambda row: row["wall_ms"])
     outcome.figures.append(
-        at_most_figure(f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
-                       worst["wall_ms"], "ms", None if quick else MILLISECONDS_AT_MOST,
-                       c_e=worst["c_e"], first_ms=first_ms, moves=rows)
-    )  # fmt: skip
+        at_most_figure(
+            f"C_E slider, 64 lights, {size[0]}x{size[1]}: slowest move",
+            worst["wall_ms"],
+            "ms",
+            None if quick else MILLISECONDS_AT_MOST,
+            c_e=worst["c_e"],
+            first_ms=first_ms,
+            moves=rows,
+        )
+    )
     outcome.notes += [_sentence(row) for row in rows]
     return outcome
 
 
 def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, Sample]:
-    """Move the slider; what each stage took, and the whole."""
+    """Move the slider; return the duration of each stage and the total."""
     whole, _ = timed(lambda: setattr(view.widgets["c_e"], "value", c_e))
     stages = dict(callback.stages)
     picture = {
@@ -92,7 +100,7 @@ def _moved(view: notebook.Sliders, callback: Callback, c_e: float) -> dict[str, 
 
 
 def _differs(view: notebook.Sliders, callback: Callback, c_e: int) -> int:
-    """Bytes of the picture that differ from a frame of one thread, tone-mapped."""
+    """Number of bytes of the tone-mapped picture that differ from a single-threaded frame."""
     from PIL import Image
 
     _moved(view, callback, c_e)
@@ -109,8 +117,10 @@ def _row(c_e: int, taken: list[dict[str, Sample]]) -> dict[str, Any]:
         return round(float(1000 * statistics.median(getattr(t[stage], clock) for t in taken)), 2)
 
     row: dict[str, Any] = {
-        "c_e": c_e, "wall_ms": median("move", "wall_s"), "cpu_ms": median("move", "cpu_s"),
-    }  # fmt: skip
+        "c_e": c_e,
+        "wall_ms": median("move", "wall_s"),
+        "cpu_ms": median("move", "cpu_s"),
+    }
     for stage in ("render", "metric", "picture"):
         row |= {f"{stage}_ms": median(stage, "wall_s"), f"{stage}_cpu_ms": median(stage, "cpu_s")}
     return row

@@ -1,4 +1,4 @@
-"""`viscache bench oracle`: caches asked with arrays, oracles written in Python, beside frames."""
+"""`viscache bench oracle`: array queries and oracles written in Python, against frames."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from viscache.settings.visibility import Aqvc, Exact
 
 __all__ = ["oracle"]
 
-#: Arrays may cost a tenth more than the same queries of a frame, Python a tenth of a frame.
+#: Arrays may cost 10 % more than a frame's own queries; a Python oracle, 10 % of a frame.
 GOAL = 0.9
 
 
 class Traced:
-    """An oracle written in Python that traces every wanted ray."""
+    """An oracle written in Python that traces every requested ray."""
 
     def block(
         self, eyes: EyePoints, lamps: FarEnds, wanted: npt.NDArray[np.bool_]
@@ -43,17 +43,18 @@ def oracle(quick: bool = False) -> Outcome:
 
 
 def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
-    """The renderer's own eye points and virtual lights, once asked by it and once as arrays."""
+    """The renderer's eye points and virtual lights: queried by it, and as arrays."""
     size, light = ((96, 96), 64) if quick else ((1000, 1000), 256)
     conn = connections(scene, Whitted(n_vpls=light), size=size)
     ends, wanted = conn.groups["vpl"], conn.wanted("vpl")
-    # Without the renderer's tiles: points in an order of their own
+    # Without the renderer's tiles: points in another order
     shuffled = np.random.default_rng(1).permutation(len(conn.eyes))
     back = np.argsort(shuffled)
     eyes = EyePoints(
-        conn.eyes.positions[shuffled], conn.eyes.normals[shuffled],
+        conn.eyes.positions[shuffled],
+        conn.eyes.normals[shuffled],
         np.asarray(conn.eyes.density)[shuffled],
-    )  # fmt: skip
+    )
     for name, visibility in {"exact": Exact(), "aqvc": Aqvc(c_e=10)}.items():
         ask, found = conn.oracle(visibility), dict[str, Any]()
 
@@ -77,18 +78,23 @@ def arrays(scene: Scene, quick: bool, outcome: Outcome) -> None:
         outcome.figures.append(
             ratio_figure(
                 f"{name} {len(eyes)} points x {len(ends)} lights arrays vs renderer's tiles",
-                samples["arrays"], samples["renderer"], goal=GOAL,
+                samples["arrays"],
+                samples["renderer"],
+                goal=GOAL,
                 work=found["renderer"].counters["queries"],
             )
-        )  # fmt: skip
+        )
         differ = np.bitwise_count(found["arrays"].bits[back] ^ found["renderer"].bits).sum()
         share = float(differ) / max(1, found["renderer"].counters["queries"])
-        outcome.check(f"{name}: other answers than the renderer's tiles", share,
-                      0.0 if name == "exact" else 0.05)  # fmt: skip
+        outcome.check(
+            f"{name}: other answers than the renderer's tiles",
+            share,
+            0.0 if name == "exact" else 0.05,
+        )
 
 
 def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
-    """A whole exact frame, traced by the core and by way of an oracle written in Python."""
+    """A whole exact frame, traced by the core and through an oracle written in Python."""
     size, integrator = ((96, 64), Whitted(n_vpls=64)) if quick else ((640, 400), Whitted())
     frames: dict[str, Frame] = {}
     ways: dict[str, Any] = {"core": Exact(), "python": Traced()}
@@ -106,8 +112,10 @@ def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
     outcome.figures.append(
         ratio_figure(
             f"{size[0]}x{size[1]} {integrator.n_vpls} VPLs frame in Python vs exact",
-            samples["python"], samples["core"], goal=GOAL,
+            samples["python"],
+            samples["core"],
+            goal=GOAL,
         )
-    )  # fmt: skip
+    )
     same = frames["python"].sha256 == frames["core"].sha256
     outcome.check("frame in Python: other bytes than exact", float(not same), 0)

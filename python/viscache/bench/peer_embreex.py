@@ -1,4 +1,4 @@
-"""embreex in a process of its own (see `peers`)."""
+"""embreex in a separate process (see `peers`)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def main() -> None:
 
     def any_hit(given: Mapping[str, Any], _: Mapping[str, Any]) -> dict[str, Any]:
         n = len(given["origins"])
-        # It knows nothing of t_max per call: dists is one per ray, overwritten
+        # It has no t_max per call: dists has one entry per ray and is overwritten
         dists = np.full(n, min(float(given["t_max"]), 1e37), np.float32)
         found = scene.run(given["origins"], given["directions"], dists=dists, query="OCCLUDED")
         return {"occluded": np.asarray(found)}

@@ -1,4 +1,4 @@
-"""Mitsuba 3 in a process of its own (see `peers`)."""
+"""Mitsuba 3 in a separate process (see `peers`)."""
 
 from __future__ import annotations
 

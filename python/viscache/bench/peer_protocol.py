@@ -1,4 +1,4 @@
-"""What the peers' own processes share: jobs come as lines of JSON, reports go back the same way."""
+"""The protocol of the peers' processes: jobs and reports are lines of JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 
 __all__ = ["Job", "serve"]
 
-#: A job gets the arrays given and the job's fields, returns the arrays it made.
+#: A job gets the given arrays and its fields, and returns new arrays.
 Job: TypeAlias = Callable[[Mapping[str, Any], Mapping[str, Any]], dict[str, Any]]
 
 

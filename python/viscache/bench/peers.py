@@ -1,4 +1,4 @@
-"""Other ray tracers in processes of their own: they get arrays by file and take turns with us."""
+"""Other ray tracers in separate processes: they read arrays from files and take turns with us."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from viscache.scene import Scene
 
 __all__ = ["PEERS", "Peer", "missing"]
 
-#: Name of a peer: (package that must be there, module that runs it).
+#: Name of a peer: (the package it needs, the module that runs it).
 PEERS = {
     "mitsuba": ("mitsuba", "viscache.bench.peer_mitsuba"),
     "embreex": ("embreex", "viscache.bench.peer_embreex"),
@@ -26,11 +26,11 @@ PEERS = {
 
 
 class PeerError(RuntimeError):
-    """The other program could not do what was asked; the message is its own."""
+    """The other program failed; the message is its own."""
 
 
 def missing(name: str, scene: Scene) -> str | None:
-    """Why a peer cannot be compared with on this scene; None if it can."""
+    """Why a peer cannot be used with this scene; None if it can."""
     package = PEERS[name][0]
     if importlib.util.find_spec(package) is None:
         return f"{package} is not installed"
@@ -40,9 +40,9 @@ def missing(name: str, scene: Scene) -> str | None:
 
 
 class Peer:
-    """One peer, its scene built; `run(job)` makes it do one job and report how long it took.
+    """One peer with its scene built; `run(job)` runs one job and returns its duration.
 
-    Protocol: one line of JSON per job on its standard input, one line of JSON back.
+    Each job is one line of JSON on standard input; each report is one line of JSON.
     """
 
     def __init__(self, name: str, scene: Scene) -> None:
@@ -66,7 +66,7 @@ class Peer:
         self.about = self._answer()
 
     def run(self, job: dict[str, Any]) -> tuple[Sample, dict[str, Any]]:
-        """Do a job; the rest of its report beside the time."""
+        """Run a job; return its time and the rest of its report."""
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(job) + "\n")
         self._process.stdin.flush()
@@ -74,12 +74,12 @@ class Peer:
         return Sample(wall_s=report["wall_s"], cpu_s=report["cpu_s"]), report
 
     def give(self, **arrays: Any) -> None:
-        """Leave arrays for the next jobs."""
+        """Write arrays for the next jobs."""
         np.savez(self._path / "input.npz", **arrays)
         self.run({"job": "load"})
 
     def result(self) -> dict[str, Any]:
-        """Arrays the last job left."""
+        """Arrays that the last job wrote."""
         self.run({"job": "save"})
         with np.load(self._path / "output.npz") as file:
             return dict(file)

@@ -1,4 +1,4 @@
-"""The ray sets of `viscache bench rays`: arrays any ray caster can be given."""
+"""The ray sets of `viscache bench rays`, as arrays for any ray caster."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def make_ray_set(scene: Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
         return _camera_rays(scene, n)
     points, normals = surface_points(scene, n, rng)
     reach = float(np.linalg.norm(np.diff(scene.bounds, axis=0)))
-    # Well off the surface: every caster must agree on what is a hit
+    # Far enough off the surface that all casters agree on hits
     origins = (points + normals * (1e-4 * reach)).astype(np.float32)
     if name in ("hemi", "ao"):
         directions = _cosine_directions(normals, rng)
@@ -54,7 +54,7 @@ def make_ray_set(scene: Scene, name: str, n: int, *, seed: int = 7) -> RaySet:
 
 
 def surface_points(scene: Scene, n: int, rng: np.random.Generator) -> tuple[Array, Array]:
-    """N points spread by area over the scene's own meshes, each with a normal on a random side."""
+    """N points distributed by area over the scene's own meshes, with normals on random sides."""
     corners = np.concatenate(
         [
             np.asarray(m["vertices"])[np.asarray(m["triangles"])]

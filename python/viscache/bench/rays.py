@@ -24,14 +24,14 @@ SCENES = (
     "courtyard?triangles=1000000",
 )
 QUICK_SCENES = ("room?triangles=20000", "random_triangles?triangles=5000")
-#: Rays that pass within rounding of an edge may be answered differently by another program.
+#: Another program may answer rays differently that pass an edge within rounding.
 EDGE_TOLERANCE = 1e-3
 GOALS = {"embree-loop": 0.9, "mitsuba": 1.0, "embreex": 1.7}
 PLANS = [(w, c) for w in (1, 4, 8, 16) for c in (False, True) if not (w == 1 and c)]
 
 
 def rays(quick: bool = False) -> Outcome:
-    """Every scene, every ray set, every baseline. Robust scene flag on all sides."""
+    """Every scene, ray set and baseline, with Embree's robust flag on all sides."""
     outcome = Outcome()
     for spec in QUICK_SCENES if quick else SCENES:
         scene = build_scene(spec)
@@ -119,7 +119,7 @@ def _loop(
 
 
 def _best_plan(caster: _core.EmbreeCaster, r: RaySet) -> tuple[int, bool]:
-    """The packet width and flag whose bare loop is fastest on this set."""
+    """The packet width and flag of the fastest bare loop on this set."""
     runs: dict[str, Callable[[], Sample]] = {
         f"{w} {c}": lambda w=w, c=c: timed(lambda: _loop(caster, r, w, c))[0]  # type: ignore[misc]
         for w, c in PLANS

@@ -1,4 +1,4 @@
-"""Which benches there are, and running one of them."""
+"""The list of benches, and running one of them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class BenchInfo:
 
     description: str
     function: Bench
-    """Takes `quick`."""
+    """Called with `quick`."""
 
 
 BENCHES: dict[str, BenchInfo] = {
@@ -98,13 +98,13 @@ def run(name: str, quick: bool = False) -> dict[str, Any]:
     Returns
     -------
     dict
-        bench, machine, figures, answers_checked; beside them answers (each check with value and
-        limit), answers_hold, skipped, notes, quick.
+        bench, machine, figures, answers_checked, answers (each check with value and limit),
+        answers_hold, skipped, notes, quick.
 
     Raises
     ------
     ValueError
-        An unknown name; the message has the nearest known one.
+        The name is unknown; the message gives the nearest known one.
     """
     if name not in BENCHES:
         raise ValueError(f"unknown bench {name!r}{nearest(name, BENCHES)}")
@@ -124,5 +124,5 @@ def run(name: str, quick: bool = False) -> dict[str, Any]:
 
 
 def run_all(quick: bool = False) -> list[dict[str, Any]]:
-    """Run every bench that is there."""
+    """Run every bench."""
     return [run(name, quick) for name in BENCHES]

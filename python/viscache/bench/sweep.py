@@ -1,4 +1,4 @@
-"""Sweeps: what is spent outside frames and metrics, what a kill costs, and what dask costs."""
+"""Sweeps: the time outside frames and metrics, and the costs of a kill and of dask."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ __all__ = ["sweep"]
 
 SCENE = "room?triangles=200000"
 QUICK_SCENE = "room?triangles=3000"
-#: Of the wall time, outside frames and metrics.
+#: Share of the wall time outside frames and metrics.
 OUTSIDE_AT_MOST = 0.05
 SECONDS_AT_MOST = 900.0
 DASK_AT_MOST = 1.10
 
-#: A sweep that logs every frame it begins: directory, log, scene, points, pixels, VPLs.
+#: A sweep that logs each frame it starts. Arguments: directory, log, scene, points, pixels, VPLs.
 LOGGED = """
 import os, sys
 import viscache as vc
@@ -53,7 +53,7 @@ vc.sweep(scene, vc.Whitted(n_vpls=vpls), over={"c_e": {"log": [2, 32], "n": poin
 
 
 def sweep(quick: bool) -> Outcome:
-    """500 points at 256² on the room, a sweep killed and resumed, and dask beside processes."""
+    """500 points at 256² of the room; a killed and resumed sweep; dask against processes."""
     outcome = Outcome()
     with tempfile.TemporaryDirectory() as folder:
         _large(quick, Path(folder) / "large", outcome)
@@ -63,31 +63,42 @@ def sweep(quick: bool) -> Outcome:
 
 
 def _large(quick: bool, folder: Path, outcome: Outcome) -> None:
-    """Many points in this process, on all cores, frames kept."""
+    """Many points in this process, on all cores; frames are stored."""
     n, edge, vpls = (12, 64, 32) if quick else (125, 256, 256)
     over = {"c_e": {"log": [2, 32], "n": n}, "c_z": [1, 2, 4, 8]}
     began, cpu = time.perf_counter(), time.process_time()
     ds = run_sweep(
-        QUICK_SCENE if quick else SCENE, Whitted(n_vpls=vpls), over=over, size=(edge, edge),
+        QUICK_SCENE if quick else SCENE,
+        Whitted(n_vpls=vpls),
+        over=over,
+        size=(edge, edge),
         directory=folder,
-    )  # fmt: skip
+    )
     wall, cpu = time.perf_counter() - began, time.process_time() - cpu
     spent = json.loads(ds.attrs["seconds"])
     outside = 1 - (spent["frames"] + spent["metrics"]) / wall
     points = int(ds.rel_l1.notnull().sum())
     outcome.check("points that are missing", 4 * n - points, 0)
-    outcome.check("errors that do not grow from the finest to the coarsest C_E",
-                  float(ds.rel_l1[0].mean() >= ds.rel_l1[-1].mean()), 0)  # fmt: skip
+    outcome.check(
+        "errors that do not grow from the finest to the coarsest C_E",
+        float(ds.rel_l1[0].mean() >= ds.rel_l1[-1].mean()),
+        0,
+    )
     limit = None if quick else SECONDS_AT_MOST
     outcome.figures += [
         at_most_figure(f"{points} points at {edge}²", wall, "s", limit, cpu_s=cpu),
-        at_most_figure(f"{points} points: share of the wall time outside frames and metrics",
-                       outside, "1", None if quick else OUTSIDE_AT_MOST, **spent),
-    ]  # fmt: skip
+        at_most_figure(
+            f"{points} points: share of the wall time outside frames and metrics",
+            outside,
+            "1",
+            None if quick else OUTSIDE_AT_MOST,
+            **spent,
+        ),
+    ]
 
 
 def _killed(quick: bool, folder: Path, outcome: Outcome) -> None:
-    """kill -9 again and again; how many frames are rendered twice per kill."""
+    """Kill a sweep repeatedly (kill -9); count the frames rendered twice per kill."""
     points, edge, vpls, kills = (16, 64, 32, 2) if quick else (60, 128, 128, 5)
     log = folder.with_suffix(".log")
     words = [str(folder), str(log), QUICK_SCENE, str(points), str(edge), str(vpls)]
@@ -118,7 +129,7 @@ def _begun(log: Path) -> int:
 
 
 def _distributed(quick: bool, outcome: Outcome) -> None:
-    """The same points by two dask workers and by a pool of two processes, in turns."""
+    """The same points with two dask workers and with a pool of two processes, in turns."""
     if importlib.util.find_spec("distributed") is None:
         outcome.skip("dask beside processes", "dask.distributed is not installed")
         return
@@ -129,8 +140,16 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
         over = {"c_e": {"log": [2, 32], "n": n}}
         folder = tempfile.mkdtemp()
         began = time.perf_counter()
-        ds = run_sweep(scene, Whitted(n_vpls=vpls), over=over, size=(edge, edge), threads=1,
-                       metrics=["rel_l1"], executor=executor, directory=folder)  # fmt: skip
+        ds = run_sweep(
+            scene,
+            Whitted(n_vpls=vpls),
+            over=over,
+            size=(edge, edge),
+            threads=1,
+            metrics=["rel_l1"],
+            executor=executor,
+            directory=folder,
+        )
         wall = time.perf_counter() - began
         shutil.rmtree(folder)
         errors.append(ds.rel_l1.values.tobytes() if n == points else b"")
@@ -139,20 +158,26 @@ def _distributed(quick: bool, outcome: Outcome) -> None:
     errors: list[bytes] = []
     with process_pool(2) as pool, _dask_workers(2) as dask:
         assert pool is not None
-        for executor in (pool, dask):  # both workers of each load the scene
+        for executor in (pool, dask):  # both workers of each executor load the scene
             points_of(executor, 8)
         runs: dict[str, Callable[[], Sample]] = {
-            "pool": lambda: points_of(pool, points), "dask": lambda: points_of(dask, points),
-        }  # fmt: skip
+            "pool": lambda: points_of(pool, points),
+            "dask": lambda: points_of(dask, points),
+        }
         samples = interleave(runs, turns, warm_up=False)
     outcome.check("tables that differ", len({e for e in errors if e}) - 1, 0)
     ratios = [p.wall_s / d.wall_s for d, p in zip(samples["dask"], samples["pool"], strict=True)]
     total = {name: sum(s.wall_s for s in taken) for name, taken in samples.items()}
     outcome.figures.append(
-        figure(f"{turns * points} points, two dask workers vs a pool of two processes",
-               total["dask"], "s", baseline=total["pool"], ratios=ratios,
-               goal=None if quick else 1 / DASK_AT_MOST)
-    )  # fmt: skip
+        figure(
+            f"{turns * points} points, two dask workers vs a pool of two processes",
+            total["dask"],
+            "s",
+            baseline=total["pool"],
+            ratios=ratios,
+            goal=None if quick else 1 / DASK_AT_MOST,
+        )
+    )
 
 
 @contextmanager
@@ -160,8 +185,7 @@ def _dask_workers(n: int) -> Iterator[Any]:
     """A scheduler and n worker processes on this machine."""
     distributed = importlib.import_module("distributed")
     cluster = distributed.LocalCluster(
-        n_workers=n, threads_per_worker=1, processes=True, dashboard_address=None,
-        host="127.0.0.1",
-    )  # fmt: skip
+        n_workers=n, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1"
+    )
     with cluster, distributed.Client(cluster, set_as_default=False) as client:
         yield client.get_executor(pure=False)

@@ -1,7 +1,7 @@
-"""The part of `viscache bench vismap-variance` that takes time into account, by rendered pictures.
+"""Variance in equal time, from rendered pictures: a part of `viscache bench vismap-variance`.
 
-Times are seconds of all processors together, with the records made anew for every picture, so that
-pictures must be large enough to share them.
+Times are CPU seconds of all threads and include new records for every picture, so pictures must be
+large enough to share records.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ __all__ = ["equal_time"]
 
 SAMPLES = 30
 GUIDED = VisMaps(sampling="guided")
-#: µs per pixel and core of look-ups, J and records together.
+#: Limit of look-ups, J and records together, in µs per pixel and core.
 MOST_US = 5.0
-#: Seconds in which a cache of 128×96 pixels is to be there.
+#: Limit of the time to build the cache of 128×96 pixels.
 MOST_BUILD_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """A picture, and the gain in equal time that is asked for."""
+    """A picture and the required gain in equal time."""
 
     scene: str
     quick_scene: str
@@ -37,21 +37,33 @@ class Case:
 
 
 CASES = (
-    Case(scene="garage", quick_scene="garage?triangles=30000", size=(640, 480), renders=3,
-         goals={"control variate, alpha 1": 2.0}),
-    Case(scene="window_room", quick_scene="window_room", size=(128, 96), renders=12,
-         goals={"guided": 6.0}),
-)  # fmt: skip
+    Case(
+        scene="garage",
+        quick_scene="garage?triangles=30000",
+        size=(640, 480),
+        renders=3,
+        goals={"control variate, alpha 1": 2.0},
+    ),
+    Case(
+        scene="window_room",
+        quick_scene="window_room",
+        size=(128, 96),
+        renders=12,
+        goals={"guided": 6.0},
+    ),
+)
 QUICK_SIZE, QUICK_RENDERS = (24, 18), 2
 
 
 def equal_time(outcome: Outcome, quick: bool) -> None:
-    """Gains in equal time, what look-ups cost, how long a cache takes."""
+    """Gains in equal time, the cost of look-ups, the time to build a cache."""
     for full in CASES:
-        # Small pictures have too few pixels to share their records: no goals
+        # Small pictures have too few pixels to share records, so they have no goals
         case = replace(full, goals={}) if quick else full
-        picture = Picture(scene=build_scene(case.quick_scene if quick else case.scene),
-                          size=QUICK_SIZE if quick else case.size)  # fmt: skip
+        picture = Picture(
+            scene=build_scene(case.quick_scene if quick else case.scene),
+            size=QUICK_SIZE if quick else case.size,
+        )
         ways = {"control variate, alpha 1": paper_maps(None), "guided": GUIDED}
         for name, maps in ways.items():
             frames = [picture.maps(SAMPLES, maps) for _ in range(3)]
@@ -75,15 +87,22 @@ def _gain(
     seconds = statistics.median(frame.timings["cpu_s"] for frame in frames)
     equal = samples_in(picture, seconds)
     kept = replace(maps, cache=picture.build_cache(), update=False)
-    left = variance_ratio(images(lambda seed: picture.maps(SAMPLES, kept, seed), range(renders)),
-                          images(lambda seed: picture.product(equal, seed),
-                                 range(100, 100 + renders)))  # fmt: skip
+    left = variance_ratio(
+        images(lambda seed: picture.maps(SAMPLES, kept, seed), range(renders)),
+        images(lambda seed: picture.product(equal, seed), range(100, 100 + renders)),
+    )
     outcome.figures.append(
-        figure(f"{case.scene}, {name}, equal time vs product sampling", left.ratio,
-               "of the variance", baseline=1.0,
-               ratios=left.gains,
-               goal=case.goals.get(name), samples=SAMPLES, samples_of_baseline=equal)
-    )  # fmt: skip
+        figure(
+            f"{case.scene}, {name}, equal time vs product sampling",
+            left.ratio,
+            "of the variance",
+            baseline=1.0,
+            ratios=left.gains,
+            goal=case.goals.get(name),
+            samples=SAMPLES,
+            samples_of_baseline=equal,
+        )
+    )
 
 
 def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[Frame]) -> None:
@@ -95,20 +114,35 @@ def _costs(outcome: Outcome, case: Case, picture: Picture, frames: list[Frame]) 
         )
 
     records = statistics.median(f.timings["cpu_s"] for f in frames) - statistics.median(
-        f.timings["cpu_s"] for f in (picture.maps(SAMPLES, replace(
-            GUIDED, cache=picture.build_cache(), update=False)) for _ in range(3)))  # fmt: skip
+        f.timings["cpu_s"]
+        for f in (
+            picture.maps(SAMPLES, replace(GUIDED, cache=picture.build_cache(), update=False))
+            for _ in range(3)
+        )
+    )
     quick = not case.goals
     maps_us = us("maps_cpu_s") + max(records, 0.0) / pixels * 1e6
     outcome.figures.append(
-        figure(f"{case.scene}, look-ups, J and records vs {MOST_US:g} us per pixel", maps_us,
-               "us per pixel", baseline=MOST_US, ratios=[MOST_US / maps_us],
-               goal=None if quick else 1.0,
-               trees_us=us("trees_cpu_s"), sample_us=us("samples_cpu_s") / SAMPLES)
-    )  # fmt: skip
+        figure(
+            f"{case.scene}, look-ups, J and records vs {MOST_US:g} us per pixel",
+            maps_us,
+            "us per pixel",
+            baseline=MOST_US,
+            ratios=[MOST_US / maps_us],
+            goal=None if quick else 1.0,
+            trees_us=us("trees_cpu_s"),
+            sample_us=us("samples_cpu_s") / SAMPLES,
+        )
+    )
     built = statistics.median(frame.timings["records_s"] for frame in frames)
     small = picture.size == (128, 96)
     outcome.figures.append(
-        figure(f"{case.scene}, records of {picture.size[0]}x{picture.size[1]} pixels vs 1 s", built,
-               "s", baseline=MOST_BUILD_S, ratios=[MOST_BUILD_S / max(built, 1e-9)],
-               goal=1.0 if small else None)
-    )  # fmt: skip
+        figure(
+            f"{case.scene}, records of {picture.size[0]}x{picture.size[1]} pixels vs 1 s",
+            built,
+            "s",
+            baseline=MOST_BUILD_S,
+            ratios=[MOST_BUILD_S / max(built, 1e-9)],
+            goal=1.0 if small else None,
+        )
+    )

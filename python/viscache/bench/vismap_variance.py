@@ -1,10 +1,10 @@
 """`viscache bench vismap-variance`: variance with visibility maps against product sampling.
 
-Random pixels of a picture are estimated many times in the world of the environment's texels, where
-the true value is a sum (`viscache.vismap.simulation`). Both sides take the same number of samples
-from the same kind of points. In the steady state α comes from passes before the one that counts;
-*one shot*: these samples are all there are, in passes of 10, 20, 40, …. Rendered pictures in equal
-time follow (`vismap_time`).
+Random pixels of a picture are estimated many times in a model whose lights are the environment's
+texels, so that the true value is a sum (`viscache.vismap.simulation`). Both sides take the same
+number of samples from the same kind of points. In the *steady state*, α comes from earlier passes.
+In *one shot*, there are no earlier passes: the samples are taken in passes of 10, 20, 40, ….
+Rendered pictures in equal time follow (`vismap_time`).
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from viscache.vismap.simulation import PixelEstimates, Way, simulate
 __all__ = ["vismap_variance"]
 
 ETA = 0.25
-#: Passes of a pixel in the steady state: the last one's α comes from the five before.
+#: Passes of a pixel in the steady state: the first five give α for the last.
 STEADY = 6
-#: Chance that a bench without any bias fails.
+#: Probability that a bench without bias fails.
 FALSE_ALARM = 1e-3
 
 WAYS: dict[str, Way] = {
@@ -38,20 +38,20 @@ WAYS: dict[str, Way] = {
     "one shot, first alpha 1": Way(alpha="previous_pass", one_shot=True),
     "one shot, guided": Way(alpha="previous_pass", eta=ETA, one_shot=True, first="pilot"),
 }
-#: All samples in one pass, so one shot too.
+#: All samples in one pass, hence also one shot.
 IID_ONLY = {"control variate, leave-one-out": Way(alpha="loo", points="iid")}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """A picture, and which share of the variance may be left of which way."""
+    """A picture, and the largest remaining share of the variance for some of the ways."""
 
     name: str
     scene: str
     quick_scene: str
     camera: int = 0
     m: int = 5
-    """Maps have 2^m × 2^m cells."""
+    """A map has 2^m × 2^m cells."""
     goals: Mapping[tuple[str, str, int], float]
     """By way, points and samples."""
 
@@ -80,7 +80,7 @@ SIZE, QUICK_SIZE = (640, 480), (160, 120)
 
 
 def vismap_variance(quick: bool = False) -> Outcome:
-    """Every case, way and point set."""
+    """Run every case, way and point set."""
     outcome = Outcome()
     size = QUICK_SIZE if quick else SIZE
     for case in CASES:
@@ -88,8 +88,9 @@ def vismap_variance(quick: bool = False) -> Outcome:
         cache = VisibilityMapCache(scene, MapSettings(m=case.m))
         cache.update(case.camera, size=size)
         samples = QUICK_SAMPLES if quick else SAMPLES
-        found = simulate(cache, all_ways(), samples, camera=case.camera, size=size,
-                         **(QUICK if quick else FULL))  # fmt: skip
+        found = simulate(
+            cache, all_ways(), samples, camera=case.camera, size=size, **(QUICK if quick else FULL)
+        )
         add_figures(outcome, case, found, samples, len(cache))
         check_means(outcome, case.name, found)
     equal_time(outcome, quick)
@@ -101,14 +102,16 @@ def vismap_variance(quick: bool = False) -> Outcome:
 
 
 def all_ways() -> list[Way]:
-    """The baseline and every way, with both kinds of points."""
+    """The baseline and every way, each with both kinds of points."""
     return [way for pair in _pairs().values() for way in pair]
 
 
 def _pairs() -> dict[tuple[str, str], tuple[Way, Way]]:
     """By name and points: product sampling, and the way."""
     sets: tuple[tuple[str, Mapping[str, Way]], ...] = (
-        ("iid", {**WAYS, **IID_ONLY}), ("rqmc", WAYS))  # fmt: skip
+        ("iid", {**WAYS, **IID_ONLY}),
+        ("rqmc", WAYS),
+    )
     return {
         (name, points): (Way(points=points), replace(way, points=points))  # type: ignore[arg-type]
         for points, ways in sets
@@ -125,22 +128,29 @@ def add_figures(
             left = _left(found.estimates[way, n], found.estimates[baseline, n])
             limit = case.goals.get((name, points, n))
             outcome.figures.append(
-                figure(f"{case.name}, {name}, {points}, {n} samples vs product sampling",
-                       left.ratio, "of the variance", baseline=1.0,
-                       ratios=left.gains,
-                       goal=None if limit is None else 1 / limit, records=n_records,
-                       trimmed=left.trimmed, worse_share=left.worse_share)
-            )  # fmt: skip
+                figure(
+                    f"{case.name}, {name}, {points}, {n} samples vs product sampling",
+                    left.ratio,
+                    "of the variance",
+                    baseline=1.0,
+                    ratios=left.gains,
+                    goal=None if limit is None else 1 / limit,
+                    records=n_records,
+                    trimmed=left.trimmed,
+                    worse_share=left.worse_share,
+                )
+            )
 
 
 def _left(ours: npt.NDArray[np.float64], baseline: npt.NDArray[np.float64]) -> VarianceRatio:
     """Replicates (K, P) as renders of one row."""
-    return variance_ratio([row[None, :, None] for row in ours],
-                          [row[None, :, None] for row in baseline])  # fmt: skip
+    return variance_ratio(
+        [row[None, :, None] for row in ours], [row[None, :, None] for row in baseline]
+    )
 
 
 def check_means(outcome: Outcome, name: str, found: PixelEstimates) -> None:
-    """Whether sums over pixels are those of the true values, way by way, within chance."""
+    """Check for each way that sums over pixels agree with the true values within chance."""
     from scipy.stats import t  # type: ignore[import-untyped,unused-ignore]
 
     worst, n_replicates = 0.0, 2

@@ -1,4 +1,4 @@
-"""`viscache bench vlf-ao`: ambient occlusion along shared axes against Embree."""
+"""`viscache bench vlf-ao`: ambient occlusion along shared directions, against Embree."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from viscache.vlf import direction_frames, trace_aligned
 
 __all__ = ["CASES", "Case", "vlf_ao"]
 
-#: Axis by axis in packets of neighbouring points, or point by point in packets of axes.
+#: Axis by axis with packets of neighbouring points, or point by point with packets of axes.
 PLANS = tuple((by_axis, w, c) for by_axis in (True, False) for w in (8, 16) for c in (False, True))
-#: Rays within rounding of an edge may be answered differently.
+#: Rays that pass an edge within rounding may be answered differently.
 DIFFERING = 1e-5
 THREADS = 2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Case:
-    """One scene, seen by its camera in a square image; a ray per hit pixel and axis."""
+    """A square image of one scene from its camera; one ray per pixel with a hit and per axis."""
 
     name: str
     spec: str
@@ -41,7 +41,7 @@ class Case:
 
     @property
     def label(self) -> str:
-        """As figures name it."""
+        """The name in figures."""
         return f"AO {self.name} {self.side}x{self.side}"
 
 
@@ -55,11 +55,17 @@ CASES = (
     Case(name="room-200k", spec="room?triangles=200000", side=256, goal=0.95),
 )
 QUICK_CASES = (
-    Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=64, goal=0.95,
-         n_directions=129),
-    Case(name="spheres-100k", spec="bumpy_spheres?triangles=100000", side=16, goal=0.95,
-         n_directions=129),
-)  # fmt: skip
+    Case(
+        name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=64, goal=0.95, n_directions=129
+    ),
+    Case(
+        name="spheres-100k",
+        spec="bumpy_spheres?triangles=100000",
+        side=16,
+        goal=0.95,
+        n_directions=129,
+    ),
+)
 
 #: The rows of the correlation statistics: 9216 directions over the sphere from side² points.
 ROWS = (
@@ -70,7 +76,7 @@ QUICK_ROWS = (Case(name="spheres-3k", spec="bumpy_spheres?triangles=3000", side=
 
 
 def vlf_ao(quick: bool = False) -> Outcome:
-    """Every case, engine chosen by predicted cost, against the fastest of Embree's plans."""
+    """Every case: the engine of the lowest predicted cost against the fastest of Embree's plans."""
     outcome = Outcome()
     scenes: dict[str, Scene] = {}
     for case in QUICK_CASES if quick else CASES:
@@ -133,7 +139,7 @@ def _compare(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
 
 
 def _compare_rows(outcome: Outcome, case: Case, scene: Scene) -> None:
-    """Rows of visibility, the engine chosen, against Embree in the faster of its packet orders."""
+    """Rows of visibility: the chosen engine against Embree in its faster packet order."""
     label = f"rows {case.name} {case.side**2} points"
     at, directions = surface_points(scene, case.side**2), DirectionSet()
     scene.aligned_batch(), scene.caster()
@@ -210,9 +216,15 @@ def _embree(
 ) -> npt.NDArray[np.uint64]:
     by_axis, width, coherent = plan
     return _core.vlf.embree_rows(
-        caster, points, normals, frames,
-        by_axis=by_axis, width=width, coherent=coherent, threads=THREADS,
-    )  # fmt: skip
+        caster,
+        points,
+        normals,
+        frames,
+        by_axis=by_axis,
+        width=width,
+        coherent=coherent,
+        threads=THREADS,
+    )
 
 
 def _best_plan(

@@ -1,4 +1,4 @@
-"""`viscache bench vlf-build`: building the visibility field, and single rays beside Embree's."""
+"""`viscache bench vlf-build`: building the visibility field, and its single rays against Embree."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ SCENES = (
 )
 QUICK_SCENES = ("bumpy_spheres?triangles=1500",)
 FIELD, QUICK_FIELD = Vlf(bsp_depth=3, max_bytes=4 << 30), Vlf(n_directions=33, n_tiles=64)
-#: Depths and leaf sizes among which each ray set's fastest BSP is taken.
+#: Depths and leaf sizes of the BSP; each ray set uses the fastest combination.
 DEPTHS, LEAVES = (16, 20, 24), (4, 8, 16)
 TREES = tuple(Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in DEPTHS for n in LEAVES)
 QUICK_TREES = (Bsp(kernel="wald"),)
-#: The single-ray tracer of the paper should not be a straw man: this share of Embree ray by ray.
+#: The paper's single-ray tracer must reach this share of Embree's single-ray speed.
 GUARD = 0.25
 EDGE_TOLERANCE = 1e-3
 RAYS, QUICK_RAYS = 100_000, 4_000
 
 
 def vlf_build(quick: bool = False) -> Outcome:
-    """Seconds and bytes of fields, and rays per second of the paper's tracers, one thread."""
+    """Build time and memory of fields; rays per second of the paper's tracers on one thread."""
     outcome = Outcome()
     for spec in QUICK_SCENES if quick else SCENES:
         scene = build_scene(spec)
@@ -78,9 +78,14 @@ def _compare_builds(outcome: Outcome, scene: Scene, settings: Vlf, repeats: int)
     label = f"field {_label(scene)}, l {settings.n_directions}, n {settings.n_tiles}"
     stats = built["one thread"].stats
     outcome.figures.append(
-        ratio_figure(f"{label}: build on two threads vs one", samples["two threads"],
-                     samples["one thread"], clock="wall_s", bytes=stats["bytes"])
-    )  # fmt: skip
+        ratio_figure(
+            f"{label}: build on two threads vs one",
+            samples["two threads"],
+            samples["one thread"],
+            clock="wall_s",
+            bytes=stats["bytes"],
+        )
+    )
     outcome.figures.append(
         ratio_figure(f"{label}: build vs embree", samples["one thread"], samples["embree"])
     )
@@ -122,14 +127,21 @@ def _compare_rays(outcome: Outcome, scene: Scene, r: RaySet, field: Any, quick: 
         for name in ("bsp", "field"):
             label = f"{name} {_label(scene)} {r.name} {job}"
             outcome.figures.append(
-                ratio_figure(f"{label} vs embree1", samples[name], samples["embree"], work=len(r),
-                             goal=GUARD if name == "bsp" else None,
-                             **(of_bsp if name == "bsp" else {}))
-            )  # fmt: skip
-            hit = [np.isfinite(a) if a.dtype != bool else a for a in
-                   (answers[name], answers["embree"])]  # fmt: skip
-            outcome.check(f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])),
-                          EDGE_TOLERANCE)  # fmt: skip
+                ratio_figure(
+                    f"{label} vs embree1",
+                    samples[name],
+                    samples["embree"],
+                    work=len(r),
+                    goal=GUARD if name == "bsp" else None,
+                    **(of_bsp if name == "bsp" else {}),
+                )
+            )
+            hit = [
+                np.isfinite(a) if a.dtype != bool else a for a in (answers[name], answers["embree"])
+            ]
+            outcome.check(
+                f"{label}: share unlike embree", float(np.mean(hit[0] != hit[1])), EDGE_TOLERANCE
+            )
 
 
 def _trial(tree: Any, r: RaySet) -> float:

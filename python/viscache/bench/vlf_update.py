@@ -1,4 +1,4 @@
-"""Part of `viscache bench vlf-build`: moving an object in a field against building it again."""
+"""Part of `viscache bench vlf-build`: moving an object in a field against rebuilding the field."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
 SIZES, QUICK_SIZES = (100, 1000, 10_000), (100,)
 RAYS, QUICK_RAYS = 20_000, 2000
 REPEATS = 2
-#: Share of rays whose nearest hit is not that of the field built anew.
+#: Allowed share of rays whose nearest hit differs from that of the rebuilt field.
 DIFFERING = 1e-4
 
 
 def compare_updates(outcome: Outcome, quick: bool) -> None:
-    """CPU seconds of an update, in either mode, and of a field built with the object in place."""
+    """CPU seconds of an update, in both modes, and of a field built with the object in place."""
     scene = build_scene(QUICK_SCENE if quick else SCENE)
     settings = QUICK_FIELD if quick else FIELD
     beams = chords(scene, QUICK_RAYS if quick else RAYS)

@@ -1,1 +1,1 @@
-"""Scenes, rays and pictures that figures and benches both measure."""
+"""Scenes, rays and pictures for both figures and benches."""

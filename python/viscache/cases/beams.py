@@ -1,4 +1,4 @@
-"""Rays of one kind, and what one thread finds along them."""
+"""Rays of one kind, traced by one thread."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Job: TypeAlias = Literal["any", "nearest"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Beams:
-    """Rays of one job: any hit, or the nearest."""
+    """Rays of one job: any hit or nearest hit."""
 
     origins: Floats
     directions: Floats
@@ -29,7 +29,7 @@ class Beams:
         return len(self.origins)
 
     def some(self, n: int) -> Beams:
-        """About n of them, evenly spread, in runs of 16 neighbours."""
+        """About n evenly spread rays, in runs of 16 neighbours."""
         if len(self) <= n:
             return self
         first = np.linspace(0, len(self) - 16, max(1, n // 16)).astype(np.int64)
@@ -37,7 +37,7 @@ class Beams:
         return Beams(origins=self.origins[pick], directions=self.directions[pick], job=self.job)
 
     def trace(self, caster: Any) -> npt.NDArray[Any]:
-        """What one thread finds: blocked or not, or the distances."""
+        """The results of one thread: blocked or not, or distances."""
         if self.job == "any":
             return np.asarray(caster.occluded(self.origins, self.directions, math.inf, 1))
         return np.asarray(caster.intersect(self.origins, self.directions, 1)[0])

@@ -1,4 +1,4 @@
-"""Pairs of renderers that are compared: product sampling, and the same with visibility maps."""
+"""Two renderers to compare: product sampling, and product sampling with visibility maps."""
 
 from __future__ import annotations
 
@@ -18,43 +18,49 @@ from viscache.vismap import MapSettings, VisibilityMapCache
 
 __all__ = ["Picture", "cpu_median", "images", "paper_maps", "samples_in"]
 
-#: Samples between which product sampling's time is measured.
+#: The time of product sampling is measured at these numbers of samples.
 CALIBRATED = (20, 80)
 Images = list[npt.NDArray[np.floating[Any]]]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Picture:
-    """A scene's picture at one size, with rays through the middles of pixels: only light varies."""
+    """A scene's picture with rays through pixel centres, so that only light samples vary."""
 
     scene: Scene
     size: tuple[int, int]
     camera: int = 0
 
     def build_cache(self, settings: MapSettings | None = None) -> VisibilityMapCache:
-        """A cache that every pixel was given its records in."""
+        """A cache with records for every pixel."""
         cache = VisibilityMapCache(self.scene, settings)
         cache.update(self.camera, size=self.size)
         return cache
 
     def product(self, samples: int, seed: int = 0) -> Frame:
-        """Product sampling alone."""
+        """A frame with product sampling only."""
         return self._frame(samples, seed, None)
 
     def maps(self, samples: int, visibility: VisMaps, seed: int = 0) -> Frame:
-        """With maps."""
+        """A frame with maps."""
         return self._frame(samples, seed, visibility)
 
     def _direct(self, samples: int) -> Direct:
         return Direct(environment="product", n_environment=samples, centred=True)
 
     def _frame(self, samples: int, seed: int, visibility: VisMaps | None) -> Frame:
-        return render(self.scene, self._direct(samples), visibility=visibility, camera=self.camera,
-                      size=self.size, seed=seed)  # fmt: skip
+        return render(
+            self.scene,
+            self._direct(samples),
+            visibility=visibility,
+            camera=self.camera,
+            size=self.size,
+            seed=seed,
+        )
 
 
 def paper_maps(cache: VisibilityMapCache | None) -> VisMaps:
-    """The paper's estimator: α = 1, no guiding. With a cache, it stays as it is."""
+    """The paper's estimator: α = 1, no guiding. A given cache is not updated."""
     return VisMaps(cache=cache, update=cache is None, alpha="one", sampling="product")
 
 
@@ -64,12 +70,12 @@ def images(make: Callable[[int], Frame], seeds: Sequence[int]) -> Images:
 
 
 def cpu_median(frames: list[Frame]) -> float:
-    """Median seconds of all processors together."""
+    """Median CPU seconds of all threads."""
     return float(np.median([frame.timings["cpu_s"] for frame in frames]))
 
 
 def samples_in(picture: Picture, seconds: float) -> int:
-    """How many samples product sampling takes in so many seconds, by a line through two."""
+    """Number of samples of product sampling in a given time, from a line through two times."""
     low, high = (cpu_median([picture.product(n) for _ in range(3)]) for n in CALIBRATED)
     slope = max((high - low) / (CALIBRATED[1] - CALIBRATED[0]), 1e-9)
     return max(1, round(CALIBRATED[0] + (seconds - low) / slope))

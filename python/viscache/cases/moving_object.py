@@ -1,4 +1,4 @@
-"""An object that moves through a scene: a ball of a given number of triangles."""
+"""An object that moves through a scene: a ball with a given number of triangles."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ __all__ = ["STOPS", "ball", "with_object"]
 Mesh: TypeAlias = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
 
 RADIUS = 0.12
-#: Where the object is taken, one place after another.
+#: The object's places, in order.
 STOPS = ((0.3, 0.5, 0.2), (-0.4, 0.4, -0.3), (0.1, 0.3, 0.5), (-0.2, 0.6, 0.1))
 
 
 def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
-    """A sphere of about that many triangles."""
+    """A sphere with about this many triangles."""
     rings = max(3, round(0.5 + (0.25 + triangles / 4) ** 0.5))
     sectors = 2 * rings
     theta = np.pi * np.arange(rings + 1) / rings
@@ -30,7 +30,7 @@ def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
     a, b = i * sectors + j, i * sectors + (j + 1) % sectors
     below = a + sectors
     quads = np.stack([np.stack([a, b, below], -1), np.stack([below, b, b + sectors], -1)])
-    # At the poles one of the two has no area
+    # At the poles one of the two triangles has no area
     keep = np.concatenate([(i > 0).ravel(), (i < rings - 1).ravel()])
     return RADIUS * p.reshape(-1, 3) + center, quads.reshape(-1, 3)[keep]
 
@@ -38,7 +38,7 @@ def ball(triangles: int, center: tuple[float, float, float]) -> Mesh:
 def with_object(
     scene: Scene, vertices: npt.NDArray[np.float64], triangles: npt.NDArray[np.int64]
 ) -> Scene:
-    """The scene's triangles and the object's as one mesh."""
+    """One mesh of the scene's triangles and the object's."""
     parts = [(m["vertices"], m["triangles"]) for m in scene.meshes()] + [(vertices, triangles)]
     first = np.cumsum([0] + [len(v) for v, _ in parts[:-1]])
     faces = [np.asarray(t, np.int64) + f for (_, t), f in zip(parts, first, strict=True)]

@@ -96,15 +96,26 @@ def run(arguments: argparse.Namespace) -> int:
     with chosen_executor(arguments) as executor:
         threads = arguments.threads or threads_of_a_worker(arguments)
         dataset = measure(
-            scene, n_points=arguments.points, map_size=arguments.map_size,
-            pairs=arguments.pairs, points=arguments.on,
-            camera=int(wish) if wish and index else wish, seed=arguments.seed,
-            d_edges=arguments.d_bins, theta_edges_deg=arguments.theta_bins, d_max=arguments.d_max,
-            directions=arguments.directions, domain=arguments.domain, normals=arguments.normals,
-            engine=arguments.engine, directory=arguments.store, executor=executor, threads=threads,
+            scene,
+            n_points=arguments.points,
+            map_size=arguments.map_size,
+            pairs=arguments.pairs,
+            points=arguments.on,
+            camera=int(wish) if wish and index else wish,
+            seed=arguments.seed,
+            d_edges=arguments.d_bins,
+            theta_edges_deg=arguments.theta_bins,
+            d_max=arguments.d_max,
+            directions=arguments.directions,
+            domain=arguments.domain,
+            normals=arguments.normals,
+            engine=arguments.engine,
+            directory=arguments.store,
+            executor=executor,
+            threads=threads,
             progress=sys.stderr.isatty(),
             **({} if arguments.t_max is None else {"t_max": arguments.t_max}),
-        )  # fmt: skip
+        )
     save_dataset(dataset, target)
     summary = _summary(dataset, str(target))
     if arguments.plot is not None:
@@ -144,12 +155,19 @@ def _summary(dataset: Any, path: str) -> dict[str, Any]:
     ]
     ratios = dataset["predicted_variance_ratio"]
     return {
-        "scene": a["scene"], "n_points": a["n_points"], "n_pairs": a["n_pairs"],
-        "n_rays": a["n_rays"], "batch_rays": a["batch_rays"], "rows_s": a["rows_s"],
+        "scene": a["scene"],
+        "n_points": a["n_points"],
+        "n_pairs": a["n_pairs"],
+        "n_rays": a["n_rays"],
+        "batch_rays": a["batch_rays"],
+        "rows_s": a["rows_s"],
         "pairs_s": a["pairs_s"],
-        "corner": float(dataset["corner"]), "corner_se": float(dataset["corner_se"]),
-        "d_max": a["d_max"], "d_near": a["d_near"],
-        "box_d_max": a["box_d_max"], "box_theta_max_deg": a["box_theta_max_deg"],
+        "corner": float(dataset["corner"]),
+        "corner_se": float(dataset["corner_se"]),
+        "d_max": a["d_max"],
+        "d_near": a["d_near"],
+        "box_d_max": a["box_d_max"],
+        "box_theta_max_deg": a["box_theta_max_deg"],
         "box_mean": a["box_mean"],
         "correlation_lengths": rows,
         "predicted_variance_ratio": [
@@ -157,7 +175,7 @@ def _summary(dataset: Any, path: str) -> dict[str, Any]:
             for s, r in zip(ratios["spacing"].values, ratios.values, strict=True)
         ],
         "written": path,
-    }  # fmt: skip
+    }
 
 
 def _number(value: float) -> str:

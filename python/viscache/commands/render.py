@@ -17,10 +17,19 @@ from viscache.settings.checks import require
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
-    parser.add_argument("-o", "--output", metavar="OUT.exr", required=True,
-                        help="all layers as .exr, or a picture to look at: .png, .jpg")  # fmt: skip
-    parser.add_argument("--exposure", type=float, metavar="FACTOR",
-                        help="of a .png or .jpg; by the picture by default")  # fmt: skip
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT.exr",
+        required=True,
+        help="all layers as .exr, or a picture to look at: .png, .jpg",
+    )
+    parser.add_argument(
+        "--exposure",
+        type=float,
+        metavar="FACTOR",
+        help="of a .png or .jpg; by the picture by default",
+    )
     parser.add_argument(
         "--integrator", default="whitted", choices=list(by_name.NAMES["integrator"])
     )
@@ -52,8 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     target = Path(arguments.output)
     is_exr = checked_suffix(target) == "exr"
-    require(not is_exr or arguments.exposure is None, "--exposure must be left out for .exr",
-            arguments.exposure)  # fmt: skip
+    require(
+        not is_exr or arguments.exposure is None,
+        "--exposure must be left out for .exr",
+        arguments.exposure,
+    )
     folder = target.resolve().parent
     if not folder.is_dir():
         raise ValueError(f"output must lie in an existing folder, got {arguments.output}")
@@ -66,21 +78,36 @@ def run(arguments: argparse.Namespace) -> int:
     index = wish is not None and wish not in known and wish.isdecimal()
     options = {} if arguments.size is None else {"size": arguments.size}
     frame = vc.render(
-        scene, chosen["integrator"], rays=chosen["rays"], visibility=chosen["visibility"],
-        camera=int(wish) if wish and index else wish, env=_environment(arguments.env),
-        use=arguments.use, spp=arguments.spp, seed=arguments.seed, threads=arguments.threads,
-        progress=sys.stderr.isatty(), **options,
-    )  # fmt: skip
+        scene,
+        chosen["integrator"],
+        rays=chosen["rays"],
+        visibility=chosen["visibility"],
+        camera=int(wish) if wish and index else wish,
+        env=_environment(arguments.env),
+        use=arguments.use,
+        spp=arguments.spp,
+        seed=arguments.seed,
+        threads=arguments.threads,
+        progress=sys.stderr.isatty(),
+        **options,
+    )
     frame.save(target, exposure=arguments.exposure)
     if arguments.json:
         print_json(frame.summary())
         return 0
     wanted = ("queries", "rays", "ray_reduction")
-    print_table({
-        **{k: v for k, v in frame.timings.items() if k in ("total_s", "visibility_s", "shading_s")},
-        **{k: frame.counters[k] for k in wanted if k in frame.counters},
-        "sha256": frame.sha256, "written": str(target),
-    })  # fmt: skip
+    print_table(
+        {
+            **{
+                k: v
+                for k, v in frame.timings.items()
+                if k in ("total_s", "visibility_s", "shading_s")
+            },
+            **{k: frame.counters[k] for k in wanted if k in frame.counters},
+            "sha256": frame.sha256,
+            "written": str(target),
+        }
+    )
     for warning in frame.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return 0

@@ -38,8 +38,13 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(arguments.json)
     if arguments.name == "all":
         return _all(arguments)
-    result = figures.reproduce(arguments.name, arguments.output, quick=arguments.quick,
-                               progress=sys.stderr.isatty(), size=arguments.size)  # fmt: skip
+    result = figures.reproduce(
+        arguments.name,
+        arguments.output,
+        quick=arguments.quick,
+        progress=sys.stderr.isatty(),
+        size=arguments.size,
+    )
     if arguments.json:
         print_json(result)
     else:

@@ -81,13 +81,16 @@ def chosen_bins(
     positions: npt.NDArray[np.float32],
     d_edges: Edges,
     theta_edges_deg: Edges,
+    slices: tuple[float, float],
     *,
     d_max: float | None,
-    slice_d: float,
-    slice_theta_deg: float,
     seed: int,
 ) -> Bins:
-    """Bins from given edges, or from given numbers of evenly spaced bins."""
+    """Bins from given edges, or from given numbers of evenly spaced bins.
+
+    `slices` is (slice_d, slice_theta_deg).
+    """
+    slice_d, slice_theta_deg = slices
     fits = d_max is None or isinstance(d_edges, int)
     require(fits, "d_max must be left out with edges of d", d_max)
     end, even = d_max, 1.0
@@ -122,22 +125,27 @@ def pair_options(
     points: Points,
     bins: Bins,
     n_directions: int,
-    *,
-    sampled: bool,
-    domain: Domain,
     undefined: Undefined,
     min_bits: int,
-    directions: Any,
+    *,
+    sampled: bool,
+    domain: Domain = "sphere",
+    directions: Any = None,
 ) -> PairOptions:
     """Options for counting pairs."""
     require(domain in DOMAINS, f"domain must be one of {DOMAINS}", domain)
     require(undefined in UNDEFINED, f"undefined must be one of {UNDEFINED}", undefined)
     require(is_whole(min_bits) and min_bits >= 1, "min_bits must be a whole number >= 1", min_bits)
     return PairOptions(
-        n_directions=n_directions, d_cells=bins.d_cells, theta_cells=bins.theta_cells,
-        domain=domain, directions=directions, undefined=undefined, min_bits=int(min_bits),
+        n_directions=n_directions,
+        d_cells=bins.d_cells,
+        theta_cells=bins.theta_cells,
+        domain=domain,
+        directions=directions,
+        undefined=undefined,
+        min_bits=int(min_bits),
         tile=tile_size(points.group, sampled),
-    )  # fmt: skip
+    )
 
 
 def digest(*arrays: npt.NDArray[Any]) -> str:

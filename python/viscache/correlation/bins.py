@@ -184,5 +184,10 @@ def linear_bins(
     require(1 <= n_theta <= 1800, "the number of theta bins must be in [1, 1800]", n_theta)
     d_edges = np.append(np.linspace(0.0, d_max, n_d + 1)[:-1], np.inf)
     theta = np.linspace(0.0, 180.0, n_theta + 1)
-    return Bins(d_edges=d_edges, theta_edges_deg=theta, slice_d=slice_d,
-                slice_theta_deg=slice_theta_deg, d_end=d_max)  # fmt: skip
+    return Bins(
+        d_edges=d_edges,
+        theta_edges_deg=theta,
+        slice_d=slice_d,
+        slice_theta_deg=slice_theta_deg,
+        d_end=d_max,
+    )

@@ -84,14 +84,23 @@ def to_dataset(counted: Counted, bins: Bins) -> xarray.Dataset:
     _add_corner(dataset, near, bins)
     _add_derived(dataset)
     box = high_correlation_box(dataset)
-    return dataset.assign_attrs({
-        "box_d_max": box.d_max, "box_theta_max_deg": box.theta_max_deg, "box_mean": box.mean,
-        "slice_d": bins.slice_d, "slice_theta_deg": bins.slice_theta_deg,
-        "d_max": float(bins.d_end or 0.0), "d_near": counted.d_near or 0.0,
-        "near_slice_exhaustive": int(near_is_whole), "far_share": counted.far_share,
-        "n_pairs": counted.n_pairs, "pairs_s": counted.seconds,
-        "n_groups": int(table.second.max()) + 1, "provenance": json.dumps(provenance()),
-    })  # fmt: skip
+    return dataset.assign_attrs(
+        {
+            "box_d_max": box.d_max,
+            "box_theta_max_deg": box.theta_max_deg,
+            "box_mean": box.mean,
+            "slice_d": bins.slice_d,
+            "slice_theta_deg": bins.slice_theta_deg,
+            "d_max": float(bins.d_end or 0.0),
+            "d_near": counted.d_near or 0.0,
+            "near_slice_exhaustive": int(near_is_whole),
+            "far_share": counted.far_share,
+            "n_pairs": counted.n_pairs,
+            "pairs_s": counted.seconds,
+            "n_groups": int(table.second.max()) + 1,
+            "provenance": json.dumps(provenance()),
+        }
+    )
 
 
 def _table(counted: Counted, bins: Bins) -> tuple[Sums, float]:
@@ -128,9 +137,14 @@ def _add_corner(dataset: xarray.Dataset, near: Sums, bins: Bins) -> None:
 def _variables(prefix: str, dims: tuple[str, str], sums: Sums) -> dict[str, Any]:
     found = statistics(sums)
     values = {
-        "mean": found.mean, "sigma": found.sigma, "se": found.se, "se_naive": found.se_naive,
-        "n": found.n, "n_undefined": found.n_undefined, "variance_ratio": 1.0 - found.mean_square,
-    }  # fmt: skip
+        "mean": found.mean,
+        "sigma": found.sigma,
+        "se": found.se,
+        "se_naive": found.se_naive,
+        "n": found.n,
+        "n_undefined": found.n_undefined,
+        "variance_ratio": 1.0 - found.mean_square,
+    }
     return {
         prefix + name: (dims, value, {"long_name": MEANINGS[name], "units": "1"})
         for name, value in values.items()

@@ -37,10 +37,16 @@ def add_local_means(dataset: xarray.Dataset, run: Run, seed: int, threads: int |
     for part in np.array_split(rng.permutation(n), n_parts):
         part.sort()
         means[part] = spatial_map(
-            run.store.bits[part], run.points.positions[part], run.points.normals[part], d_max,
-            theta, n_directions=run.options.n_directions, min_bits=run.options.min_bits,
-            undefined=run.options.undefined, threads=threads,
-        )  # fmt: skip
+            run.store.bits[part],
+            run.points.positions[part],
+            run.points.normals[part],
+            d_max,
+            theta,
+            n_directions=run.options.n_directions,
+            min_bits=run.options.min_bits,
+            undefined=run.options.undefined,
+            threads=threads,
+        )
     text = "mean correlation with the points within box_d_max and box_theta_max_deg"
     dataset["local_mean"] = ("point", means, {"units": "1", "long_name": text})
     dataset.attrs["local_share"] = 1.0 / n_parts

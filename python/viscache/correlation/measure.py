@@ -178,12 +178,11 @@ def measure(
         opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
     )
     geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
-    bins = chosen_bins(found.positions, d_edges, theta_edges_deg, d_max=d_max, slice_d=slice_d,
-                       slice_theta_deg=slice_theta_deg, seed=seed)  # fmt: skip
+    slices = (slice_d, slice_theta_deg)
+    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
     n_pairs = sampled_pairs(pairs, len(found.positions))
-    options = pair_options(geometry, bins, len(chosen.directions), sampled=n_pairs is not None,
-                           domain=domain, undefined=undefined, min_bits=min_bits,
-                           directions=chosen)  # fmt: skip
+    counted = (geometry, bins, len(chosen.directions), undefined, min_bits)
+    options = pair_options(*counted, sampled=n_pairs is not None, domain=domain, directions=chosen)
     fits = engine in get_args(RowEngine)
     require(fits, 'engine must be "embree", "batch", "field" or "auto"', engine)
     described: dict[str, Any] = {
@@ -197,17 +196,34 @@ def measure(
 
     def make(first: int, last: int) -> RowsTask:
         return RowsTask(
-            first=first, last=last, folder=run.folder, scene=scene, threads=threads, t_max=t_max,
-            scene_hash=opened.content_hash, directions=chosen, engine=engine,
-        )  # fmt: skip
+            first=first,
+            last=last,
+            folder=run.folder,
+            scene=scene,
+            threads=threads,
+            t_max=t_max,
+            scene_hash=opened.content_hash,
+            directions=chosen,
+            engine=engine,
+        )
 
     def here(task: RowsTask) -> Arrays:
         return trace(task, opened, found.positions, found.normals)
 
     with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
-        run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
-                  executor=executor, threads=threads, report=report,
-                  rows_per_block=_rows_per_block(engine))  # fmt: skip
+        run = Run(
+            key,
+            geometry,
+            bins,
+            options,
+            n_pairs=n_pairs,
+            seed=seed,
+            folder=folder,
+            executor=executor,
+            threads=threads,
+            report=report,
+            rows_per_block=_rows_per_block(engine),
+        )
         if run.folder is not None:
             write_points(run.folder, geometry, found.normals)
         run.trace_rows(make, here if executor is None else trace_in_worker)
@@ -215,14 +231,27 @@ def measure(
         if spatial:
             add_local_means(dataset, run, seed, threads)
         _add_points(dataset, found)
-    return dataset.assign_attrs({
-        "scene": spec or opened.name, "scene_hash": opened.content_hash, "map_size": map_size,
-        "directions": directions, "points": where, "normals": normals, "t_max": t_max,
-        "camera": find_camera(opened, camera).name if where == "camera" else "",
-        "domain": domain, "undefined": undefined, "min_bits": min_bits, "seed": seed,
-        "n_points": len(found.positions), "n_rays": run.n_rays, "rows_s": run.rows_s,
-        "engine": engine, "batch_rays": run.batch_rays,
-    })  # fmt: skip
+    return dataset.assign_attrs(
+        {
+            "scene": spec or opened.name,
+            "scene_hash": opened.content_hash,
+            "map_size": map_size,
+            "directions": directions,
+            "points": where,
+            "normals": normals,
+            "t_max": t_max,
+            "camera": find_camera(opened, camera).name if where == "camera" else "",
+            "domain": domain,
+            "undefined": undefined,
+            "min_bits": min_bits,
+            "seed": seed,
+            "n_points": len(found.positions),
+            "n_rays": run.n_rays,
+            "rows_s": run.rows_s,
+            "engine": engine,
+            "batch_rays": run.batch_rays,
+        }
+    )
 
 
 def _rows_per_block(engine: RowEngine) -> int | None:
@@ -293,16 +322,26 @@ def correlate(
     """
     check_seed(seed)
     rows, count, geometry = checked_rows(bits, n_directions, positions, normals, group)
-    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, d_max=d_max, slice_d=slice_d,
-                       slice_theta_deg=slice_theta_deg, seed=seed)  # fmt: skip
+    slices = (slice_d, slice_theta_deg)
+    bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
     n_pairs = sampled_pairs(pairs, len(rows))
-    options = pair_options(geometry, bins, count, sampled=n_pairs is not None, domain="sphere",
-                           undefined=undefined, min_bits=min_bits, directions=None)  # fmt: skip
+    sampled = n_pairs is not None
+    options = pair_options(geometry, bins, count, undefined, min_bits, sampled=sampled)
     rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
     key = content_key({"viscache": VERSION, "rows": rows_digest})
     with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
-        run = Run(key, geometry, bins, options, n_pairs=n_pairs, seed=seed, folder=folder,
-                  executor=executor, threads=threads, report=report)  # fmt: skip
+        run = Run(
+            key,
+            geometry,
+            bins,
+            options,
+            n_pairs=n_pairs,
+            seed=seed,
+            folder=folder,
+            executor=executor,
+            threads=threads,
+            report=report,
+        )
         if run.folder is not None:
             write_points(run.folder, geometry, geometry.normals)
         run.set_rows(rows)

@@ -109,9 +109,9 @@ def pair_statistics(
     n_groups : int, optional
         None: highest group + 1.
     threads : int, optional
-        All cores where None.
+        All cores by default.
     isa : {"portable", "avx2", "avx512"}, optional
-        Variant of the kernels; the best where None. Without effect on the result.
+        Variant of the kernels; the best one by default. It does not change the result.
     skip_dead : bool
         Skip directions that no point of one side sees. Does not change the result.
     progress : bool or callable
@@ -126,14 +126,21 @@ def pair_statistics(
     groups = group_count(group) if n_groups is None else n_groups
     skipped = 0 if d_near is None else _edge_number(edges, d_near)
     require(skipped < len(edges) - 1, "d_near must leave a bin past it", d_near)
-    rows = _rows(bits, n_directions, positions, normals, group, groups, domain, directions,
-                 min_bits, undefined)  # fmt: skip
+    points = (positions, normals, group, groups)
+    rows = _rows(bits, n_directions, *points, domain, directions, min_bits, undefined)
     chosen = None if tiles is None else tile_numbers(tiles)
     with progress_bar(progress, unit="pair") as report:
         sums = _core.correlation.pair_statistics(
-            rows, edges[skipped:].tolist(), angles.tolist(), chosen, tile_side(tile),
-            threads=_threads(threads), isa=isa, skip_dead=skip_dead, progress=report,
-        )  # fmt: skip
+            rows,
+            edges[skipped:].tolist(),
+            angles.tolist(),
+            chosen,
+            tile_side(tile),
+            threads=_threads(threads),
+            isa=isa,
+            skip_dead=skip_dead,
+            progress=report,
+        )
     return _table(sums, edges, angles, skipped)
 
 
@@ -165,8 +172,8 @@ def near_pairs(
     groups = group_count(group) if n_groups is None else n_groups
     last = _edge_number(edges, d_near)
     require(last > 0, "d_near must leave a bin before it", d_near)
-    rows = _rows(bits, n_directions, positions, normals, group, groups, domain, directions,
-                 min_bits, undefined)  # fmt: skip
+    points = (positions, normals, group, groups)
+    rows = _rows(bits, n_directions, *points, domain, directions, min_bits, undefined)
     with progress_bar(progress, unit="point") as report:
         sums = _core.correlation.near_pairs(
             rows,
@@ -203,8 +210,8 @@ def spatial_map(
     """
     if n_directions is None:
         n_directions = 64 * bits.shape[-1]
-    rows = _rows(bits, n_directions, positions, normals, np.zeros(len(bits), np.int32), 1,
-                 "sphere", None, min_bits, undefined)  # fmt: skip
+    points = (positions, normals, np.zeros(len(bits), np.int32), 1)
+    rows = _rows(bits, n_directions, *points, "sphere", None, min_bits, undefined)
     with progress_bar(progress, unit="point") as report:
         return _core.correlation.spatial_map(
             rows, d_max, theta_max_deg, threads=_threads(threads), progress=report
@@ -224,9 +231,9 @@ def intersections(
     ----------
     bits_a, bits_b : (NA, W), (NB, W) uint64
     threads : int, optional
-        All cores where None.
+        All cores by default.
     isa : {"portable", "avx2", "avx512"}, optional
-        Variant of the kernels; the best where None. Without effect on the result.
+        Variant of the kernels; the best one by default. It does not change the result.
 
     Returns
     -------
@@ -280,10 +287,11 @@ def _rows(
     require(fits, "directions must be given unless domain is sphere", directions)
     if directions is None or domain == "sphere":
         directions = np.zeros((0, 3), np.float32)
+    words, both = _bits(bits, "bits"), undefined == "one_if_both"
+    points = (positions, normals, group, n_groups)
     return _core.correlation.PairRows(
-        _bits(bits, "bits"), n_directions, positions, normals, group, n_groups, domain, directions,
-        min_bits, undefined == "one_if_both",
-    )  # fmt: skip
+        words, n_directions, *points, domain, directions, min_bits, both
+    )
 
 
 def _bits(bits: npt.NDArray[np.uint64], name: str) -> npt.NDArray[np.uint64]:

@@ -222,9 +222,15 @@ def visibility_rows(
     ((100, 144), 460800)
     """
     return trace_rows(
-        scene, points.positions, points.normals, directions,
-        t_max=t_max, engine=engine, threads=threads, progress=progress,
-    )  # fmt: skip
+        scene,
+        points.positions,
+        points.normals,
+        directions,
+        t_max=t_max,
+        engine=engine,
+        threads=threads,
+        progress=progress,
+    )
 
 
 def trace_rows(

@@ -197,11 +197,19 @@ class Run:
             [task.block.pairs, [tiles.tolist() for tiles in task.block.tiles or ()]]
             for task in self.pair_tasks
         ]
-        return content_key({
-            "d": o.d_cells.tolist(), "theta": o.theta_cells.tolist(), "domain": o.domain,
-            "undefined": o.undefined, "min_bits": o.min_bits, "n_directions": o.n_directions,
-            "tile": o.tile, "blocks": blocks, "d_near": self.d_near,
-        })  # fmt: skip
+        return content_key(
+            {
+                "d": o.d_cells.tolist(),
+                "theta": o.theta_cells.tolist(),
+                "domain": o.domain,
+                "undefined": o.undefined,
+                "min_bits": o.min_bits,
+                "n_directions": o.n_directions,
+                "tile": o.tile,
+                "blocks": blocks,
+                "d_near": self.d_near,
+            }
+        )
 
     def _step(self) -> None:
         self._finished += 1

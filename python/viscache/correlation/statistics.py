@@ -111,9 +111,14 @@ def statistics(sums: Sums) -> Statistics:
     naive = np.full(n.shape, np.nan)
     naive[some] = sigma[some] / np.sqrt(n[some])
     return Statistics(
-        mean=mean, sigma=sigma, mean_square=square, se=jackknife(sums), se_naive=naive, n=n,
+        mean=mean,
+        sigma=sigma,
+        mean_square=square,
+        se=jackknife(sums),
+        se_naive=naive,
+        n=n,
         n_undefined=sums.n_undefined.sum(axis=0),
-    )  # fmt: skip
+    )
 
 
 def jackknife(sums: Sums) -> Floats:

@@ -1,6 +1,6 @@
 """Figures and tables of the papers, reproduced and held against bands.
 
-A module of this folder registers its figures by `@figure`; there is no list of them to keep.
+A module of this folder registers its figures by `@figure`; no list has to be kept.
 """
 
 import importlib

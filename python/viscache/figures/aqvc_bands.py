@@ -1,17 +1,17 @@
-"""What the quantized cache's figures must show, written down before any was run in full.
+"""Bands of the quantized cache's figures, written before any full run.
 
-The paper's scenes are not public and its times are a GPU's: its numbers are printed beside ours,
-and a band says what can be expected of stand-ins on a CPU. *Paper* and *default* are the presets of
-`vc.Aqvc`: the paper's parameters with one look-up per query, and level waves. *RR* is queries over
-rays (the paper's ray reduction is one less), a *speed-up* the CPU seconds of the exact frame, in
-our fastest order, over those of the cached one. `expected` quotes a prototype in double precision
-(one scene, four point lights) or a trial program (201k triangles) of before this code.
+The paper's scenes are not public and its times are from a GPU. Its numbers are printed beside ours,
+and a band states what to expect of stand-ins on a CPU. *Paper* and *default* are presets of
+`vc.Aqvc`: the paper's parameters with one look-up per query, and level waves. *RR* is queries per
+ray (the paper's ray reduction is one less). A *speed-up* is the CPU seconds of the exact frame, in
+our fastest order, over those of the cached one. `expected` quotes an earlier prototype in double
+precision (one scene, four point lights) or an earlier trial program (201k triangles).
 
-What is merely recorded has no band. After quick runs, whose pictures are small, and before any full
-one, `SCANLINE_HURTS_REFINEMENT` lost its upper end, `REFINED_BIAS` of slits was opened downwards
-(light that no representative sees is lost), and so was `STALE` (a small ball makes fewer bits stale
-than shadow edges make wrong). What the first full
-run changed of the quality choices is row A40 of docs/deviations.md.
+Values that are only recorded have no band. Three bands were widened after quick runs, which have
+small pictures, and before any full run. `SCANLINE_HURTS_REFINEMENT` lost its upper end.
+`REFINED_BIAS` of slits was widened downwards, because light that no representative sees is lost.
+`STALE` was, too, because a small ball makes fewer bits stale than shadow edges make wrong.
+Row A40 of docs/deviations.md lists what the first full run changed in the quality choices.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from viscache.figures.outcome import Band
 
 # Figures 1 and 2: clusters
 
-#: Eye samples per occupied cell over C_E², a plane, samples over all of it.
+#: Eye samples per occupied cell over C_E², for a plane that samples cover completely.
 SAMPLES_PER_CELL = Band(
     0.5, 1.5, "Eq. 3: C_E² on average; expected: ± 20 % by the ladder, less at borders and edges"
 )
 
-#: The same in the farther half of the plane over the nearer half.
+#: The same, the far half of the plane over the near half.
 CELLS_FOLLOW_FOOTPRINT = Band(0.5, 2.0, "Sec. 3.2: cells follow the density of eye paths")
 
-#: Cells of a curved scene that hold normals farther apart than twice a bin's greatest half angle.
+#: Cells of a curved scene with normals farther apart than twice a bin's largest half angle.
 MIXED_NORMALS = Band(0, 0, "Fig. 2: one grid for similar orientations, another for others")
 
-#: Share of pairs of neighbouring samples of one surface, a tenth of a cell apart, in one cell.
+#: Share of pairs of samples, a tenth of a cell apart on one surface, that share a cell.
 NEIGHBOURS_SHARE = Band(0.7, 1.0, "Fig. 1: similar paths share a cluster; 0.9² on a square grid")
 
 # Figure 3: refinement, stairs in the sun, C_E 16
@@ -128,7 +128,7 @@ HAIRBALL_ERRS_MOST = Band(1.0, math.inf, "expected: Fig. 6's fine geometry has t
 #: CPU seconds with maps of 1024² over the cached frame's, C_E 14. Ours are traced, not rasterized.
 MAPS_SLOWER = Band(1.0, math.inf, "Sec. 5.4: 2 times slower on a GPU; rays cost more than raster")
 
-#: rel_l1 of the largest map that takes no longer than the cached frame over the cache's, close up.
+#: rel_l1 of the largest map that is no slower than the cached frame over the cache's, close up.
 MAPS_WORSE_CLOSE_UP = Band(
     1.0, math.inf, "Sec. 5.4: caching remains superior for close-range viewpoints"
 )
@@ -138,30 +138,40 @@ MAPS_IMPROVE = Band(1.5, math.inf, "expected: wrong bits fall about as 1/resolut
 
 # Beside Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): 16³ voxels, Russian roulette alone
 
-#: Share of the connections it leaves out, under lamps most of which are behind walls.
+#: Share of the connections that it skips, with lamps that are mostly behind walls.
 NEE_DISCARDED = Band(0.4, 0.95, "expected: its abstract's up to 80 % on average; .65 in a trial")
 
-#: Discarded connections over those that are blocked: what is seen is hardly left out.
+#: Discarded connections over blocked ones: visible ones are rarely discarded.
 NEE_WITHIN_BLOCKED = Band(0.0, 1.2, "expected: q = p leaves out some of what is seen in part")
 
-#: Relative difference of the image's mean to the exact frame's.
+#: Relative difference of the image's mean from the exact frame's.
 NEE_ENERGY = Band(-0.02, 0.02, "expected: 0, it has no bias; a frame's noise")
 
 #: Its rays over those of the cache at C_E 12.
 NEE_MORE_RAYS = Band(1.0, math.inf, "expected: voxels that see each other are all traced")
 
-#: Squared error against a converged picture over the exact frame's, same samples.
+#: Squared error against a converged picture over the exact frame's, at equal samples.
 NEE_ADDS_NOISE = Band(0.98, math.inf, "expected: roulette adds variance, whatever the map says")
+
+# Answers as control variates
+
+#: Energy of corrected frames less that of exact ones, in standard errors of a few seeds.
+UNBIASED = Band(-5.0, 5.0, "expected: 0, whatever the answers; Student's t of at least 6 seeds")
+
+#: Squared noise of the corrected cache over that of corrected frames without shadows.
+CACHE_IS_THE_BETTER_VARIATE = Band(
+    0.0, 1.2, "expected: no more, as fewer answers are wrong; in small pictures as many may be"
+)
 
 # Claims in the text, H1 to H8
 
 #: H1: share of the queries that become rays, the best of the sweeps' settings.
 H1_RAYS_LEFT = Band(0.0, 0.05, "Sec. 5: less than 2 %; expected: ≥ 50 only with all pixels and AA")
 
-#: H1: RR of the setting that reduces most among those with 3 % of error and less.
+#: H1: largest RR of the settings with an error of at most 3 %.
 H1_REDUCTION = Band(50.0, 200.0, "Sec. 5: up to 50; expected: 50 and more at rel_l1 3 % and less")
 
-#: H2: share of an exact frame on the CPU that is not visibility. Ours sums 16 lights at a time.
+#: H2: share of an exact CPU frame that is not visibility. Ours sums 16 lights at a time.
 H2_SHADING_SHARE = Band(0.02, 0.5, "Sec. 5.2: 32 %; expected: 14 % and less, vectorised")
 
 #: H2: speed-up times that share.
@@ -173,7 +183,7 @@ H3_LARGE_TABLES = Band(1.0, 1.05, "Sec. 4.4: 4 times the table only slightly bet
 #: H3: rays with a table of a tenth of the keys over rays with the largest.
 H3_SMALL_TABLE = Band(1.05, math.inf, "expected: keys are lost below the number of keys")
 
-#: H4: share of the rays that a table without loss would not have traced.
+#: H4: share of the rays that a lossless table would not have traced.
 H4_COLLISIONS = Band(0.0, 0.03, "Sec. 5: well below a few percent in the single-threaded case")
 
 #: H5: speed-up in the Cornell box, preset paper.
@@ -197,7 +207,7 @@ H8_FLICKER = Band(0.0, 0.9, "Sec. 5.3: adaptive refinement almost entirely elimi
 
 # Quality choices: normals, grids, refinement
 
-#: Share of the cells on the front of a wall a thousandth of a cell thick that hold its back, too.
+#: Share of the cells on the front of a wall, 1/1000 cell thick, that also contain its back.
 LEAKING_CELLS = {
     "round": Band(0, 0, "Sec. 3.3: opposite normals have grids of their own"),
     "floor": Band(0, 0, "Sec. 3.3: opposite normals have grids of their own"),
@@ -205,7 +215,7 @@ LEAKING_CELLS = {
     "single": Band(0.9, 1, "expected: a cell holds both sides of what is thinner than it"),
 }
 
-#: Light where the exact picture is black, one grid for all normals over rounded bins.
+#: Light on pixels that are black in the exact picture, one grid for all normals over rounded bins.
 SINGLE_LEAKS = Band(1.0, math.inf, "expected: walls and floors share cells, too")
 
 #: Rays over those with rounded bins.
@@ -224,10 +234,10 @@ TANGENT_RAYS = Band(0.95, 1.6, "expected: a prototype measured +35 % in a rotate
 #: Largest rel_l1 over the smallest, cos θ at least 0.01, 0.05 and 0.2.
 COSMIN_ERROR = Band(1.0, 1.1, "expected: no measurable effect in a prototype")
 
-#: Group errors with refinement over without, where the default refines.
+#: Group errors with refinement over those without, for groups that the default refines.
 REFINED_ERROR = Band(0.0, 1.0, "Sec. 3.6: refinement lowers the error of shadow edges")
 
-#: Bias of the energy without refinement over half the width of its 95 % interval: T7's 3σ.
+#: Bias of the energy without refinement over half the width of its 95 % interval; 3σ.
 PLAIN_BIAS = Band(-1.5, 1.5, "Eq. 12: unbiased over grids and orders")
 
 #: Relative bias with refinement, in Alg. 2 as the paper has it.
@@ -244,14 +254,14 @@ KEPT_REDUCTION = Band(1.3, math.inf, "expected: most cells of a frame were in th
 #: Temporal variance of the error, kept over dropped, while the camera moves.
 KEPT_FLICKER = Band(0.0, 1.1, "expected: a bit that stays does not flicker")
 
-#: Share of wrong bits, of frames before over the frame's own: nothing moves but the camera.
+#: Share of wrong bits, of earlier frames over the frame's own; only the camera moves.
 NOTHING_STALE = Band(0.4, 2.5, "expected: both are wrong at shadow edges alone")
 
-#: The same where an object moves and all bits are kept.
+#: The same with a moving object, if all bits are kept.
 STALE = Band(0.5, math.inf, "expected: bits of where it was are wrong, too")
 
 #: Rays with a new epoch per frame over those with tables dropped.
 EPOCHS_FORGET = Band(0.98, 1.02, "expected: an epoch forgets everything")
 
-#: Share of wrong kept bits where a tenth of them is repaired over that where none is.
+#: Share of wrong kept bits, a tenth repaired over none repaired.
 REPAIR = Band(0.0, 1.0, "expected: what is found is written anew")

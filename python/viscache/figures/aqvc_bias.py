@@ -18,7 +18,7 @@ C_E = 16.0
 GRIDS, QUICK_GRIDS = 32, 3
 SIZE, QUICK_SIZE = (480, 320), (120, 80)
 SCENES = ("slats", "slits")
-#: Level waves; Alg. 2 one query at a time in the paper's order, and in orders drawn with the grid.
+#: Level waves; Alg. 2 with single queries, in the paper's order and in an order random per grid.
 FORMS: dict[str, dict[str, Any]] = {
     "waves": {},
     "pairs": {"preset": "paper"},
@@ -31,19 +31,29 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 
 def bias_rows(quick: bool, size: tuple[int, int] | None) -> tuple[list[Row], list[dict[str, Any]]]:
-    """Rows by scene, form and variant, and the same as a table."""
+    """Rows and a table, by scene, form and variant."""
     rows, table = [], []
     for name in SCENES:
-        shot = Shot(scene=getattr(scenes, name)(), integrator=Direct(),
-                    size=size or (QUICK_SIZE if quick else SIZE))  # fmt: skip
+        shot = Shot(
+            scene=getattr(scenes, name)(),
+            integrator=Direct(),
+            size=size or (QUICK_SIZE if quick else SIZE),
+        )
         for form in FORMS:
             found = biases(shot, form, QUICK_GRIDS if quick else GRIDS)
             rows += _rows(name, form, found, quick)
             table += [
-                {"scene": name, "form": form, "variant": variant, "bias": interval.mean,
-                 "half_of_95_percent": interval.half, "rel_l1": rel_l1, "ray_reduction": reduction}
+                {
+                    "scene": name,
+                    "form": form,
+                    "variant": variant,
+                    "bias": interval.mean,
+                    "half_of_95_percent": interval.half,
+                    "rel_l1": rel_l1,
+                    "ray_reduction": reduction,
+                }
                 for variant, (interval, rel_l1, reduction) in found.items()
-            ]  # fmt: skip
+            ]
     return rows, table
 
 
@@ -75,13 +85,21 @@ def _rows(
     for variant, (interval, rel_l1, reduction) in found.items():
         what = f"{name}, {form}, {variant}: bias of the energy"
         banded = not quick and variant == "refinement" and form != "waves"
-        rows.append(Row(what=what, measured=interval.mean,
-                        band=bands.REFINED_BIAS[name] if banded else None,
-                        note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, "
-                             f"RR {reduction:.1f}"))  # fmt: skip
-        # With the paper's order, which grids do not change, representatives favour places
+        rows.append(
+            Row(
+                what,
+                interval.mean,
+                band=bands.REFINED_BIAS[name] if banded else None,
+                note=f"{interval} (95 %), rel_l1 {rel_l1:.4f}, RR {reduction:.1f}",
+            )
+        )
+        # The paper's order is the same for all grids, so it favours the same representatives
         if variant == "no refinement" and form != "pairs":
-            rows.append(Row(what=f"{what} over half of its interval",
-                            measured=interval.mean / interval.half,
-                            band=None if quick else bands.PLAIN_BIAS))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{what} over half of its interval",
+                    interval.mean / interval.half,
+                    band=None if quick else bands.PLAIN_BIAS,
+                )
+            )
     return rows

@@ -1,4 +1,4 @@
-"""Numbers in the text of the quantized cache's paper, H1 to H8 of our reading of it."""
+"""Claims in the text of the quantized cache's paper, numbered H1 to H8."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from viscache.settings.visibility import Aqvc, PaperForm
 
 Size = tuple[int, int] | None
 
-#: H1: the two largest C_E of Figure 7, and the error up to which a reduction counts.
+#: H1: the two largest C_E of Figure 7, and the largest error at which a reduction counts.
 H1_C_E, H1_REL_L1 = (24.0, 36.0), 0.03
-#: H2, H5 and H7: an ordinary C_E. H3: one tile of the frame, and slots per key. H4: bytes of table
-#: per eye sample of a tile, the paper's 4 MB for 32×32 of them.
+#: H2, H5 and H7: a typical C_E. H3: one tile for the frame, and slots per key. H4: table bytes per
+#: eye sample of a tile; the paper has 4 MB for 32×32 samples.
 C_E = 14.0
 TILE, QUICK_TILE = (256, 256), (128, 80)
 SLOTS_PER_KEY = (0.1, 1.0, 10.0, 40.0)
 TABLE_BYTES_PER_SAMPLE = 4096
-#: H3: bytes of a thread's table, 4 MB the paper's.
+#: H3: table bytes per thread; the paper has 4 MB.
 KEPT_TABLES = (1 << 16, 1 << 18, 1 << 20, 1 << 22, 1 << 24)
 #: H6: values around the paper's 8, 8 and 1.2.
 PARAMETERS: dict[str, tuple[float, ...]] = {
@@ -43,9 +43,12 @@ ROOM, QUICK_ROOM = 200_000, 20_000
 SMALL, QUICK_SMALL = (640, 400), (240, 150)
 
 
-@figure("aqvc-claims", "numbers in the text of the quantized cache's paper")
+@figure(
+    "aqvc-claims",
+    "numbers in the paper's text: rays, shading, table size, collisions, parameters, flicker",
+)
 def claims(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
-    """All of them, in the order of the paper's sections."""
+    """All claims, in the order of the paper's sections."""
     outcome = Outcome()
     for part in (rays_left, shading_share, table_size, collisions, simple_scene):
         outcome.rows += part(quick, size)
@@ -71,36 +74,55 @@ def rays_left(quick: bool, size: Size) -> list[Row]:
             trade = Trade(frame=shot.frame(setup.cache(preset, c_e)), exact=exact)
             label = f"H1 {preset}, C_E {c_e:g}, AA"
             rows += [
-                Row(what=f"{label}: share of the queries that become rays",
-                    printed=1 / (printed.RAY_REDUCTION + 1), measured=1 / trade.ray_reduction,
-                    band=None if quick else bands.H1_RAYS_LEFT, note=trade.note),
-                Row(what=f"{label}: rel_l1", measured=trade.rel_l1,
-                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
-            ]  # fmt: skip
+                Row(
+                    f"{label}: share of the queries that become rays",
+                    1 / trade.ray_reduction,
+                    printed=1 / (printed.RAY_REDUCTION + 1),
+                    band=None if quick else bands.H1_RAYS_LEFT,
+                    note=trade.note,
+                ),
+                Row(
+                    f"{label}: rel_l1",
+                    trade.rel_l1,
+                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+                ),
+            ]
             if trade.rel_l1 <= H1_REL_L1:
                 reductions.append(trade.ray_reduction)
-    rows.append(Row(what=f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
-                    printed=printed.RAY_REDUCTION, measured=max(reductions),
-                    band=None if quick else bands.H1_REDUCTION))  # fmt: skip
+    rows.append(
+        Row(
+            f"H1: largest RR of these at rel_l1 {H1_REL_L1:g} and less",
+            max(reductions),
+            printed=printed.RAY_REDUCTION,
+            band=None if quick else bands.H1_REDUCTION,
+        )
+    )
     return rows
 
 
 def shading_share(quick: bool, size: Size) -> list[Row]:
-    """H2: what is not visibility bounds the speed-up."""
+    """H2: the time outside visibility bounds the speed-up."""
     setup = SETUPS["apartment"]
     shot = setup.shot(quick, size)
     exact = shot.frame()
     trade = Trade(frame=shot.frame(setup.cache("default", C_E)), exact=exact)
     share = 1 - exact.timings["visibility_cpu_s"] / exact.timings["cpu_s"]
     return [
-        Row(what="H2: share of the apartment's exact frame that is not visibility",
-            printed=printed.CPU_SHADING_SHARE, measured=share,
+        Row(
+            "H2: share of the apartment's exact frame that is not visibility",
+            share,
+            printed=printed.CPU_SHADING_SHARE,
             band=None if quick else bands.H2_SHADING_SHARE,
-            note="camera paths, lights, contributions and sums"),
-        Row(what="H2: bound on the speed-up", printed=printed.CPU_BOUND, measured=1 / share),
-        Row(what="H2 default: speed-up times that share", measured=trade.speedup * share,
-            band=None if quick else bands.H2_WITHIN_BOUND, note=trade.note),
-    ]  # fmt: skip
+            note="camera paths, lights, contributions and sums",
+        ),
+        Row("H2: bound on the speed-up", 1 / share, printed=printed.CPU_BOUND),
+        Row(
+            "H2 default: speed-up times that share",
+            trade.speedup * share,
+            band=None if quick else bands.H2_WITHIN_BOUND,
+            note=trade.note,
+        ),
+    ]
 
 
 def table_size(quick: bool, size: Size) -> list[Row]:
@@ -117,18 +139,24 @@ def table_size(quick: bool, size: Size) -> list[Row]:
     small, enough = SLOTS_PER_KEY[0], SLOTS_PER_KEY[-2]
     time = frames[enough].timings["cpu_s"] / frames[largest].timings["cpu_s"]
     return [
-        Row(what=f"H3: rays with {enough:g} slots per key over those with {largest:g}",
-            printed=printed.LARGER_TABLE, measured=rays[enough] / rays[largest],
+        Row(
+            f"H3: rays with {enough:g} slots per key over those with {largest:g}",
+            rays[enough] / rays[largest],
+            printed=printed.LARGER_TABLE,
             band=bands.H3_LARGE_TABLES,
-            note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys"),
-        Row(what=f"H3: rays with {small:g} slots per key over those with {largest:g}",
-            measured=rays[small] / rays[largest], band=bands.H3_SMALL_TABLE),
+            note=f"printed: frame time, 256 MB over 1 GB; ours {time:.2f}; {keys} keys",
+        ),
+        Row(
+            f"H3: rays with {small:g} slots per key over those with {largest:g}",
+            rays[small] / rays[largest],
+            band=bands.H3_SMALL_TABLE,
+        ),
         *kept_tables(shot),
-    ]  # fmt: skip
+    ]
 
 
 def kept_tables(shot: Shot) -> list[Row]:
-    """H3 on the CPU: tiles of 32², a table per thread, the paper's 4 MB and others."""
+    """H3 on the CPU: tiles of 32², and tables per thread of the paper's 4 MB and other sizes."""
     frames = {
         size: shot.frame(
             Aqvc(preset="paper", c_e=8, table_bytes=size, paper=PaperForm(storage="paper_tiles"))
@@ -137,17 +165,20 @@ def kept_tables(shot: Shot) -> list[Row]:
     }
     largest = frames[KEPT_TABLES[-1]]
     return [
-        Row(what=f"H3: rays with {size >> 10} KiB a thread and tiles of 32² over those with "
-                 f"{KEPT_TABLES[-1] >> 10} KiB",
-            measured=frame.counters["rays"] / largest.counters["rays"],
+        Row(
+            f"H3: rays with {size >> 10} KiB a thread and tiles of 32² over those with "
+            f"{KEPT_TABLES[-1] >> 10} KiB",
+            frame.counters["rays"] / largest.counters["rays"],
             note=f"time {frame.timings['cpu_s'] / largest.timings['cpu_s']:.2f}, "
-                 f"{frame.provenance['threads']} threads")
-        for size, frame in frames.items() if frame is not largest
-    ]  # fmt: skip
+            f"{frame.provenance['threads']} threads",
+        )
+        for size, frame in frames.items()
+        if frame is not largest
+    ]
 
 
 def collisions(quick: bool, size: Size) -> list[Row]:
-    """H4: rays that a table without loss would not have traced."""
+    """H4: rays that a lossless table would not have traced."""
     rows = []
     for name in ("delta", "apartment"):
         setup = SETUPS[name]
@@ -159,12 +190,17 @@ def collisions(quick: bool, size: Size) -> list[Row]:
         size_of_table = TABLE_BYTES_PER_SAMPLE * edge**2
         lossy = shot.frame(setup.cache("paper", C_E, table_bytes=size_of_table))
         extra = lossy.counters["rays"] - lossless.counters["rays"]
-        rows.append(Row(what=f"H4 {name}: share of the rays that collisions caused",
-                        printed="well below a few percent",
-                        measured=extra / lossy.counters["rays"], band=bands.H4_COLLISIONS,
-                        note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
-                             "paper's 4 MB for 32²; "
-                             f"{lossy.counters['evictions']} evictions"))  # fmt: skip
+        rows.append(
+            Row(
+                f"H4 {name}: share of the rays that collisions caused",
+                extra / lossy.counters["rays"],
+                printed="well below a few percent",
+                band=bands.H4_COLLISIONS,
+                note=f"{size_of_table >> 20} MiB for a tile of {edge}² pixels, as the "
+                "paper's 4 MB for 32²; "
+                f"{lossy.counters['evictions']} evictions",
+            )
+        )
     return rows
 
 
@@ -177,18 +213,25 @@ def simple_scene(quick: bool, size: Size) -> list[Row]:
     trades = {p: Trade(frame=shot.frame(s), exact=exact) for p, s in presets(C_E).items()}
     paper, default = trades["paper"], trades["default"]
     return [
-        Row(what="H5 paper: speed-up in the Cornell box", printed="none", measured=paper.speedup,
-            band=bands.H5_NO_SPEEDUP, note=paper.note),
-        Row(what="H5 paper: RR there", measured=paper.ray_reduction, band=bands.H5_REDUCTION),
-        Row(what="H5 default: speed-up there", printed="none", measured=default.speedup,
-            note=default.note),
-    ]  # fmt: skip
+        Row(
+            "H5 paper: speed-up in the Cornell box",
+            paper.speedup,
+            printed="none",
+            band=bands.H5_NO_SPEEDUP,
+            note=paper.note,
+        ),
+        Row("H5 paper: RR there", paper.ray_reduction, band=bands.H5_REDUCTION),
+        Row("H5 default: speed-up there", default.speedup, printed="none", note=default.note),
+    ]
 
 
 def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
     """H6: C_N = C_Z = 8 and C_R = 1.2 are best."""
-    shot = Shot(scene=scenes.room(triangles=QUICK_ROOM if quick else ROOM), integrator=Direct(),
-                size=size or (QUICK_SMALL if quick else SMALL))  # fmt: skip
+    shot = Shot(
+        scene=scenes.room(triangles=QUICK_ROOM if quick else ROOM),
+        integrator=Direct(),
+        size=size or (QUICK_SMALL if quick else SMALL),
+    )
     exact = shot.frame()
     base = Aqvc(preset="paper", c_e=PARAMETERS_C_E, refinement="off")
     table: list[dict[str, Any]] = []
@@ -201,19 +244,27 @@ def parameters(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]
     for name, values in PARAMETERS.items():
         found = {r["value"]: r for r in table if r["parameter"] == name}
         first, last = found[values[0]], found[values[-1]]
-        rows.append(Row(what=f"H6: RR at {name} = {values[-1]:g} over that at {values[0]:g}",
-                        measured=last["ray_reduction"] / first["ray_reduction"],
-                        band=bands.H6_REDUCTION[name],
-                        note="rel_l1 " + ", ".join(f"{v:g}: {found[v]['rel_l1']:.4f}"
-                                                   for v in values)))  # fmt: skip
+        rows.append(
+            Row(
+                f"H6: RR at {name} = {values[-1]:g} over that at {values[0]:g}",
+                last["ray_reduction"] / first["ray_reduction"],
+                band=bands.H6_REDUCTION[name],
+                note="rel_l1 " + ", ".join(f"{v:g}: {found[v]['rel_l1']:.4f}" for v in values),
+            )
+        )
     errors = [r["rel_l1"] for r in table if r["parameter"] != "c_n"]
-    rows.append(Row(what="H6: largest rel_l1 over the smallest, all C_Z and C_R",
-                    measured=max(errors) / min(errors), band=bands.H6_ERROR))  # fmt: skip
+    rows.append(
+        Row(
+            "H6: largest rel_l1 over the smallest, all C_Z and C_R",
+            max(errors) / min(errors),
+            band=bands.H6_ERROR,
+        )
+    )
     return rows, table
 
 
 def frames_per_second(quick: bool, size: Size) -> list[Row]:
-    """H7: interactive with reduced sampling; reported only."""
+    """H7: interactive frame rates with fewer samples; reported without a band."""
     rows = []
     for name in ("apartment", "courtyard", "delta", "conference"):
         setup = SETUPS[name]
@@ -221,11 +272,15 @@ def frames_per_second(quick: bool, size: Size) -> list[Row]:
         shot = replace(shot, integrator=setup.integrator(True))
         frame = shot.frame(setup.cache("default", C_E))
         key = "san miguel" if name == "courtyard" else name
-        rows.append(Row(what=f"H7 {name}: frames per second with an eighth of the samples",
-                        printed=printed.FRAMES_PER_SECOND[key],
-                        measured=1 / frame.timings["total_s"],
-                        note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
-                             "threads; the paper's on a GPU, samples not told"))  # fmt: skip
+        rows.append(
+            Row(
+                f"H7 {name}: frames per second with an eighth of the samples",
+                1 / frame.timings["total_s"],
+                printed=printed.FRAMES_PER_SECOND[key],
+                note=f"{shot.size[0]}x{shot.size[1]} on {frame.provenance['threads']} "
+                "threads; the paper's on a GPU, samples not told",
+            )
+        )
     return rows
 
 

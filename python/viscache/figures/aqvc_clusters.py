@@ -1,4 +1,4 @@
-"""Figures 1 and 2 of the quantized cache's paper, in false colours: who shares a cell."""
+"""Figures 1 and 2 of the quantized cache's paper: which samples share a cell, in false colours."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.settings.visibility import Aqvc
 C_E, FINER_C_E = 16.0, 4.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
 TRIANGLES, QUICK_TRIANGLES = 200_000, 20_000
-#: Neighbours are this share of a cell apart.
+#: Distance of neighbours, in cells.
 APART = 0.1
 
 Floats = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class EyeSamples:
-    """What the camera sees of a scene, one sample per pixel."""
+    """The surfaces that the camera sees, one sample per pixel."""
 
     scene: Scene
     position: Floats
@@ -40,21 +40,28 @@ class EyeSamples:
     pixel: npt.NDArray[np.int64]
 
     def keys(self, settings: Aqvc, moved: Floats | None = None) -> npt.NDArray[np.int32]:
-        """Cluster keys of the samples (N, 8), or of points moved off them, at C_E's first level."""
+        """Cluster keys (N, 8) of the samples, or of displaced points, at the first level of C_E."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
         n, nothing = len(self.position), np.zeros((len(self.position), 3), np.float32)
         points = self.position if moved is None else self.position + moved
         keys, _, valid, _ = _core.aqvc.full_keys(
-            settings.core(), ((low + high) / 2).tolist(), radius, points.astype(np.float32),
-            self.normal.astype(np.float32), self.resolutions(settings), 0, nothing, nothing,
+            settings.core(),
+            ((low + high) / 2).tolist(),
+            radius,
+            points.astype(np.float32),
+            self.normal.astype(np.float32),
+            self.resolutions(settings),
+            0,
+            nothing,
+            nothing,
             np.ones(n),
-        )  # fmt: skip
+        )
         assert valid.all()
         return np.asarray(keys[:, :8])
 
     def resolutions(self, settings: Aqvc) -> Floats:
-        """R of Eq. 7, before the ladder."""
+        """R of Eq. 7, before it is rounded to a level."""
         low, high = self.scene.bounds.astype(float)
         radius = float(np.linalg.norm(high - low) / 2)
         c_e = np.full(len(self.density), settings.c_e)
@@ -84,7 +91,7 @@ def eye_samples(shot: Shot) -> EyeSamples:
 def figure2(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Cells by false colour, and how they follow normals and the footprint of samples."""
+    """Cells in false colours; whether they follow normals and the footprint of samples."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
     above, aslant = (
         eye_samples(Shot(scene=_plane(), integrator=Direct(), size=pixels, camera=view))
@@ -92,8 +99,9 @@ def figure2(
     )
     room = Shot(
         scene=scenes.room(triangles=QUICK_TRIANGLES if quick else TRIANGLES),
-        integrator=Direct(), size=pixels,
-    )  # fmt: skip
+        integrator=Direct(),
+        size=pixels,
+    )
     inside = eye_samples(room)
     outcome = Outcome()
     for preset, settings in presets(C_E).items():
@@ -108,7 +116,7 @@ def figure2(
 
 
 def _plane() -> Scene:
-    """A level plane, larger than its cameras see: from above, and aslant."""
+    """A horizontal plane, larger than its cameras see, from above and at an angle."""
     d = _core.SceneDescription()
     corners = [[-40, 0, 40], [40, 0, 40], [40, 0, -40], [-40, 0, -40]]
     d.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], material=d.add_material())
@@ -119,36 +127,45 @@ def _plane() -> Scene:
 
 
 class Cells:
-    """Which samples share a key."""
+    """The groups of samples with the same key."""
 
     def __init__(self, keys: npt.NDArray[np.int32]) -> None:
         _, first, number, count = np.unique(
             keys, axis=0, return_index=True, return_inverse=True, return_counts=True
         )
-        #: Index of a sample of every cell, the cell of every sample, samples of every cell.
+        #: One sample of each cell (index), the cell of each sample, the sample count of each cell.
         self.first, self.number, self.count = first, number.reshape(-1), count
 
 
 def _plane_rows(preset: str, above: EyeSamples, aslant: EyeSamples, settings: Aqvc) -> list[Row]:
     whole, cells = Cells(above.keys(settings)), Cells(aslant.keys(settings))
-    # Halves of the cells by the density of their samples: near and far
+    # The near and far halves of the cells, by the density of their samples
     density = np.bincount(cells.number, aslant.density) / cells.count
     far = density < np.median(density)
     both = float(cells.count[far].mean() / cells.count[~far].mean())
     return [
-        Row(what=f"{preset}: eye samples per cell of a plane over C_E²",
-            measured=float(whole.count.mean()) / settings.c_e**2, band=bands.SAMPLES_PER_CELL,
-            note=f"{len(whole.count)} cells, those at the picture's edge cut"),
-        Row(what=f"{preset}: samples per cell, the far half over the near half", measured=both,
+        Row(
+            f"{preset}: eye samples per cell of a plane over C_E²",
+            float(whole.count.mean()) / settings.c_e**2,
+            band=bands.SAMPLES_PER_CELL,
+            note=f"{len(whole.count)} cells, those at the picture's edge cut",
+        ),
+        Row(
+            f"{preset}: samples per cell, the far half over the near half",
+            both,
             band=bands.CELLS_FOLLOW_FOOTPRINT,
-            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1"),
-        Row(what=f"{preset}: samples {APART:g} cells apart that share a cell",
-            measured=_share_of_neighbours(above, settings), band=bands.NEIGHBOURS_SHARE),
-    ]  # fmt: skip
+            note=f"densities {density[~far].mean() / density[far].mean():.1f} to 1",
+        ),
+        Row(
+            f"{preset}: samples {APART:g} cells apart that share a cell",
+            _share_of_neighbours(above, settings),
+            band=bands.NEIGHBOURS_SHARE,
+        ),
+    ]
 
 
 def _share_of_neighbours(samples: EyeSamples, settings: Aqvc) -> float:
-    """Share of the samples whose neighbour in a random direction on the surface has their key."""
+    """Share of samples with the key of their neighbour in a random direction on the surface."""
     along = np.random.default_rng(0).normal(size=samples.normal.shape)
     along -= (along * samples.normal).sum(axis=1, keepdims=True) * samples.normal
     width = settings.c_e / np.sqrt(samples.density)
@@ -165,22 +182,28 @@ def _normal_rows(preset: str, inside: EyeSamples, settings: Aqvc) -> list[Row]:
     mixed = np.zeros(len(cells.count), bool)
     mixed[cells.number[angle > limit + 0.1]] = True
     return [
-        Row(what=f"{preset}: cells of a room that mix orientations", measured=int(mixed.sum()),
+        Row(
+            f"{preset}: cells of a room that mix orientations",
+            int(mixed.sum()),
             band=bands.MIXED_NORMALS,
             note=f"of {len(cells.count)}; largest angle {angle.max():.1f}°, bins allow "
-                 f"{limit:.1f}°"),
-    ]  # fmt: skip
+            f"{limit:.1f}°",
+        )
+    ]
 
 
 def greatest_angle_deg(settings: Aqvc) -> float:
-    """How far a normal may lie from the axis of its bin, over random normals."""
+    """The largest angle between a normal and the axis of its bin, over random normals."""
     rng = np.random.default_rng(1)
     n = rng.normal(size=(200_000, 3))
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     keys = EyeSamples(
-        scene=_plane(), position=0 * n, normal=n, density=np.ones(len(n)),
+        scene=_plane(),
+        position=0 * n,
+        normal=n,
+        density=np.ones(len(n)),
         pixel=np.zeros(len(n), np.int64),
-    ).keys(settings)  # fmt: skip
+    ).keys(settings)
     axis = 2.0 * keys[:, 1:4] / settings.core().c_n - 1
     axis /= np.linalg.norm(axis, axis=1, keepdims=True)
     return float(np.degrees(np.arccos(np.clip((axis * n).sum(axis=1), -1, 1))).max())
@@ -189,7 +212,7 @@ def greatest_angle_deg(settings: Aqvc) -> float:
 def false_colors(
     samples: EyeSamples, keys: npt.NDArray[np.int32], shape: tuple[int, int]
 ) -> Floats:
-    """A colour per cell by the hash of its key, black where nothing is seen: (H, W, 3)."""
+    """(H, W, 3): a colour per cell from the hash of its key; black where no surface is visible."""
     whole = np.zeros((len(keys), 15), np.int32)
     whole[:, :8] = keys
     mixed = _core.aqvc.hash_keys(whole)[:, 0]

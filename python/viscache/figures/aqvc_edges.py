@@ -1,4 +1,4 @@
-"""Figures 3 and 4 of the quantized cache's paper: shadows by refinement and by pixel order."""
+"""Figures 3 and 4 of the quantized cache's paper: refinement and pixel order at shadow edges."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.settings.visibility import Aqvc
 
 C_E = 16.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
-#: Orders of pixels, and how many grids and orders are drawn.
+#: Orders of pixels, and the numbers of random grids and orders.
 ORDERS = ("scanline", "hm", "random")
 GRIDS, QUICK_GRIDS = 12, 4
 
@@ -45,14 +45,19 @@ def figure3(
     for preset, trades in found.items():
         without, refined = trades["off"], trades["on"]
         outcome.rows += [
-            Row(what=f"{preset}: rel_l1 without refinement over that with it",
-                measured=without.rel_l1 / refined.rel_l1, band=bands.REFINEMENT_GAIN[preset],
-                note=f"{without.rel_l1:.4f} to {refined.rel_l1:.4f}"),
-            Row(what=f"{preset}: RR without refinement over that with it",
-                measured=without.ray_reduction / refined.ray_reduction,
+            Row(
+                f"{preset}: rel_l1 without refinement over that with it",
+                without.rel_l1 / refined.rel_l1,
+                band=bands.REFINEMENT_GAIN[preset],
+                note=f"{without.rel_l1:.4f} to {refined.rel_l1:.4f}",
+            ),
+            Row(
+                f"{preset}: RR without refinement over that with it",
+                without.ray_reduction / refined.ray_reduction,
                 band=bands.REFINEMENT_COST,
-                note=f"{without.ray_reduction:.1f} to {refined.ray_reduction:.1f}"),
-        ]  # fmt: skip
+                note=f"{without.ray_reduction:.1f} to {refined.ray_reduction:.1f}",
+            ),
+        ]
     outcome.files.append(_draw_refinement(exact, found, folder / "aqvc-fig3.png"))
     outcome.notes.append(f"C_E {C_E:g}, one sun, {shot.size[0]}x{shot.size[1]}, one sample")
     return outcome
@@ -77,11 +82,11 @@ def _draw_refinement(exact: Frame, found: Mapping[str, Mapping[str, Trade]], pat
     return save_figure(figure, path)
 
 
-@figure("aqvc-fig4", "scan order shifts shadows")
+@figure("aqvc-fig4", "a shadow's shift in scan-line order")
 def figure4(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """A cube's shadow by order of the pixels."""
+    """A cube's shadow with each order of the pixels."""
     shot = Shot(scene=scenes.cube_on_plane(), integrator=Direct(), size=size or _size(quick))
     exact = shot.frame()
     table: list[dict[str, Any]] = []
@@ -94,10 +99,17 @@ def figure4(
                 settings = replaced(base, chosen, "visibility")
                 trade = Trade(frame=shot.frame(settings), exact=exact)
                 x, y = shift(shadow(trade.frame), shadow(exact))
-                table.append({
-                    "order": order, "grid": grid, "refinement": refinement, "shift_x": x,
-                    "shift_y": y, "rel_l1": trade.rel_l1, "rays": trade.frame.counters["rays"],
-                })  # fmt: skip
+                table.append(
+                    {
+                        "order": order,
+                        "grid": grid,
+                        "refinement": refinement,
+                        "shift_x": x,
+                        "shift_y": y,
+                        "rel_l1": trade.rel_l1,
+                        "rays": trade.frame.counters["rays"],
+                    }
+                )
                 if refinement == "off":
                     frames.setdefault(order, trade.frame)
     outcome = Outcome(rows=_order_rows(table))
@@ -114,15 +126,15 @@ def figure4(
 
 
 def shadow(frame: Frame) -> Plane:
-    """Luminance of the point lights: (H, W)."""
+    """(H, W): luminance from the point lights."""
     return tonemap.luminance(frame.layers["point"])
 
 
 def shift(image: Plane, reference: Plane) -> tuple[float, float]:
-    """(x, y) in pixels, right and down, by which the reference is best moved onto the image.
+    """The shift (x, y), in pixels right and down, that moves the reference best onto the image.
 
-    Least squares of reference(p − s) − image(p) to first order in s, over all pixels but the
-    border, both smoothed by a Gaussian of 4 pixels; three steps.
+    Least squares of reference(p − s) − image(p), to first order in s, over all pixels except the
+    border. Both images are smoothed by a Gaussian of 4 pixels. Three steps are taken.
     """
     from scipy.ndimage import gaussian_filter
     from scipy.ndimage import shift as moved
@@ -149,23 +161,41 @@ def _order_rows(table: list[dict[str, Any]]) -> list[Row]:
         x, y = mean(order, "off", "shift_x"), mean(order, "off", "shift_y")
         length[order] = float(np.hypot(x, y))
         for axis, value in (("right", x), ("down", y)):
-            rows.append(Row(what=f"{order}: shift to the {axis}" if axis == "right"
-                            else f"{order}: shift {axis}", measured=value,
-                            band=bands.SCANLINE_SHIFT if order == "scanline" else None,
-                            note="pixels"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{order}: shift to the {axis}"
+                    if axis == "right"
+                    else f"{order}: shift {axis}",
+                    value,
+                    band=bands.SCANLINE_SHIFT if order == "scanline" else None,
+                    note="pixels",
+                )
+            )
     for order in ORDERS[1:]:
-        rows.append(Row(what=f"{order}: length of the shift over that of scanline",
-                        measured=length[order] / length["scanline"],
-                        band=bands.ORDER_CURES))  # fmt: skip
+        rows.append(
+            Row(
+                f"{order}: length of the shift over that of scanline",
+                length[order] / length["scanline"],
+                band=bands.ORDER_CURES,
+            )
+        )
     hurt = mean("scanline", "on", "rel_l1") / mean("hm", "on", "rel_l1")
-    rows.append(Row(what="with refinement, rel_l1 of scanline over that of hm", measured=hurt,
-                    band=bands.SCANLINE_HURTS_REFINEMENT,
-                    note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over "
-                         f"{mean('hm', 'on', 'rel_l1'):.4f}"))  # fmt: skip
+    rows.append(
+        Row(
+            "with refinement, rel_l1 of scanline over that of hm",
+            hurt,
+            band=bands.SCANLINE_HURTS_REFINEMENT,
+            note=f"{mean('scanline', 'on', 'rel_l1'):.4f} over {mean('hm', 'on', 'rel_l1'):.4f}",
+        )
+    )
     for order in ("scanline", "random"):
-        rows.append(Row(what=f"without refinement, rays of {order} over those of hm",
-                        measured=mean(order, "off", "rays") / mean("hm", "off", "rays"),
-                        band=bands.ORDER_KEEPS_RAYS))  # fmt: skip
+        rows.append(
+            Row(
+                f"without refinement, rays of {order} over those of hm",
+                mean(order, "off", "rays") / mean("hm", "off", "rays"),
+                band=bands.ORDER_KEEPS_RAYS,
+            )
+        )
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Shape and size of a cached picture's error, and means with their confidence."""
+"""Error measures of cached pictures, and means with confidence intervals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Interval", "bias", "mean_interval", "stray_light"]
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A mean and half the width of its 95 % confidence interval."""
+    """A mean, and half the width of its 95 % confidence interval."""
 
     mean: float
     half: float
@@ -24,7 +24,7 @@ class Interval:
 
 
 def mean_interval(values: Sequence[float]) -> Interval:
-    """By Student's t, values taken as independent."""
+    """By Student's t, for independent values."""
     from scipy.stats import t
 
     n = len(values)
@@ -33,7 +33,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
 
 
 def bias(frame: Frame, exact: Frame) -> float:
-    """Relative error of the picture's energy without what shines itself."""
+    """Relative error of the picture's energy, without emitted light."""
     cached, truth = (
         np.asarray(f.image, np.float64) - np.asarray(f.layers["emitted"], np.float64)
         for f in (frame, exact)
@@ -42,6 +42,6 @@ def bias(frame: Frame, exact: Frame) -> float:
 
 
 def stray_light(frame: Frame, exact: Frame) -> float:
-    """Light on pixels that are black in the exact picture, over all light of that picture."""
+    """Light on pixels that are black in the exact picture, over that picture's total light."""
     cached, truth = (np.asarray(f.image, np.float64).sum(axis=2) for f in (frame, exact))
     return float(cached[truth == 0].sum() / truth.sum())

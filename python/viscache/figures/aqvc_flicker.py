@@ -12,17 +12,17 @@ from viscache.figures.outcome import Row
 from viscache.settings.integrators import Direct
 from viscache.temporal import mean_temporal_variance, seen
 
-#: C_E, and frames of the path.
+#: C_E, and the number of frames of the path.
 C_E = 16.0
 FRAMES, QUICK_FRAMES = 32, 5
 SIZE, QUICK_SIZE = (640, 400), (200, 125)
-#: The camera goes from one place to the other, looking at the living room's far corner.
+#: The camera moves from the first place to the second and looks at the living room's far corner.
 PATH = ((-0.1, 1.65, 0.35), (-0.4, 1.6, 0.15))
 TARGET, FOV_DEG = (-4.6, 0.85, -3.2), 56.0
 
 
 def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
-    """H8: refinement takes flicker away."""
+    """H8: refinement reduces flicker."""
     scene = SETUPS["delta"].scene(quick)
     pixels = size or (QUICK_SIZE if quick else SIZE)
     shots = [
@@ -43,11 +43,16 @@ def flicker_rows(quick: bool, size: tuple[int, int] | None) -> list[Row]:
             )
             for refinement in ("off", "on")
         }
-        rows.append(Row(what=f"H8 {preset}: temporal variance of the error, refinement over none",
-                        measured=found["on"] / found["off"], band=bands.H8_FLICKER,
-                        note=f"deviation {np.sqrt(found['off']):.3f} to "
-                             f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
-                             f"C_E {C_E:g}"))  # fmt: skip
+        rows.append(
+            Row(
+                f"H8 {preset}: temporal variance of the error, refinement over none",
+                found["on"] / found["off"],
+                band=bands.H8_FLICKER,
+                note=f"deviation {np.sqrt(found['off']):.3f} to "
+                f"{np.sqrt(found['on']):.3f} of white, {len(shots)} frames, "
+                f"C_E {C_E:g}",
+            )
+        )
     return rows
 
 

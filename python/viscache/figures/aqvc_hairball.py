@@ -1,4 +1,4 @@
-"""Figure 6 of the quantized cache's paper: geometry too fine for clusters."""
+"""Figure 6 of the quantized cache's paper: geometry that is too fine for clusters."""
 
 from __future__ import annotations
 
@@ -17,20 +17,18 @@ from viscache.figures.drawing import draw_image, new_figure, save_figure
 from viscache.figures.outcome import Outcome, Row
 from viscache.figures.registry import figure
 
-#: C_E without anti-aliasing and with it; the paper's is not told.
+#: C_E without and with anti-aliasing; the paper does not give its value.
 C_E = {False: 16.0, True: 36.0}
 
 
-@figure("aqvc-fig6", "fine geometry")
+@figure("aqvc-fig6", "fine geometry: the hairball")
 def figure6(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """The hairball, exact and with three presets, without anti-aliasing and with it."""
+    """The hairball, exact and with three presets, without and with anti-aliasing."""
     setup, outcome = SETUPS["hairball"], Outcome()
     triangles = printed.SCENES["hairball"].triangles
-    outcome.rows.append(
-        Row(what="triangles", printed=triangles, measured=setup.scene(quick).triangles)
-    )
+    outcome.rows.append(Row("triangles", setup.scene(quick).triangles, printed=triangles))
     fast = []
     for antialiased, c_e in C_E.items():
         spp = 1 if not antialiased else 4 if quick else setup.antialiased
@@ -49,42 +47,61 @@ def figure6(
             f"{label}: C_E {c_e:g}, {shot.size[0]}x{shot.size[1]}, {spp} samples per pixel"
         )
     outcome.rows.append(
-        Row(what="fast: the larger speed-up", printed=printed.HAIRBALL_SPEEDUP, measured=max(fast),
-            band=None if quick else bands.HAIRBALL_FAST)
-    )  # fmt: skip
+        Row(
+            "fast: the larger speed-up",
+            max(fast),
+            printed=printed.HAIRBALL_SPEEDUP,
+            band=None if quick else bands.HAIRBALL_FAST,
+        )
+    )
     return outcome
 
 
 def _rows(label: str, trades: Mapping[str, Trade], quick: bool) -> list[Row]:
     paper, default = trades["paper"], trades["default"]
     rows = [
-        Row(what=f"{label}, paper: RR", measured=paper.ray_reduction, band=bands.HAIRBALL_RR,
-            note=paper.note),
-        Row(what=f"{label}, default: RR", measured=default.ray_reduction, note=default.note),
-        Row(what=f"{label}, default: speed-up", printed=printed.HAIRBALL_SPEEDUP,
-            measured=default.speedup, band=None if quick else bands.HAIRBALL_SPEEDUP),
-        Row(what=f"{label}, fast: speed-up", printed=printed.HAIRBALL_SPEEDUP,
-            measured=trades["fast"].speedup, note=trades["fast"].note),
-        Row(what=f"{label}, paper: speed-up", printed=printed.HAIRBALL_SPEEDUP,
-            measured=paper.speedup,
-            note="one look-up per query on a CPU, against packets of 16 rays"),
-    ]  # fmt: skip
+        Row(f"{label}, paper: RR", paper.ray_reduction, band=bands.HAIRBALL_RR, note=paper.note),
+        Row(f"{label}, default: RR", default.ray_reduction, note=default.note),
+        Row(
+            f"{label}, default: speed-up",
+            default.speedup,
+            printed=printed.HAIRBALL_SPEEDUP,
+            band=None if quick else bands.HAIRBALL_SPEEDUP,
+        ),
+        Row(
+            f"{label}, fast: speed-up",
+            trades["fast"].speedup,
+            printed=printed.HAIRBALL_SPEEDUP,
+            note=trades["fast"].note,
+        ),
+        Row(
+            f"{label}, paper: speed-up",
+            paper.speedup,
+            printed=printed.HAIRBALL_SPEEDUP,
+            note="one look-up per query on a CPU, against packets of 16 rays",
+        ),
+    ]
     for preset, trade in trades.items():
         rows += [
-            Row(what=f"{label}, {preset}: speed-up over RR", printed="almost identical",
-                measured=trade.speedup / trade.ray_reduction,
-                note="1 where only rays cost; ours come in packets, and misses cost more"),
-            Row(what=f"{label}, {preset}: rel_l1", measured=trade.rel_l1,
-                note=f"SSIM {trade.ssim:.3f}; the sky behind the ball is part of the picture"),
-            Row(what=f"{label}, {preset}: rel_l1 of reflected light",
-                measured=trade.reflected_rel_l1),
+            Row(
+                f"{label}, {preset}: speed-up over RR",
+                trade.speedup / trade.ray_reduction,
+                printed="almost identical",
+                note="1 where only rays cost; ours come in packets, and misses cost more",
+            ),
+            Row(
+                f"{label}, {preset}: rel_l1",
+                trade.rel_l1,
+                note=f"SSIM {trade.ssim:.3f}; the sky behind the ball is part of the picture",
+            ),
+            Row(f"{label}, {preset}: rel_l1 of reflected light", trade.reflected_rel_l1),
             *group_rows(f"{label}, {preset}", trade),
-        ]  # fmt: skip
+        ]
     return rows
 
 
 def draw_trades(trades: Mapping[str, Trade], path: Path) -> Path:
-    """A row per name: exact, cached, amplified difference."""
+    """Per name a row of pictures: exact, cached, amplified difference."""
     figure = new_figure(10.0, 3.2 * len(trades))
     for row, (name, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)

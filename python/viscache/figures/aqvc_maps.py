@@ -1,4 +1,4 @@
-"""Figure 8 of the quantized cache's paper: the cache against shadow maps, under a sun and lamps."""
+"""Figure 8 of the quantized cache's paper: the cache and shadow maps, with a sun and lamps."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.visibility import ShadowMap
 
-#: Texels along an edge; the small ones are for equal time.
+#: Texels per edge; the small maps are for equal time.
 RESOLUTIONS = (64, 128, 256, 512, 1024, 2048, 4096)
 QUICK_RESOLUTIONS = (16, 32, 64, 128)
-#: Maps may take this share of the machine's memory.
+#: Largest share of the machine's memory for maps.
 MEMORY_SHARE = 0.6
 
 
-@figure("aqvc-fig8", "comparison with shadow maps")
+@figure("aqvc-fig8", "error over time beside shadow maps, from afar and close up")
 def figure8(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Error and time of both, seen from afar and close up."""
+    """Error and time of both, from a distance and close up."""
     outcome, table = Outcome(), []
     overview = SETUPS["delta"].shot(quick, size)
     place, target, fov_deg = CLOSE_UP
@@ -54,7 +54,7 @@ def figure8(
 
 
 def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> list[int]:
-    """The resolutions whose maps fit into memory; others are named in `outcome.skipped`."""
+    """The resolutions whose maps fit into memory; the others are recorded in `outcome.skipped`."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     kept = []
     for resolution in resolutions:
@@ -62,13 +62,15 @@ def fitting(resolutions: Sequence[int], outcome: Outcome, lights: int = 24) -> l
         if needed <= MEMORY_SHARE * memory:
             kept.append(resolution)
         else:
-            outcome.skip(f"maps of {resolution}x{resolution}",
-                         f"they need {needed / 2**30:.1f} GiB of memory")  # fmt: skip
+            outcome.skip(
+                f"maps of {resolution}x{resolution}",
+                f"they need {needed / 2**30:.1f} GiB of memory",
+            )
     return kept
 
 
 def compare(shot: Shot, resolutions: Sequence[int]) -> dict[str, Trade]:
-    """Frames of the cache, both presets, and of maps, by name."""
+    """Frames by name: of the cache with both presets, and of maps."""
     exact = shot.frame()
     setup, c_e = SETUPS["delta"], printed.MAPS_C_E
     settings: dict[str, Any] = {p: setup.cache(p, c_e) for p in ("default", "paper")}
@@ -86,7 +88,7 @@ def seconds(trade: Trade) -> float:
 
 
 def equal_time(trades: dict[str, Trade], resolutions: Sequence[int], cache: str) -> int:
-    """The largest resolution whose frame takes no longer than the cached one; else the smallest."""
+    """The largest resolution whose frame is no slower than the cached one; else the smallest."""
     within = [r for r in resolutions if seconds(trades[_map(r)]) <= seconds(trades[cache])]
     return max(within, default=min(resolutions))
 
@@ -95,16 +97,22 @@ def _view_rows(
     view: str, trades: dict[str, Trade], resolutions: Sequence[int], quick: bool
 ) -> list[Row]:
     rows = [
-        Row(what=f"{view}, {name}: rel_l1", measured=trade.rel_l1,
-            note=f"{seconds(trade):.2f} CPU s, SSIM {trade.ssim:.3f}; " + ", ".join(
-                f"{g} {trade.group_rel_l1(g):.4f}" for g in trade.groups))
+        Row(
+            f"{view}, {name}: rel_l1",
+            trade.rel_l1,
+            note=f"{seconds(trade):.2f} CPU s, SSIM {trade.ssim:.3f}; "
+            + ", ".join(f"{g} {trade.group_rel_l1(g):.4f}" for g in trade.groups),
+        )
         for name, trade in trades.items()
-    ]  # fmt: skip
+    ]
     first, last = trades[_map(resolutions[0])], trades[_map(resolutions[-1])]
     rows.append(
-        Row(what=f"{view}: rel_l1 with the smallest map over the largest",
-            measured=first.rel_l1 / last.rel_l1, band=bands.MAPS_IMPROVE)
-    )  # fmt: skip
+        Row(
+            f"{view}: rel_l1 with the smallest map over the largest",
+            first.rel_l1 / last.rel_l1,
+            band=bands.MAPS_IMPROVE,
+        )
+    )
     for preset in ("default", "paper"):
         rows += _preset_rows(view, preset, trades, resolutions, quick)
     return rows
@@ -119,27 +127,34 @@ def _preset_rows(
     slower = "" if seconds(other) <= seconds(cache) else ", though it takes longer"
     close = view == "close-up" and preset == "default"
     rows = [
-        Row(what=f"{view}, {preset}: rel_l1 at equal time, map over cache",
-            measured=other.rel_l1 / cache.rel_l1,
+        Row(
+            f"{view}, {preset}: rel_l1 at equal time, map over cache",
+            other.rel_l1 / cache.rel_l1,
             band=bands.MAPS_WORSE_CLOSE_UP if close and not quick else None,
-            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}"),
-        Row(what=f"{view}, {preset}: rel_l1, largest map over cache", printed="> 1",
-            measured=trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+            note=f"map of {alike}{slower}: {other.rel_l1:.4f}; cache {cache.rel_l1:.4f}",
+        ),
+        Row(
+            f"{view}, {preset}: rel_l1, largest map over cache",
+            trades[_map(resolutions[-1])].rel_l1 / cache.rel_l1,
+            printed="> 1",
             note="the paper's maps of 6000² are worse; at our size a texel is below a pixel, so "
-                 "no band"),
-    ]  # fmt: skip
+            "no band",
+        ),
+    ]
     if printed.MAPS_RESOLUTION in resolutions:
         rows.append(
-            Row(what=f"{view}, {preset}: time with maps of 1024² over the cache's",
+            Row(
+                f"{view}, {preset}: time with maps of 1024² over the cache's",
+                seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
                 printed=printed.MAPS_SLOWER,
-                measured=seconds(trades[_map(printed.MAPS_RESOLUTION)]) / seconds(cache),
-                band=bands.MAPS_SLOWER if preset == "default" else None)
-        )  # fmt: skip
+                band=bands.MAPS_SLOWER if preset == "default" else None,
+            )
+        )
     return rows
 
 
 def _draw(found: dict[str, dict[str, Trade]], resolutions: Sequence[int], path: Path) -> Path:
-    """Both views: exact, the cache, the maps; the middle of the picture."""
+    """The middle of the picture for both views: exact, with the cache, with maps."""
     maps = [_map(r) for r in resolutions[-3:]]
     figure = new_figure(12.0, 4.6)
     for row, trades in enumerate(found.values()):

@@ -26,11 +26,11 @@ from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 SIZE, QUICK_SIZE = (320, 200), (96, 60)
-#: C_E of the cache, along its curve of error over rays.
+#: C_E of the cache: points of its curve of error over rays.
 C_E = (4.0, 8.0, 12.0, 24.0)
-#: What the roulette makes of a visibility p: q = p^exponent.
+#: Exponent of the roulette's probability: q = p^exponent for a visibility p.
 EXPONENTS = (0.25, 0.5, 1.0)
-#: Frames per method for variance, and eye samples per pixel of the reference.
+#: Frames per method for the variance, and samples per pixel of the reference.
 SEEDS, REFERENCE_SPP = 5, 64
 
 
@@ -38,12 +38,14 @@ SEEDS, REFERENCE_SPP = 5, 64
 def comparison(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
-    """Rays and error at the same samples; variance against a converged picture."""
+    """Rays and error at equal samples; variance against a converged picture."""
     outcome, table, lines = Outcome(), [], {}
     for name, shot in shots(quick, size).items():
         found = same_samples(shot, quick)
-        table += [{"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
-                  for m, t in found.items()]  # fmt: skip
+        table += [
+            {"scene": name, "method": m, **t.record(), "rays_left": rays_left(t)}
+            for m, t in found.items()
+        ]
         outcome.rows += _same_rows(name, found, quick)
         for kind in ("NEE++", "AQVC"):
             mine = [t for m, t in found.items() if m.startswith(kind)]
@@ -51,7 +53,7 @@ def comparison(
         if not shot.integrator.n_vpls:  # type: ignore[union-attr]
             outcome.rows += _noise_rows(name, noise(shot, quick))
     outcome.files += [
-        draw_lines(lines, folder / "aqvc-nee.png", x="rays over queries", y="rel_l1"),
+        draw_lines(lines, folder / "aqvc-nee.png", x="rays per query", y="rel_l1"),
         write_csv(folder / "aqvc-nee.csv", table),
     ]
     outcome.notes.append(
@@ -62,7 +64,7 @@ def comparison(
 
 
 def shots(quick: bool, size: tuple[int, int] | None = None) -> dict[str, Shot]:
-    """Lamps mostly hidden, many lights in one room, an area light, fine geometry."""
+    """Mostly hidden lamps, many lights in one room, an area light, fine geometry."""
     pixels = size or (QUICK_SIZE if quick else SIZE)
     setups = {name: SETUPS[name].shot(quick, pixels) for name in ("delta", "conference")}
     hairball = SETUPS["hairball"].shot(quick, pixels)
@@ -82,18 +84,18 @@ def methods(quick: bool) -> dict[str, Visibility]:
 
 
 def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:
-    """Frames beside the exact one of the same seed."""
+    """Frames with the exact frame of the same seed."""
     exact = shot.frame()
     return {n: Trade(frame=shot.frame(v), exact=exact) for n, v in methods(quick).items()}
 
 
 def rays_left(trade: Trade) -> float:
-    """Share of the connections that cost a ray, learning included."""
+    """Share of the connections that cost a ray, including learning."""
     return 1 / trade.ray_reduction
 
 
 def discarded(frame: Frame) -> float:
-    """Share of the connections that the roulette left out."""
+    """Share of the connections that the roulette skipped."""
     return float(frame.counters["discarded"] / frame.counters["queries"])
 
 
@@ -102,22 +104,33 @@ def _same_rows(name: str, found: Mapping[str, Trade], quick: bool) -> list[Row]:
     occluded = full.exact.counters["occluded"] / full.exact.counters["queries"]
     energy = full.frame.image.mean(dtype=float) / full.exact.image.mean(dtype=float) - 1
     rows = [
-        Row(what=f"{name}, NEE++: visibility tests discarded",
-            printed="up to 0.8", measured=discarded(full.frame),
+        Row(
+            f"{name}, NEE++: visibility tests discarded",
+            discarded(full.frame),
+            printed="up to 0.8",
             band=bands.NEE_DISCARDED if name == "delta" and not quick else None,
-            note=f"{occluded:.0%} of them are blocked"),
-        Row(what=f"{name}, NEE++: discarded over blocked",
-            measured=discarded(full.frame) / occluded, band=bands.NEE_WITHIN_BLOCKED),
-        Row(what=f"{name}, NEE++: energy against exact", measured=energy,
-            band=bands.NEE_ENERGY),
-        Row(what=f"{name}: rays of NEE++ over those of the cache, C_E 12",
-            measured=rays_left(full) / rays_left(cache), band=bands.NEE_MORE_RAYS),
-    ]  # fmt: skip
+            note=f"{occluded:.0%} of them are blocked",
+        ),
+        Row(
+            f"{name}, NEE++: discarded over blocked",
+            discarded(full.frame) / occluded,
+            band=bands.NEE_WITHIN_BLOCKED,
+        ),
+        Row(f"{name}, NEE++: energy against exact", energy, band=bands.NEE_ENERGY),
+        Row(
+            f"{name}: rays of NEE++ over those of the cache, C_E 12",
+            rays_left(full) / rays_left(cache),
+            band=bands.NEE_MORE_RAYS,
+        ),
+    ]
     return rows + [
-        Row(what=f"{name}, {method}: rel_l1", measured=trade.rel_l1,
-            note=f"{rays_left(trade):.1%} of the rays, speed-up {trade.speedup:.2f}")
+        Row(
+            f"{name}, {method}: rel_l1",
+            trade.rel_l1,
+            note=f"{rays_left(trade):.1%} of the rays, speed-up {trade.speedup:.2f}",
+        )
         for method, trade in found.items()
-    ]  # fmt: skip
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,12 +141,12 @@ class Noise:
     cpu_s: float
 
     def at_equal_time(self, other: Noise) -> float:
-        """This error over the other's, if both took the same time by more samples per pixel."""
+        """This error over the other's, if more samples per pixel made both take the same time."""
         return self.mse * self.cpu_s / (other.mse * other.cpu_s)
 
 
 def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
-    """Of each method, over independent frames."""
+    """Mean squared error and CPU seconds of each method, over independent frames."""
     spp = REFERENCE_SPP // 4 if quick else REFERENCE_SPP
     reference = _double(
         references.reference(
@@ -160,14 +173,16 @@ def _noise_rows(name: str, found: Mapping[str, Noise]) -> list[Row]:
             continue
         full = method == "NEE++ p^1"
         rows.append(
-            Row(what=f"{name}, {method}: squared error at equal samples over the exact frame's",
-                measured=mine.mse / exact.mse,
+            Row(
+                f"{name}, {method}: squared error at equal samples over the exact frame's",
+                mine.mse / exact.mse,
                 band=bands.NEE_ADDS_NOISE if full else None,
-                note=f"at equal time {mine.at_equal_time(exact):.2f}")
-        )  # fmt: skip
+                note=f"at equal time {mine.at_equal_time(exact):.2f}",
+            )
+        )
     return rows
 
 
 def _double(frame: Frame) -> npt.NDArray[Any]:
-    """Reflected light: what the camera sees shine has noise of its own."""
+    """Reflected light only, because directly visible emitters have noise of their own."""
     return np.asarray(frame.image, np.float64) - frame.layers["emitted"]

@@ -1,4 +1,4 @@
-"""Figure 5 of the quantized cache's paper: exact and cached pictures, difference amplified."""
+"""Figure 5 of the quantized cache's paper: exact and cached pictures, amplified differences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.settings.integrators import Bdpt
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One picture: samples per pixel in full and quick, and C_E."""
+    """One picture: its C_E, and its samples per pixel in full and quick runs."""
 
     setup: str
     spp: int
@@ -32,7 +32,8 @@ class Panel:
     c_e_note: str
 
 
-#: The paper's samples are 9, 1, 16 and 16. C_E spans C_E/√spp pixels: with fewer samples, less.
+#: The paper's samples are 9, 1, 16 and 16. A cluster spans C_E/√spp pixels, so fewer samples need
+#: a smaller C_E.
 PANELS = (
     Panel("courtyard", 2, 1, printed.SAN_MIGUEL_C_E * (2 / 9) ** 0.5, "36 at 9 samples"),
     Panel("conference", 1, 1, 12.0, "not told"),
@@ -66,8 +67,9 @@ def figure5(
     trades = bidirectional(quick, size)
     for preset, trade in trades.items():
         band = bands.BIDIRECTIONAL_RR if preset == "paper" and not quick else None
-        outcome.rows += _rows("bidirectional", preset, trade, band,
-                              printed_rr=printed.BIDIRECTIONAL_REDUCTION)  # fmt: skip
+        outcome.rows += _rows(
+            "bidirectional", preset, trade, band, printed_rr=printed.BIDIRECTIONAL_REDUCTION
+        )
     outcome.files.append(draw_panel("bidirectional", trades, folder))
     outcome.notes.append(
         f"bidirectional: Cornell box, {QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP} "
@@ -80,10 +82,11 @@ def figure5(
 def bidirectional(quick: bool, size: tuple[int, int] | None) -> dict[str, Trade]:
     """Bidirectional path tracing, by preset."""
     shot = Shot(
-        scene=scenes.cornell_box(), integrator=Bdpt(),
+        scene=scenes.cornell_box(),
+        integrator=Bdpt(),
         size=size or (QUICK_BIDIRECTIONAL_SIZE if quick else BIDIRECTIONAL_SIZE),
         spp=QUICK_BIDIRECTIONAL_SPP if quick else BIDIRECTIONAL_SPP,
-    )  # fmt: skip
+    )
     exact = shot.frame()
     return {
         preset: Trade(frame=shot.frame(cache), exact=exact)
@@ -95,34 +98,50 @@ def _panel_rows(panel: Panel, trades: Mapping[str, Trade], quick: bool) -> list[
     stand_in = SETUPS[panel.setup]
     band = None if quick else bands.PICTURE_RR[panel.setup]
     rows = [
-        Row(what=f"{panel.setup}: triangles", measured=stand_in.scene(quick).triangles,
-            printed=printed.SCENES[stand_in.printed].triangles)
-    ]  # fmt: skip
+        Row(
+            f"{panel.setup}: triangles",
+            stand_in.scene(quick).triangles,
+            printed=printed.SCENES[stand_in.printed].triangles,
+        )
+    ]
     for preset, trade in trades.items():
-        rows += _rows(panel.setup, preset, trade, band if preset == "paper" else None,
-                      printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
-                      with_error=not quick and preset != "fast")  # fmt: skip
+        rows += _rows(
+            panel.setup,
+            preset,
+            trade,
+            band if preset == "paper" else None,
+            printed_speedup=printed.SCENES[stand_in.printed].implied_speedup,
+            with_error=not quick and preset != "fast",
+        )
     return rows
 
 
 def _rows(
-    name: str, preset: str, trade: Trade, band: Band | None, *, printed_rr: float | None = None,
-    printed_speedup: float | None = None, with_error: bool = False,
-) -> list[Row]:  # fmt: skip
+    name: str,
+    preset: str,
+    trade: Trade,
+    band: Band | None,
+    *,
+    printed_rr: float | None = None,
+    printed_speedup: float | None = None,
+    with_error: bool = False,
+) -> list[Row]:
     label = f"{name}, {preset}"
     return [
-        Row(what=f"{label}: RR", printed=printed_rr, measured=trade.ray_reduction, band=band,
-            note=trade.note),
-        Row(what=f"{label}: speed-up", printed=printed_speedup, measured=trade.speedup),
-        Row(what=f"{label}: rel_l1", measured=trade.rel_l1,
+        Row(f"{label}: RR", trade.ray_reduction, printed=printed_rr, band=band, note=trade.note),
+        Row(f"{label}: speed-up", trade.speedup, printed=printed_speedup),
+        Row(
+            f"{label}: rel_l1",
+            trade.rel_l1,
             band=bands.PICTURE_ERROR if with_error else None,
-            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
+            note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+        ),
         *group_rows(label, trade),
-    ]  # fmt: skip
+    ]
 
 
 def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """One picture above the rising diagonal, the other below it, a thin black line between."""
+    """One picture above the rising diagonal, the other below it, a thin black line between them."""
     height, width = above.shape[:2]
     rows, columns = np.mgrid[0:height, 0:width]
     # Negative above the line from the lower left to the upper right corner
@@ -133,15 +152,18 @@ def diagonal(above: npt.NDArray[Any], below: npt.NDArray[Any]) -> npt.NDArray[An
 
 
 def draw_panel(name: str, trades: Mapping[str, Trade], folder: Path) -> Path:
-    """Per preset: exact over cached, and the amplified difference."""
+    """Per preset: the exact picture above the cached one, and the amplified difference."""
     figure = new_figure(9.0, 3.0 * len(trades))
     for row, (preset, trade) in enumerate(trades.items()):
         exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
         seconds = [f"{f.timings['cpu_s']:.1f}" for f in (trade.exact, trade.frame)]
         axes = figure.add_subplot(len(trades), 2, 2 * row + 1)
-        draw_image(axes, diagonal(trade.exact.image, trade.frame.image),
-                   f"{name}: exact, {seconds[0]} CPU s, over {preset}, {seconds[1]} CPU s",
-                   exposure=exposure)  # fmt: skip
+        draw_image(
+            axes,
+            diagonal(trade.exact.image, trade.frame.image),
+            f"{name}: exact, {seconds[0]} CPU s, over {preset}, {seconds[1]} CPU s",
+            exposure=exposure,
+        )
         axes = figure.add_subplot(len(trades), 2, 2 * row + 2)
         draw_image(axes, difference(trade), f"{AMPLIFIED:g} × difference", exposure=1.0)
     return save_figure(figure, folder / f"aqvc-fig5-{name}.png")

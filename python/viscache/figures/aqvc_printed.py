@@ -1,4 +1,4 @@
-"""What the quantized cache's paper prints: an i7-2600K with a Quadro 6000, 1280×800 pixels."""
+"""Numbers of the quantized cache's paper: an i7-2600K with a Quadro 6000, 1280×800 pixels."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ class Scene:
 
     triangles: int
     total_to_shading: float
-    """Time of the exact frame over its shading; the paper's text calls it shading to total."""
+    """Time of the exact frame over its shading time; the paper's text says "shading to total"."""
     left_to_gain: float
-    """What no algorithm can be faster than the cached frame by."""
+    """Upper bound of any algorithm's speed-up over the cached frame."""
 
     @property
     def implied_speedup(self) -> float:
-        """The cached frame's speed-up that follows from the two."""
+        """The cached frame's speed-up, which follows from the two."""
         return self.total_to_shading / self.left_to_gain
 
 
@@ -29,12 +29,12 @@ SCENES = {
     "san miguel": Scene(10_000_000, 37, 4.7),
     "hairball": Scene(3_000_000, 26, 6.7),
 }
-#: Section 5: largest ray reduction and Section 5.2's speed-up of it.
+#: Section 5: the largest ray reduction. Section 5.2: its speed-up.
 RAY_REDUCTION, SPEEDUP = 50.0, 8.0
-#: Section 5: C_E swept, delta lights and others, with anti-aliasing and without.
+#: Section 5: C_E of the sweeps for delta lights and others, with and without anti-aliasing.
 DELTA_AA, DELTA_PLAIN = (4, 36), (4, 18)
 SMOOTH_AA, SMOOTH_PLAIN = (10, 64), (4, 24)
-#: Section 5: the omni lights of the apartment stay at this C_E.
+#: Section 5: the apartment's omni lights always have this C_E.
 APARTMENT_POINT_C_E = 4.0
 #: Figure 6.
 HAIRBALL_SPEEDUP = 3.0
@@ -44,7 +44,7 @@ BIDIRECTIONAL_C_E, BIDIRECTIONAL_REDUCTION = 12.0, 6.0
 SAN_MIGUEL_C_E = 36.0
 #: Section 5.4: shadow maps of 1024×1024 take this many times the cached frame with C_E = 14.
 MAPS_C_E, MAPS_RESOLUTION, MAPS_SLOWER = 14.0, 1024, 2.0
-#: Section 5.2: share of shading in the apartment's frame on the CPU, and the bound on speed-up.
+#: Section 5.2: share of shading in the apartment's frame on the CPU, and the speed-up's bound.
 CPU_SHADING_SHARE, CPU_BOUND = 0.32, 3.0
 #: Section 4.4: frame time with 256 MB over that with 1 GB of table.
 LARGER_TABLE = 1.05

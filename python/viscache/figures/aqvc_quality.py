@@ -1,4 +1,4 @@
-"""Quality choices of the quantized cache beside each other (Sec. 3.3, 3.6 and what came after)."""
+"""Comparison of the quantized cache's quality choices (Sec. 3.3, Sec. 3.6, and later ones)."""
 
 from __future__ import annotations
 
@@ -28,12 +28,15 @@ SIZE, QUICK_SIZE = (640, 400), (120, 75)
 GRIDS, QUICK_GRIDS = 4, 1
 MODES = ("round", "floor", "octahedral", "single")
 COSMIN = (0.01, 0.05, 0.2)
-#: Light kinds by the setup that has them.
-KINDS = {"delta": ("point", "directional"), "conference": ("area",),
-         "apartment": ("vpl", "environment")}  # fmt: skip
+#: Kinds of lights, by setup.
+KINDS = {
+    "delta": ("point", "directional"),
+    "conference": ("area",),
+    "apartment": ("vpl", "environment"),
+}
 
 
-@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement")
+@figure("aqvc-quality", "quality choices of the quantized cache: normals, grids, refinement, bias")
 def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Outcome:
     """All choices, and a table."""
     outcome = Outcome(rows=leaking_cells())
@@ -56,7 +59,7 @@ def quality(folder: Path, quick: bool, progress: bool, size: Size = None) -> Out
 
 
 def leaking_cells() -> list[Row]:
-    """A wall a thousandth of a cell thick: how many cells of its front hold its back."""
+    """How many cells on the front of a wall, 1/1000 cell thick, also contain its back."""
     radius, cells = 7.5, 40.0
     rng = np.random.default_rng(1)
     front = rng.uniform(-2, 2, (2000, 3)).astype(np.float32)
@@ -67,26 +70,48 @@ def leaking_cells() -> list[Row]:
     for mode in MODES:
         settings = replaced(Aqvc(), {"normal_mode": mode}, "visibility").core()
         sides = [
-            _core.aqvc.full_keys(settings, (0, 0, 0), radius, x, n, np.full(len(x), cells), 0,
-                                 np.zeros_like(x), np.zeros_like(x), np.ones(len(x)))[0]
+            _core.aqvc.full_keys(
+                settings,
+                (0, 0, 0),
+                radius,
+                x,
+                n,
+                np.full(len(x), cells),
+                0,
+                np.zeros_like(x),
+                np.zeros_like(x),
+                np.ones(len(x)),
+            )[0]
             for x, n in ((front, up), (behind, -up))
-        ]  # fmt: skip
+        ]
         seen, hidden = ([key.tobytes() for key in side] for side in sides)
         shared = np.isin(seen, hidden).mean()
-        rows.append(Row(what=f"normals {mode}: cells of a thin wall's front that hold its back",
-                        measured=float(shared), band=bands.LEAKING_CELLS[mode]))  # fmt: skip
+        rows.append(
+            Row(
+                f"normals {mode}: cells of a thin wall's front that hold its back",
+                float(shared),
+                band=bands.LEAKING_CELLS[mode],
+            )
+        )
     return rows
 
 
 def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
-    """Rays, RR, rel_l1 and bias, means over grids; given settings replace the preset's."""
+    """Rays, RR, rel_l1 and bias, as means over grids. The given settings replace the preset's."""
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
         settings = replaced(Aqvc(c_e=C_E, grid_seed=grid), given, "visibility")
         trade = Trade(frame=shot.frame(settings), exact=exact)
-        found.append([trade.frame.counters["rays"], trade.ray_reduction, trade.rel_l1,
-                      bias(trade.frame, exact), stray_light(trade.frame, exact)])  # fmt: skip
+        found.append(
+            [
+                trade.frame.counters["rays"],
+                trade.ray_reduction,
+                trade.rel_l1,
+                bias(trade.frame, exact),
+                stray_light(trade.frame, exact),
+            ]
+        )
     names = ("rays", "ray_reduction", "rel_l1", "bias", "stray")
     return dict(zip(names, np.mean(found, axis=0).tolist(), strict=True))
 
@@ -96,70 +121,92 @@ def _shot(quick: bool, size: Size) -> Shot:
 
 
 def normals(quick: bool, size: Size) -> tuple[list[Row], list[dict[str, Any]]]:
-    """Bins of normals: rays and errors in the apartment, stray light behind a thin wall."""
+    """Bins of normals: rays and errors in the apartment, and stray light behind a thin wall."""
     apartment = _shot(quick, size)
     wall = Shot(scene=scenes.thin_wall(), integrator=Direct(), size=apartment.size)
     found = {m: mean_trade(apartment, quick, normal_mode=m) for m in MODES}
     stray = {m: mean_trade(wall, quick, normal_mode=m, refinement="off") for m in MODES}
     rows = []
     for mode in MODES:
-        rows.append(Row(what=f"normals {mode}: rays over those of round",
-                        measured=found[mode]["rays"] / found["round"]["rays"],
-                        band=None if quick else bands.RAYS_OF_BINS.get(mode),
-                        note=_note(found[mode])))  # fmt: skip
-        rows.append(Row(what=f"normals {mode}: light where the exact picture of a thin wall is "
-                             "black", measured=stray[mode]["stray"],
-                        note=f"{stray[mode]['rays']:.0f} rays, no refinement"))  # fmt: skip
-    rows.append(Row(what="normals: that light, single over round",
-                    measured=stray["single"]["stray"] / stray["round"]["stray"],
-                    band=bands.SINGLE_LEAKS))  # fmt: skip
+        rows.append(
+            Row(
+                f"normals {mode}: rays over those of round",
+                found[mode]["rays"] / found["round"]["rays"],
+                band=None if quick else bands.RAYS_OF_BINS.get(mode),
+                note=_note(found[mode]),
+            )
+        )
+        rows.append(
+            Row(
+                f"normals {mode}: light where the exact picture of a thin wall is black",
+                stray[mode]["stray"],
+                note=f"{stray[mode]['rays']:.0f} rays, no refinement",
+            )
+        )
+    rows.append(
+        Row(
+            "normals: that light, single over round",
+            stray["single"]["stray"] / stray["round"]["stray"],
+            band=bands.SINGLE_LEAKS,
+        )
+    )
     table = [{"normals": m, **found[m], "stray_thin_wall": stray[m]["stray"]} for m in MODES]
     return rows, table
 
 
 def _note(found: dict[str, float]) -> str:
-    return (f"RR {found['ray_reduction']:.1f}, rel_l1 {found['rel_l1']:.4f}, "
-            f"bias {100 * found['bias']:+.2f} %")  # fmt: skip
+    return (
+        f"RR {found['ray_reduction']:.1f}, rel_l1 {found['rel_l1']:.4f}, "
+        f"bias {100 * found['bias']:+.2f} %"
+    )
 
 
 def grids_and_neighbours(quick: bool, size: Size) -> list[Row]:
-    """Offset of the grids, neighbours along the tangent plane."""
+    """Offsets of the grids, and neighbours along the tangent plane."""
     shot = _shot(quick, size)
     base = mean_trade(shot, quick)
     fixed = mean_trade(shot, quick, grid_offset=False)
     level = mean_trade(shot, quick, tangent_neighbours=False)
     return [
-        Row(what="grids without offset: rays over those with it",
-            measured=fixed["rays"] / base["rays"],
-            band=None if quick else bands.RAYS_WITHOUT_OFFSET, note=_note(fixed)),
-        Row(what="tangent neighbours: rel_l1 over that with the same v_z",
-            measured=base["rel_l1"] / level["rel_l1"],
-            band=None if quick else bands.TANGENT_ERROR, note=f"without: {_note(level)}"),
-        Row(what="tangent neighbours: rays over those with the same v_z",
-            measured=base["rays"] / level["rays"],
-            band=None if quick else bands.TANGENT_RAYS, note=_note(base)),
-    ]  # fmt: skip
+        Row(
+            "grids without offset: rays over those with it",
+            fixed["rays"] / base["rays"],
+            band=None if quick else bands.RAYS_WITHOUT_OFFSET,
+            note=_note(fixed),
+        ),
+        Row(
+            "tangent neighbours: rel_l1 over that with the same v_z",
+            base["rel_l1"] / level["rel_l1"],
+            band=None if quick else bands.TANGENT_ERROR,
+            note=f"without: {_note(level)}",
+        ),
+        Row(
+            "tangent neighbours: rays over those with the same v_z",
+            base["rays"] / level["rays"],
+            band=None if quick else bands.TANGENT_RAYS,
+            note=_note(base),
+        ),
+    ]
 
 
 def cosines(quick: bool, size: Size) -> list[Row]:
-    """The integrators' floor of cos θ in densities."""
+    """The integrators' lower limit of cos θ in densities."""
     shot = _shot(quick, size)
-    found = {
-        c: mean_trade(replace(shot, integrator=Whitted(cosmin=c)), quick) for c in COSMIN
-    }  # fmt: skip
-    rows = [
-        Row(what=f"cosmin {c:g}: rel_l1", measured=f["rel_l1"], note=_note(f))
-        for c, f in found.items()
-    ]
+    found = {c: mean_trade(replace(shot, integrator=Whitted(cosmin=c)), quick) for c in COSMIN}
+    rows = [Row(f"cosmin {c:g}: rel_l1", f["rel_l1"], note=_note(f)) for c, f in found.items()]
     errors = [f["rel_l1"] for f in found.values()]
-    rows.append(Row(what="cosmin: largest rel_l1 over smallest",
-                    measured=max(errors) / min(errors),
-                    band=None if quick else bands.COSMIN_ERROR))  # fmt: skip
+    rows.append(
+        Row(
+            "cosmin: largest rel_l1 over smallest",
+            max(errors) / min(errors),
+            band=None if quick else bands.COSMIN_ERROR,
+        )
+    )
     return rows
 
 
 def light_kinds(quick: bool, size: Size) -> list[Row]:
-    """Refinement on and off by kind of light."""
+    """Refinement on and off, by kind of light."""
     rows = []
     for name, kinds in KINDS.items():
         setup = SETUPS[name]
@@ -178,9 +225,12 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
             off, on = (trades[state].group_rel_l1(kind) for state in ("off", "on"))
             reductions = [trades[s].group_reduction(kind) for s in ("off", "on")]
             shared = kind in ("point", "directional", "vpl")
-            rows.append(Row(what=f"refinement of {kind} light ({name}): rel_l1 on over off",
-                            measured=on / off if off else None,
-                            band=bands.REFINED_ERROR if shared and not quick else None,
-                            note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to "
-                                 f"{reductions[1]:.1f}"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"refinement of {kind} light ({name}): rel_l1 on over off",
+                    on / off if off else None,
+                    band=bands.REFINED_ERROR if shared and not quick else None,
+                    note=f"{off:.4f} to {on:.4f}, RR {reductions[0]:.1f} to {reductions[1]:.1f}",
+                )
+            )
     return rows

@@ -1,4 +1,4 @@
-"""Exact and cached frames of one shot, and what figures of the quantized cache say about them."""
+"""Exact and cached frames of one shot, and the measures that the figures report."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from viscache.settings.visibility import Aqvc, Exact, Visibility
 
 __all__ = ["AMPLIFIED", "Shot", "Trade", "difference", "group_rows", "presets"]
 
-#: Figure 5's amplification of the luminance error.
+#: Amplification of the luminance error in Figure 5.
 AMPLIFIED = 16.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Shot:
-    """What is rendered, but for who answers "does x see y?"."""
+    """All settings of a rendering except the visibility."""
 
     scene: Scene
     integrator: Integrator
@@ -34,22 +34,29 @@ class Shot:
     camera: str | int | _core.Camera | None = None
 
     def frame(self, visibility: Visibility | None = None, seed: int = 0) -> Frame:
-        """A frame; exact by default. Building the ray caster is not part of its time."""
+        """A frame, exact by default. Its time excludes building the ray caster."""
         self.scene.caster()
-        return render(self.scene, self.integrator, visibility=visibility or Exact(), seed=seed,
-                      size=self.size, spp=self.spp, camera=self.camera)  # fmt: skip
+        return render(
+            self.scene,
+            self.integrator,
+            visibility=visibility or Exact(),
+            seed=seed,
+            size=self.size,
+            spp=self.spp,
+            camera=self.camera,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Trade:
-    """A cached frame beside the exact one of the same samples."""
+    """A cached frame and the exact frame of the same samples."""
 
     frame: Frame
     exact: Frame
 
     @property
     def ray_reduction(self) -> float:
-        """Queries over rays."""
+        """Queries per ray."""
         return float(self.frame.counters["ray_reduction"])
 
     @property
@@ -59,12 +66,12 @@ class Trade:
 
     @property
     def rel_l1(self) -> float:
-        """Of the whole picture."""
+        """rel_l1 of the whole picture."""
         return float(metrics.rel_l1(_double(self.frame.image), _double(self.exact.image)) or 0.0)
 
     @property
     def reflected_rel_l1(self) -> float:
-        """The same without what the camera sees shine, the sky among it."""
+        """rel_l1 without directly visible emitters and sky."""
         cached, exact = (
             _double(f.image) - _double(f.layers["emitted"]) for f in (self.frame, self.exact)
         )
@@ -72,22 +79,22 @@ class Trade:
 
     @property
     def ssim(self) -> float:
-        """Of the whole picture; NaN where it is smaller than SSIM's window."""
+        """SSIM of the whole picture; NaN if it is smaller than SSIM's window."""
         value = metrics.compare(self.frame, self.exact, metrics=["ssim"]).ssim
         return float("nan") if value is None else value
 
     @property
     def groups(self) -> list[str]:
-        """Light groups that were asked about."""
+        """Light groups with queries."""
         return [n for n, c in self.exact.counters["groups"].items() if c["queries"]]
 
     def group_rel_l1(self, group: str) -> float:
-        """Of one light group's layer; 0 where it is black."""
+        """rel_l1 of one light group's layer; 0 if it is black."""
         cached, exact = (_double(f.layers[group]) for f in (self.frame, self.exact))
         return float(metrics.rel_l1(cached, exact) or 0.0)
 
     def group_reduction(self, group: str) -> float:
-        """Queries over rays of one light group; infinite without a ray."""
+        """Queries per ray of one light group; infinite without rays."""
         counts = self.frame.counters["groups"][group]
         return float(counts["queries"] / counts["rays"]) if counts["rays"] else float("inf")
 
@@ -101,15 +108,20 @@ class Trade:
         )
 
     def record(self) -> dict[str, Any]:
-        """A line of a table."""
+        """A row of a table."""
         groups = {f"rel_l1_{g}": self.group_rel_l1(g) for g in self.groups}
         reductions = {f"rr_{g}": self.group_reduction(g) for g in self.groups}
         return {
-            "ray_reduction": self.ray_reduction, "speedup": self.speedup, "rel_l1": self.rel_l1,
-            "reflected_rel_l1": self.reflected_rel_l1, "ssim": self.ssim,
-            "exact_cpu_s": self.exact.timings["cpu_s"], "cpu_s": self.frame.timings["cpu_s"],
-            **groups, **reductions,
-        }  # fmt: skip
+            "ray_reduction": self.ray_reduction,
+            "speedup": self.speedup,
+            "rel_l1": self.rel_l1,
+            "reflected_rel_l1": self.reflected_rel_l1,
+            "ssim": self.ssim,
+            "exact_cpu_s": self.exact.timings["cpu_s"],
+            "cpu_s": self.frame.timings["cpu_s"],
+            **groups,
+            **reductions,
+        }
 
 
 def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
@@ -125,16 +137,19 @@ def presets(c_e: float, **given: Any) -> dict[str, Aqvc]:
 
 
 def group_rows(label: str, trade: Trade) -> list[Row]:
-    """The error of every light group, so that none hides in the total."""
+    """The error of each light group, so that the total hides none."""
     return [
-        Row(what=f"{label}: rel_l1 of {group} light", measured=trade.group_rel_l1(group),
-            note=f"RR {trade.group_reduction(group):.1f}")
+        Row(
+            f"{label}: rel_l1 of {group} light",
+            trade.group_rel_l1(group),
+            note=f"RR {trade.group_reduction(group):.1f}",
+        )
         for group in trade.groups
-    ]  # fmt: skip
+    ]
 
 
 def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]:
-    """The absolute luminance error, amplified and exposed like the picture: (H, W, 1) in [0, 1]."""
+    """(H, W, 1) in [0, 1]: the absolute luminance error, amplified and exposed like the picture."""
     exposure = tonemap.auto_exposure(trade.exact.image, 95.0)
     cached, exact = (tonemap.luminance(f.image) for f in (trade.frame, trade.exact))
     error: npt.NDArray[np.float64] = np.clip(gain * exposure * np.abs(cached - exact), 0, 1)
@@ -142,6 +157,6 @@ def difference(trade: Trade, gain: float = AMPLIFIED) -> npt.NDArray[np.float64]
 
 
 def best(trades: Mapping[Any, Trade], what: str) -> tuple[Any, Trade]:
-    """The key and the trade whose attribute `what` is largest."""
+    """The key and the trade with the largest attribute `what`."""
     key = max(trades, key=lambda k: getattr(trades[k], what))
     return key, trades[key]

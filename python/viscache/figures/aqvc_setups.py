@@ -1,4 +1,4 @@
-"""Stand-ins for the scenes of the quantized cache's paper, lit and sampled as Section 5 says."""
+"""Stand-ins for the scenes of the quantized cache's paper, lit and sampled as in Section 5."""
 
 from __future__ import annotations
 
@@ -17,46 +17,50 @@ from viscache.settings.visibility import Aqvc
 __all__ = ["CLOSE_UP", "PRESETS", "QUICK_SIZE", "SETUPS", "SIZE", "Preset", "Setup", "delta"]
 
 Preset: TypeAlias = Literal["default", "fast", "paper"]
-#: What pictures are compared with.
+#: Presets whose pictures are compared with exact ones.
 PRESETS: tuple[Preset, ...] = ("default", "fast", "paper")
 
 SIZE, QUICK_SIZE = (640, 400), (80, 50)
-#: Where the sun of APARTMENT DELTA stands, and its irradiance.
+#: Direction to the sun of APARTMENT DELTA, and its irradiance.
 SUN, SUNLIGHT = (-0.35, 0.45, -0.8), (4.0, 3.8, 3.4)
-#: Under a chair of the living room: place of the camera, what it looks at, angle of view.
+#: Under a chair of the living room: the camera's place, its target, its angle of view.
 CLOSE_UP = ((-1.89, 0.31, -1.18), (-2.29, 0.01, -1.52), 40.0)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setup:
-    """One of the paper's renderings, in full or small."""
+    """One of the paper's renderings, full or quick."""
 
     name: str
     printed: str
-    """The paper's scene, as in `aqvc_printed.SCENES`."""
+    """The paper's scene, a key of `aqvc_printed.SCENES`."""
     make: Callable[[int], Scene]
     """Takes the number of triangles."""
     triangles: tuple[int, int]
-    """In full, and quick."""
+    """Of full and of quick runs."""
     n_vpls: int = 0
     n_area: int = 0
     n_environment: int = 0
-    """Of the environment by its radiance; as many by the BRDF."""
+    """Samples of the environment by its radiance; the same number by the BRDF."""
     antialiased: int = 16
-    """Samples per pixel of the paper's anti-aliased frames."""
+    """Samples per pixel in the paper's anti-aliased frames."""
     delta_lights: bool = False
     square: bool = False
     c_e_groups: Mapping[str, float] = field(default_factory=dict)
 
     def integrator(self, quick: bool) -> Whitted:
-        """The paper's numbers of samples; an eighth of them where quick."""
+        """The paper's numbers of samples; an eighth of them if quick."""
         share = 8 if quick else 1
         environment = self.n_environment // share
-        return Whitted(n_vpls=self.n_vpls // share, n_area=self.n_area // share,
-                       n_environment=environment, n_brdf=environment)  # fmt: skip
+        return Whitted(
+            n_vpls=self.n_vpls // share,
+            n_area=self.n_area // share,
+            n_environment=environment,
+            n_brdf=environment,
+        )
 
     def pixels(self, quick: bool, size: tuple[int, int] | None = None) -> tuple[int, int]:
-        """The size asked for, or this setup's own."""
+        """The requested size, or this setup's own."""
         if size is not None:
             return size
         if self.square:
@@ -65,15 +69,19 @@ class Setup:
 
     def shot(self, quick: bool, size: tuple[int, int] | None = None, spp: int = 1) -> Shot:
         """Ready to be rendered."""
-        return Shot(scene=self.scene(quick), integrator=self.integrator(quick), spp=spp,
-                    size=self.pixels(quick, size))  # fmt: skip
+        return Shot(
+            scene=self.scene(quick),
+            integrator=self.integrator(quick),
+            spp=spp,
+            size=self.pixels(quick, size),
+        )
 
     def scene(self, quick: bool) -> Scene:
-        """The scene; those made last are kept."""
+        """The scene; recent scenes are cached."""
         return _made(self.name, self.triangles[quick])
 
     def cache(self, preset: Preset, c_e: float, **given: Any) -> Aqvc:
-        """A preset at one C_E; light groups that the paper keeps at theirs."""
+        """A preset at one C_E, except for the light groups whose C_E the paper keeps fixed."""
         return Aqvc(preset=preset, c_e=c_e, c_e_groups=dict(self.c_e_groups), **given)
 
 
@@ -83,7 +91,7 @@ def _made(name: str, triangles: int) -> Scene:
 
 
 def delta(triangles: int) -> Scene:
-    """The apartment under its 24 lamps and a sun through the windows, without a sky."""
+    """The apartment with its 24 lamps and sunlight through the windows, without a sky."""
     d: _core.SceneDescription = scenes.SCENES["apartment"].builder(triangles=triangles).description
     d.clear_environment()
     d.add_directional_light(SUN, SUNLIGHT)

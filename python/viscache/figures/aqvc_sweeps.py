@@ -24,18 +24,18 @@ from viscache.scene import Scene, load_scene
 from viscache.settings.integrators import Whitted
 from viscache.sources import scene_file
 
-#: C_E between the paper's ends; the paper's preset runs at the ends and one between.
+#: C_E over the paper's range. The paper's preset runs at both ends and at one value between.
 DELTA = {False: (4.0, 9.0, 18.0), True: (4.0, 12.0, 24.0, 36.0)}
 SMOOTH = {False: (4.0, 8.0, 14.0, 24.0), True: (10.0, 20.0, 40.0, 64.0)}
-#: Anti-aliased frames of scenes with many lights have this share of them, per sample.
+#: Divisor of the lights per sample, in anti-aliased frames of scenes with many lights.
 ANTIALIASED_LIGHTS = 4
-#: Scenes made by others, from $VISCACHE_SCENES, and their C_E.
+#: Scenes by other authors, in $VISCACHE_SCENES, and their C_E.
 FILES, FILES_C_E = ("living-room", "classroom", "sponza-dabrovic", "sanmiguel-part"), 10.0
 
 
 @dataclass(kw_only=True, slots=True)
 class Sweep:
-    """Trades of one setup by preset and C_E, with anti-aliasing or without."""
+    """Trades of one setup by preset and C_E, with or without anti-aliasing."""
 
     setup: Setup
     antialiased: bool
@@ -58,7 +58,7 @@ class Sweep:
         return self.trades["default"][max(self.trades["default"])]
 
 
-@figure("aqvc-fig7", "ray reduction, speed-up and quality over C_E")
+@figure("aqvc-fig7", "ray reduction, speed-up, rel_l1 and SSIM over C_E in five scenes")
 def figure7(
     folder: Path, quick: bool, progress: bool, size: tuple[int, int] | None = None
 ) -> Outcome:
@@ -80,8 +80,10 @@ def figure7(
     outcome.rows += _overall_rows(sweeps, quick)
     if not quick:
         outcome.rows += _file_rows(outcome, size or SIZE)
-    outcome.files += [_draw(sweeps, folder / "aqvc-fig7.png"),
-                      write_csv(folder / "aqvc-fig7.csv", _table(sweeps))]  # fmt: skip
+    outcome.files += [
+        _draw(sweeps, folder / "aqvc-fig7.png"),
+        write_csv(folder / "aqvc-fig7.csv", _table(sweeps)),
+    ]
     outcome.notes.append(
         "Speed-ups: CPU seconds of whole frames against our fastest exact order, one run each. "
         f"Anti-aliased frames with virtual lights have 1/{ANTIALIASED_LIGHTS} of the lights and "
@@ -92,7 +94,7 @@ def figure7(
 
 
 def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Sequence[float]]:
-    """C_E per preset: all for the default; the ends and one between for the paper's."""
+    """C_E per preset: all for the default; both ends and one value between for the paper's."""
     values = (DELTA if setup.delta_lights else SMOOTH)[antialiased]
     if quick:
         values = (values[0], values[-1])
@@ -103,13 +105,17 @@ def c_e_values(setup: Setup, antialiased: bool, quick: bool) -> dict[Preset, Seq
 def make_sweep(
     setup: Setup, scene: Scene, antialiased: bool, quick: bool, size: tuple[int, int] | None
 ) -> tuple[Sweep, Shot]:
-    """What to fill, and what to render."""
+    """The sweeps to fill, and the frames to render."""
     spp = 1 if not antialiased else 4 if quick else setup.antialiased
     integrator = setup.integrator(quick)
     if antialiased and setup.n_vpls and not quick:
         n = setup.n_environment // ANTIALIASED_LIGHTS
-        integrator = Whitted(n_vpls=setup.n_vpls // ANTIALIASED_LIGHTS, n_environment=n, n_brdf=n,
-                             n_area=setup.n_area)  # fmt: skip
+        integrator = Whitted(
+            n_vpls=setup.n_vpls // ANTIALIASED_LIGHTS,
+            n_environment=n,
+            n_brdf=n,
+            n_area=setup.n_area,
+        )
     shot = Shot(scene=scene, integrator=integrator, spp=spp, size=setup.pixels(quick, size))
     return Sweep(setup=setup, antialiased=antialiased, spp=spp), shot
 
@@ -120,25 +126,42 @@ def _sweep_rows(sweep: Sweep, quick: bool) -> list[Row]:
         label = f"{sweep.label}, {preset}"
         for c_e, trade in trades.items():
             rows += [
-                Row(what=f"{label}, C_E {c_e:g}: RR", measured=trade.ray_reduction,
-                    note=trade.note),
-                Row(what=f"{label}, C_E {c_e:g}: rel_l1", measured=trade.rel_l1,
-                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}"),
-            ]  # fmt: skip
+                Row(f"{label}, C_E {c_e:g}: RR", trade.ray_reduction, note=trade.note),
+                Row(
+                    f"{label}, C_E {c_e:g}: rel_l1",
+                    trade.rel_l1,
+                    note=f"reflected light {trade.reflected_rel_l1:.4f}, SSIM {trade.ssim:.3f}",
+                ),
+            ]
         first, last = trades[min(trades)], trades[max(trades)]
         rows += [
-            Row(what=f"{label}: RR, largest over smallest C_E",
-                measured=last.ray_reduction / first.ray_reduction, band=bands.REDUCTION_RISES),
-            Row(what=f"{label}: rel_l1, largest over smallest C_E",
-                measured=last.rel_l1 / first.rel_l1, band=bands.ERROR_RISES),
-            Row(what=f"{label}: SSIM at the smallest C_E", measured=first.ssim,
-                printed="QMOS > 77 %", band=None if quick else bands.LEAST_SSIM),
+            Row(
+                f"{label}: RR, largest over smallest C_E",
+                last.ray_reduction / first.ray_reduction,
+                band=bands.REDUCTION_RISES,
+            ),
+            Row(
+                f"{label}: rel_l1, largest over smallest C_E",
+                last.rel_l1 / first.rel_l1,
+                band=bands.ERROR_RISES,
+            ),
+            Row(
+                f"{label}: SSIM at the smallest C_E",
+                first.ssim,
+                printed="QMOS > 77 %",
+                band=None if quick else bands.LEAST_SSIM,
+            ),
             *group_rows(f"{label}, C_E {max(trades):g}", last),
-        ]  # fmt: skip
+        ]
     implied = printed.SCENES[sweep.setup.printed].implied_speedup
-    rows.append(Row(what=f"{sweep.label}, default: largest speed-up", printed=implied,
-                    measured=sweep.largest("speedup", "default"),
-                    note="printed: total/shading over what is left to gain, on a GPU"))  # fmt: skip
+    rows.append(
+        Row(
+            f"{sweep.label}, default: largest speed-up",
+            sweep.largest("speedup", "default"),
+            printed=implied,
+            note="printed: total/shading over what is left to gain, on a GPU",
+        )
+    )
     return rows
 
 
@@ -153,25 +176,36 @@ def _overall_rows(sweeps: Sequence[Sweep], quick: bool) -> list[Row]:
     apartment = max(s.largest("speedup", "default") for s in of("apartment"))
     greatest = max(gains, key=lambda label: gains[label])
     return [
-        Row(what="largest RR", printed=printed.RAY_REDUCTION + 1,
-            measured=max(s.largest("ray_reduction") for s in sweeps),
-            band=None if quick else bands.LARGEST_REDUCTION),
-        Row(what="default: largest speed-up", printed=printed.SPEEDUP, measured=gains[greatest],
+        Row(
+            "largest RR",
+            max(s.largest("ray_reduction") for s in sweeps),
+            printed=printed.RAY_REDUCTION + 1,
+            band=None if quick else bands.LARGEST_REDUCTION,
+        ),
+        Row(
+            "default: largest speed-up",
+            gains[greatest],
+            printed=printed.SPEEDUP,
             band=None if quick else bands.LARGEST_SPEEDUP,
-            note=f"in {greatest}; the paper's in SAN MIGUEL"),
-        Row(what="default: largest speed-up in the conference room over the apartment's",
+            note=f"in {greatest}; the paper's in SAN MIGUEL",
+        ),
+        Row(
+            "default: largest speed-up in the conference room over the apartment's",
+            conference / apartment,
             printed=printed.SCENES["conference"].implied_speedup
             / printed.SCENES["apartment"].implied_speedup,
-            measured=conference / apartment,
-            band=None if quick else bands.CONFERENCE_GAINS_LESS),
-        Row(what="no AA, default: rel_l1 of reflected light, hairball over the others' mean",
-            measured=plain["hairball"] / others,
-            band=None if quick else bands.HAIRBALL_ERRS_MOST),
-    ]  # fmt: skip
+            band=None if quick else bands.CONFERENCE_GAINS_LESS,
+        ),
+        Row(
+            "no AA, default: rel_l1 of reflected light, hairball over the others' mean",
+            plain["hairball"] / others,
+            band=None if quick else bands.HAIRBALL_ERRS_MOST,
+        ),
+    ]
 
 
 def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
-    """Scenes made by others beside the stand-ins: no bands."""
+    """Scenes by other authors, beside the stand-ins; without bands."""
     rows = []
     for name in FILES:
         scene = load_file(name, outcome)
@@ -185,16 +219,15 @@ def _file_rows(outcome: Outcome, size: tuple[int, int]) -> list[Row]:
             trade = Trade(frame=shot.frame(cache), exact=exact)
             label = f"{name}, no AA, {preset}, C_E {FILES_C_E:g}"
             rows += [
-                Row(what=f"{label}: RR", measured=trade.ray_reduction, note=trade.note),
-                Row(what=f"{label}: rel_l1", measured=trade.rel_l1,
-                    note=f"SSIM {trade.ssim:.3f}"),
+                Row(f"{label}: RR", trade.ray_reduction, note=trade.note),
+                Row(f"{label}: rel_l1", trade.rel_l1, note=f"SSIM {trade.ssim:.3f}"),
                 *group_rows(label, trade),
-            ]  # fmt: skip
+            ]
     return rows
 
 
 def load_file(name: str, outcome: Outcome) -> Scene | None:
-    """A scene made by others, under a measured sky where it has no light that we model."""
+    """A scene by another author, with a measured sky if it has no light that viscache models."""
     path = scene_file(name)
     if path is None:
         outcome.skip(name, "no scene file; VISCACHE_SCENES names the folder of scene folders")
@@ -219,7 +252,7 @@ def _table(sweeps: Sequence[Sweep]) -> list[dict[str, Any]]:
 
 
 def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
-    """Three rows: reduction, speed-up, error; anti-aliased on the right."""
+    """Three rows: reduction, speed-up, error. The right column is anti-aliased."""
     figure = new_figure(10.0, 9.0)
     kinds = {"ray_reduction": "RR", "speedup": "speed-up", "rel_l1": "rel_l1"}
     for row, (what, label) in enumerate(kinds.items()):
@@ -229,12 +262,27 @@ def _draw(sweeps: Sequence[Sweep], path: Path) -> Path:
                 for preset, style in (("default", "-o"), ("paper", "--s")):
                     trades = sweep.trades[preset]
                     values = [getattr(trades[c], what) for c in sorted(trades)]
-                    axes.plot(sorted(trades), values, style, ms=3, lw=1, color=f"C{k}",
-                              label=sweep.setup.name if preset == "default" else None)  # fmt: skip
-            axes.set(xlabel=plot_label("c_e"), ylabel=label, yscale="log",
-                     title=("AA" if antialiased else "no AA") if row == 0 else "")  # fmt: skip
+                    axes.plot(
+                        sorted(trades),
+                        values,
+                        style,
+                        ms=3,
+                        lw=1,
+                        color=f"C{k}",
+                        label=sweep.setup.name if preset == "default" else None,
+                    )
+            axes.set(
+                xlabel=plot_label("c_e"),
+                ylabel=label,
+                yscale="log",
+                title=("AA" if antialiased else "no AA") if row == 0 else "",
+            )
             ticks_1_2_5(axes.yaxis)
             axes.grid(lw=0.3)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center",
-                  ncols=len(SETUPS), title="solid: preset default; dashed: paper")  # fmt: skip
+    figure.legend(
+        *figure.axes[0].get_legend_handles_labels(),
+        loc="outside upper center",
+        ncols=len(SETUPS),
+        title="solid: preset default; dashed: paper",
+    )
     return save_figure(figure, path)

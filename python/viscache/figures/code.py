@@ -1,4 +1,4 @@
-"""Which code made a figure."""
+"""Identifies the code that made a figure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["code_hash"]
 
 @cache
 def code_hash() -> str:
-    """Hash of all that decides what a figure shows: the package's sources and its core."""
+    """Hash of the code that determines a figure: the package's sources and its core."""
     package = Path(__file__).parents[1]
     files = [Path(_core.__file__), *sorted(package.rglob("*.py"))]
     digest = hashlib.sha256()

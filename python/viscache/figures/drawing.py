@@ -1,4 +1,4 @@
-"""What figures draw: images as a camera sees them, dots on them, lines over one parameter."""
+"""Drawings of the figures: images, dots on images, lines over a parameter."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.floating[Any]]
 
 
 def save_figure(figure: Any, path: Path, dpi: int = 120) -> Path:
-    """Write it; returns the path."""
+    """Write the figure and return its path."""
     figure.savefig(path, dpi=dpi)
     return path
 
@@ -33,7 +33,7 @@ def draw_lines(
     y: str,
     logarithmic: str = "xy",
 ) -> Path:
-    """One line per name through its points (x, y)."""
+    """A line per name through its points (x, y)."""
     figure = new_figure(6.0, 4.0)
     axes = figure.add_subplot(1, 1, 1)
     for name, (across, up) in lines.items():
@@ -49,7 +49,7 @@ def draw_lines(
 
 
 def project(camera: Camera, size: tuple[int, int], points: Floats) -> Floats:
-    """Pixel coordinates (N, 2), from the upper left corner, of points (N, 3); NaN behind."""
+    """(N, 2) pixel coordinates of (N, 3) points, from the upper left; NaN behind the camera."""
     width, height = size
     offset = np.asarray(points, float) - np.array(camera.origin)
     along, right, up = (offset @ np.array(v) for v in (camera.forward, camera.right, camera.up))
@@ -59,7 +59,7 @@ def project(camera: Camera, size: tuple[int, int], points: Floats) -> Floats:
 
 
 def draw_image(axes: Any, image: Floats, title: str = "", *, exposure: float | None = None) -> None:
-    """A linear image (H, W, C) as seen, without axes; the 95th percentile is white by default."""
+    """Draw a linear (H, W, C) image in sRGB; by default, white is the 95th percentile."""
     given = tonemap.auto_exposure(image, 95.0) if exposure is None else exposure
     shown = tonemap.srgb_curve(np.asarray(image) * given)
     axes.imshow(np.repeat(shown, 3, axis=2) if shown.shape[2] == 1 else shown[:, :, :3])
@@ -68,7 +68,7 @@ def draw_image(axes: Any, image: Floats, title: str = "", *, exposure: float | N
 
 
 def draw_records(axes: Any, image: Floats, camera: Camera, positions: Floats, title: str) -> None:
-    """Red dots where records (N, 3) lie, on the picture they were made for."""
+    """Red dots at the records (N, 3), on the picture they were made for."""
     height, width = image.shape[:2]
     draw_image(axes, image, title)
     x, y = project(camera, (width, height), positions).T

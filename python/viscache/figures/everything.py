@@ -1,4 +1,4 @@
-"""Every figure and table one after the other, resumable, with one page of all of them."""
+"""Makes all figures and tables in sequence, resumable, and one page with all of them."""
 
 from __future__ import annotations
 
@@ -29,26 +29,26 @@ def reproduce_all(
     older: bool = False,
     on_result: Callable[[Result, bool], None] | None = None,
 ) -> Result:
-    """Reproduce every figure and table that is there.
+    """Reproduce all figures and tables.
 
-    What the directory holds already, of the same code, `quick` and size, is taken as it is, so that
-    an interrupted run goes on figure by figure. A figure that raises is recorded with its error and
-    does not hold. `index.html` and `summary.json` are rewritten after each figure.
+    Results already in the directory are reused if code, `quick` and size are the same, so an
+    interrupted run resumes with the next figure. A figure that raises is recorded with its error
+    and does not hold. `index.html` and `summary.json` are rewritten after each figure.
 
     Parameters
     ----------
     directory : path
-        Made where missing.
+        Created if missing.
     quick : bool
-        Small sizes: seconds a figure instead of minutes.
+        Small sizes: each figure takes seconds instead of minutes.
     size : (width, height), optional
-        For the figures that allow it.
+        Size of pictures, for the figures that allow it.
     progress : bool
-        Show bars.
+        Show progress bars.
     older : bool
         Also take results of other versions of the code.
     on_result : callable, optional
-        Gets each result, and whether it was there already.
+        Called with each result and whether it was reused.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def reproduce_all(
 def finished(
     folder: Path, name: str, *, quick: bool, size: tuple[int, int] | None, older: bool = False
 ) -> Result | None:
-    """A figure's result as the folder has it; None where it is of something else, or not whole."""
+    """A figure's result in the folder; None if incomplete or of other code, size or `quick`."""
     try:
         result: Result = json.loads((folder / f"{name}.json").read_text("utf-8"))
     except (FileNotFoundError, ValueError):
@@ -92,19 +92,27 @@ def _reproduced(
         return registry.reproduce(name, folder, quick=quick, size=size, progress=progress)
     except Exception as error:
         result: Result = {
-            "figure": name, "rows": [], "files": [], "holds": False, "skipped": [],
-            "notes": [], "quick": quick, "size": None if size is None else list(size),
-            "provenance": provenance(), "code": code_hash(),
+            "figure": name,
+            "rows": [],
+            "files": [],
+            "holds": False,
+            "skipped": [],
+            "notes": [],
+            "quick": quick,
+            "size": None if size is None else list(size),
+            "provenance": provenance(),
+            "code": code_hash(),
             "seconds": time.perf_counter() - began,
-            "error": f"{type(error).__name__}: {error}", "traceback": traceback.format_exc(),
-        }  # fmt: skip
+            "error": f"{type(error).__name__}: {error}",
+            "traceback": traceback.format_exc(),
+        }
         record = folder / f"{name}.json"
         record.write_text(json.dumps(finite(result), indent=2), encoding="utf-8")
         return result
 
 
 def _write(folder: Path, results: list[Result]) -> Result:
-    """The page and the summary of the results so far."""
+    """Write the page and the summary of the results so far."""
     banded = [row for result in results for row in result["rows"] if row["holds"] is not None]
     missed = [row for row in banded if not row["holds"]]
     summary: Result = {
@@ -121,7 +129,7 @@ def _write(folder: Path, results: list[Result]) -> Result:
 
 
 def failing(results: list[Result]) -> Iterator[dict[str, Any]]:
-    """What does not hold: figure, what, printed, measured, band; error where a figure raised."""
+    """Rows that do not hold: figure, what, printed, measured, band; error if a figure raised."""
     for result in results:
         if "error" in result:
             yield {"figure": result["figure"], "error": result["error"]}

@@ -1,10 +1,10 @@
-"""What reproducing a figure gives: rows held against bands, and the files written."""
+"""The outcome of reproducing a figure: rows compared with bands, and the files written."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,43 +13,44 @@ __all__ = ["Band", "Outcome", "Row"]
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """Where a measured value must lie, ends included, and who says so."""
+    """The interval of a measured value, both ends included, and its source."""
 
     low: float
     high: float
     source: str
-    """The sentence of the paper, or the expectation, that the band is taken from."""
+    """The paper's sentence, or the expectation, behind the band."""
 
     def __contains__(self, value: object) -> bool:
         return isinstance(value, (int, float)) and self.low <= value <= self.high
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Row:
-    """One line of a figure's table."""
+    """One row of a figure's table."""
 
     what: str
     measured: float | None
-    """None where it could not be measured; such a row does not hold its band."""
+    """None if it could not be measured; then the band does not hold."""
+    _: KW_ONLY
     printed: float | str | None = None
-    """What the paper prints, None where it prints nothing."""
+    """The paper's value; None without one."""
     band: Band | None = None
     note: str = ""
 
     @property
     def ratio(self) -> float | None:
-        """Measured over printed, where both are numbers."""
+        """Measured over printed, if both are numbers."""
         if isinstance(self.printed, str) or not self.printed or self.measured is None:
             return None
         return self.measured / self.printed
 
     @property
     def holds(self) -> bool | None:
-        """Whether the band is met; None without a band."""
+        """Whether the band holds; None without a band."""
         return None if self.band is None else self.measured in self.band
 
     def as_dict(self) -> dict[str, Any]:
-        """The row of the JSON; an open end of the band is null."""
+        """The row for JSON; an open end of the band is null."""
         band = None if self.band is None else [self.band.low, self.band.high]
         source = [] if self.band is None else [self.band.source]
         return {
@@ -65,7 +66,7 @@ class Row:
 
 @dataclass(kw_only=True, slots=True)
 class Outcome:
-    """What one figure's function found."""
+    """The result of one figure's function."""
 
     rows: list[Row] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""One HTML page of all figures: printed, measured, ratio, band, holds, and every picture."""
+"""One HTML page of all figures, with all rows and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from viscache.figures import registry
 
 __all__ = ["html"]
 
-#: A picture file above so many bytes is shrunk to so many pixels across.
+#: Above this many bytes, a picture is reduced to this many pixels in width.
 LARGE_BYTES, WIDTH_PX = 400_000, 1600
 
 _STYLE = """
@@ -35,16 +35,19 @@ img { max-width: 100%; height: auto; margin: 10px 0; background: #fff; }
 
 
 def html(summary: Mapping[str, Any]) -> str:
-    """The page of `reproduce_all`'s summary; nothing in it lies elsewhere."""
+    """The page of `reproduce_all`'s summary; it needs no other files."""
     results = summary["figures"]
     parts = [
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width, initial-scale=1'>",
         f"<title>Figures and tables of the papers</title><style>{_STYLE}</style></head><body>",
         "<h1>Figures and tables of the papers</h1>",
-        _head(summary), _failing(summary["failing"]), _contents(results),
-        *(_figure(result) for result in results), "</body></html>",
-    ]  # fmt: skip
+        _head(summary),
+        _failing(summary["failing"]),
+        _contents(results),
+        *(_figure(result) for result in results),
+        "</body></html>",
+    ]
     return "\n".join(parts)
 
 
@@ -121,8 +124,11 @@ def _heading(first: str = "") -> str:
 
 
 def _cells(row: Mapping[str, Any]) -> str:
-    band = "" if row["band"] is None else " … ".join(_number(end, i) for i, end in
-                                                     enumerate(row["band"]))  # fmt: skip
+    band = (
+        ""
+        if row["band"] is None
+        else " … ".join(_number(end, i) for i, end in enumerate(row["band"]))
+    )
     numbers = (_number(row["printed"]), _number(row["measured"]), _number(row["ratio"]), band)
     holds = {None: "<td></td>", True: "<td class='yes'>yes</td>", False: "<td class='no'>no</td>"}
     return (
@@ -134,7 +140,7 @@ def _cells(row: Mapping[str, Any]) -> str:
 
 
 def _number(value: Any, end: int | None = None) -> str:
-    """A number of four digits; an open end of a band is infinite."""
+    """A number with four digits; an open end of a band is infinite."""
     if value is None or value in (math.inf, -math.inf):
         return {None: "", 0: "−∞", 1: "∞"}[end]
     return value if isinstance(value, str) else f"{value:.4g}"
@@ -158,7 +164,7 @@ def _picture(file: str) -> str:
 
 @lru_cache(maxsize=512)
 def _encoded(file: str, changed: int) -> str:
-    """The picture as a data address; `changed` tells versions of a file apart."""
+    """The picture as a data URL; `changed` distinguishes versions of a file."""
     data = Path(file).read_bytes()
     kind = "png"
     if len(data) > LARGE_BYTES:

@@ -1,4 +1,4 @@
-"""Converged pictures that figures are held against: rendered once, kept by content hash."""
+"""Converged reference pictures, rendered once and stored by content hash."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FOLDER: ContextVar[tuple[Path, str] | None] = ContextVar("references", default=
 
 @contextmanager
 def kept_in(folder: Path, code: str) -> Iterator[None]:
-    """Within it, `reference` keeps what it renders in a folder, apart for every `code`."""
+    """In this context `reference` stores its frames in a folder, separately for each `code`."""
     token = _FOLDER.set((folder, code))
     try:
         yield
@@ -30,12 +30,18 @@ def kept_in(folder: Path, code: str) -> Iterator[None]:
 
 
 def reference(
-    scene: Scene, integrator: Any, *, size: tuple[int, int], spp: int = 1, seed: int = 0,
-    camera: Any = None, progress: bool = False,
-) -> Frame:  # fmt: skip
-    """An exact frame, taken from the folder where it is there; its timings are then of that time.
+    scene: Scene,
+    integrator: Any,
+    *,
+    size: tuple[int, int],
+    spp: int = 1,
+    seed: int = 0,
+    camera: Any = None,
+    progress: bool = False,
+) -> Frame:
+    """An exact frame, read from the folder if it exists there, with the timings of its rendering.
 
-    Not for what is timed.
+    Do not use it for timed frames.
     """
     options: dict[str, Any] = {"size": size, "spp": spp, "seed": seed, "camera": camera}
     where = _FOLDER.get()
@@ -43,9 +49,11 @@ def reference(
         return render(scene, integrator, progress=progress, **options)
     folder, code = where
     spec = {
-        "code": code, "scene": scene.content_hash,
-        "integrator": by_name.described("integrator", integrator), **options,
-    }  # fmt: skip
+        "code": code,
+        "scene": scene.content_hash,
+        "integrator": by_name.described("integrator", integrator),
+        **options,
+    }
     key = content_key(spec)
     with Store(folder) as store:
         if store.get(key) is None:

@@ -1,4 +1,4 @@
-"""Which figures and tables there are, and reproducing one of them."""
+"""The list of figures and tables, and reproducing one of them."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from viscache.settings.spelling import nearest
 
 __all__ = ["FIGURES", "FigureInfo", "figure", "reproduce"]
 
-#: Takes the folder to write to, `quick`, whether to show progress, and `size=` where sized.
+#: Arguments: the folder, `quick`, whether to show progress, and `size=` for sized figures.
 Figure: TypeAlias = Callable[..., Outcome]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FigureInfo:
-    """One figure or table of the papers, or one of ours beside them."""
+    """One figure or table of a paper, or an additional one."""
 
     description: str
     function: Figure
     sized: bool = False
-    """Whether its pictures can be rendered at another size."""
+    """Whether its pictures can have another size."""
 
 
 #: Name to figure, in the order of the papers: figures and tables by number, then the others.
@@ -42,7 +42,7 @@ PAPERS = ("aqvc", "vlf", "vismap")
 
 
 def figure(name: str, description: str) -> Callable[[Figure], Figure]:
-    """Register a function as the figure `PAPER-NAME`; one that takes `size` is sized."""
+    """Register a function as the figure `PAPER-NAME`; it is sized if it takes `size`."""
     require(name.partition("-")[0] in PAPERS, f"a figure's paper must be one of {PAPERS}", name)
     require(name not in FIGURES, "a figure's name must be its own", name)
 
@@ -55,7 +55,7 @@ def figure(name: str, description: str) -> Callable[[Figure], Figure]:
 
 
 def arrange() -> None:
-    """Bring `FIGURES` into order, whichever module was imported first."""
+    """Sort `FIGURES`, independently of the order of imports."""
 
     def place(item: tuple[str, FigureInfo]) -> tuple[int, int, int, str]:
         paper, _, rest = item[0].partition("-")
@@ -83,13 +83,13 @@ def reproduce(
     name : str
         One of `FIGURES`.
     directory : path
-        Made where missing. Gets the picture, `NAME.md` with the table and `NAME.json`.
+        Created if missing. Receives the pictures, `NAME.md` with the table, and `NAME.json`.
     quick : bool
         Small sizes: seconds instead of minutes.
     progress : bool
-        Show a bar.
+        Show a progress bar.
     size : (width, height), optional
-        Of the rendered pictures in pixels, for the figures that allow it.
+        Size of the rendered pictures in pixels, for the figures that allow it.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def reproduce(
     Raises
     ------
     ValueError
-        An unknown name, with the nearest known one; a size where it has no effect.
+        The name is unknown; the message gives the nearest known one. Or a size has no effect.
     """
     if name not in FIGURES:
         raise ValueError(f"unknown figure {name!r}{nearest(name, FIGURES)}")

@@ -1,4 +1,4 @@
-"""Figure 10 of the visibility-map paper: ambient occlusion by rays, and from records."""
+"""Figure 10 of the visibility-map paper: ambient occlusion from rays and from records."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from viscache.scenes import build
 from viscache.settings.integrators import AmbientOcclusion
 from viscache.vismap import cached_ambient_occlusion
 
-#: Under the open sky, of as many triangles as the paper's scene, in pictures that take minutes.
+#: An outdoor scene with the triangle count of the paper's; its pictures take minutes.
 SCENE, QUICK_SCENE = f"courtyard?triangles={printed.AO_TRIANGLES}", "courtyard?triangles=30000"
 SIZE, QUICK_SIZE = (640, 480), (96, 72)
 QUICK_RAYS = 256
@@ -26,7 +26,7 @@ QUICK_RAYS = 256
 
 @figure("vismap-fig10", "ambient occlusion, reference and cached")
 def figure10(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rays and time of both, and the error of the cached picture."""
+    """Rays and time of both, and the cached picture's error."""
     outcome = Outcome()
     scene, size = build(QUICK_SCENE if quick else SCENE), QUICK_SIZE if quick else SIZE
     n_rays = QUICK_RAYS if quick else printed.AO_RAYS
@@ -46,29 +46,44 @@ def _rows(exact: Frame, cached: Frame, n_rays: int, quick: bool) -> list[Row]:
     per_point = cached.counters["rays_per_point"]
     times = [frame.timings["total_s"] for frame in (exact, cached)]
     return [
-        Row(what="mean of the reference", measured=float(_visible(exact).mean()),
-            band=bands.AO_MEAN),
-        Row(what="rays per shading point with the cache", printed=printed.AO_CACHE_RAYS,
-            measured=per_point, note=f"{cached.counters['records']} records"),
-        Row(what="rays per shading point, reference over cache",
-            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS, measured=n_rays / per_point,
-            band=None if quick else bands.AO_RAYS),
-        Row(what="time of the reference [s]", printed=printed.AO_SECONDS, measured=times[0]),
-        Row(what="time with the cache [s]", printed=printed.AO_CACHE_SECONDS, measured=times[1]),
-        Row(what="time, reference over cache",
-            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS, measured=times[0] / times[1],
-            band=None if quick else bands.AO_TIME),
-        Row(what="root mean squared error", measured=float(np.sqrt((error**2).mean())),
-            band=None if quick else bands.AO_RMSE),
-        Row(what="95th percentile of the error", measured=float(np.quantile(error, 0.95))),
-        Row(what="points without a record in reach", measured=float(cached.counters["unserved"]),
-            note="they are black"),
-    ]  # fmt: skip
+        Row("mean of the reference", float(_visible(exact).mean()), band=bands.AO_MEAN),
+        Row(
+            "rays per shading point with the cache",
+            per_point,
+            printed=printed.AO_CACHE_RAYS,
+            note=f"{cached.counters['records']} records",
+        ),
+        Row(
+            "rays per shading point, reference over cache",
+            n_rays / per_point,
+            printed=printed.AO_RAYS / printed.AO_CACHE_RAYS,
+            band=None if quick else bands.AO_RAYS,
+        ),
+        Row("time of the reference [s]", times[0], printed=printed.AO_SECONDS),
+        Row("time with the cache [s]", times[1], printed=printed.AO_CACHE_SECONDS),
+        Row(
+            "time, reference over cache",
+            times[0] / times[1],
+            printed=printed.AO_SECONDS / printed.AO_CACHE_SECONDS,
+            band=None if quick else bands.AO_TIME,
+        ),
+        Row(
+            "root mean squared error",
+            float(np.sqrt((error**2).mean())),
+            band=None if quick else bands.AO_RMSE,
+        ),
+        Row("95th percentile of the error", float(np.quantile(error, 0.95))),
+        Row(
+            "points without a record in reach",
+            float(cached.counters["unserved"]),
+            note="they are black",
+        ),
+    ]
 
 
 def _visible(frame: Frame) -> Any:
-    """Ambient visibility (H, W); places of a pixel that see no surface count as 0 in both."""
-    over_hits = "ambient" not in frame.layers  # a cached picture's mean is over surfaces alone
+    """(H, W) ambient visibility; samples of a pixel without a surface count as 0 in both."""
+    over_hits = "ambient" not in frame.layers  # a cached picture's mean covers surfaces only
     return (frame.image * (frame.layers["coverage"] if over_hits else 1.0))[:, :, 0].astype(float)
 
 

@@ -1,7 +1,7 @@
-"""The visibility cache over the frames of an animation: records, misses and variance (ours).
+"""The visibility cache in an animation: records, misses and variance (not in the paper).
 
-The paper shows this in a video. A camera swings through the garage while a crate slides across its
-floor, into the light and out of it.
+The paper shows this in a video. A camera swings through the garage while a crate slides across the
+floor, into the light and out again.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from viscache.variance import variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import Way, simulate
 
-#: Frames, pixels of the pictures and of those that are estimated.
+#: Frames, size of the pictures, and number of estimated pixels.
 FRAMES, SIZE, PIXELS = 60, (320, 240), 64
 QUICK_FRAMES, QUICK_SIZE, QUICK_PIXELS = 20, (80, 60), 12
 TRIANGLES = 60_000
@@ -47,7 +47,7 @@ PRODUCT, PAPER = Way(), Way(alpha=1.0)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Frame:
-    """What happened in one frame."""
+    """Results of one frame."""
 
     records: int
     inserted: int
@@ -64,9 +64,12 @@ def temporal(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome = Outcome()
     size, n_frames = (QUICK_SIZE, QUICK_FRAMES) if quick else (SIZE, FRAMES)
     outcome.rows.append(
-        Row(what="records inserted in a second frame in which nothing moves",
-            measured=_inserted_again(size), band=bands.NOTHING_NEW)
-    )  # fmt: skip
+        Row(
+            "records inserted in a second frame in which nothing moves",
+            _inserted_again(size),
+            band=bands.NOTHING_NEW,
+        )
+    )
     frames: list[Frame] = []
     cache = VisibilityMapCache(crate_and_garage(0.0), MapSettings())
     with progress_bar(progress, unit="frame") as report:
@@ -91,7 +94,7 @@ def crate_and_garage(t: float) -> Scene:
 
 
 def swinging_camera(t: float) -> _core.Camera:
-    """Swings to and fro before the gate, once."""
+    """One swing to and fro before the gate."""
     swing = math.sin(2 * math.pi * t)
     return look_at((11.7, 1.85, 4.2 + 1.4 * swing), (4.0, 0.4, 3.6 - 0.5 * swing), fov_deg=54.0)
 
@@ -106,21 +109,35 @@ def _frame(cache: VisibilityMapCache, t: float, size: tuple[int, int], pixels: i
     """Update, estimate, compare the records with exact rays, remove."""
     view, scene = swinging_camera(t), crate_and_garage(t)
     report = cache.update(view, size=size, scene=scene)
-    made = simulate(cache, [PRODUCT, PAPER], [10], camera=view, size=size, n_pixels=pixels,
-                    replicates=32, seed=cache.frame).estimates  # fmt: skip
+    made = simulate(
+        cache,
+        [PRODUCT, PAPER],
+        [10],
+        camera=view,
+        size=size,
+        n_pixels=pixels,
+        replicates=32,
+        seed=cache.frame,
+    ).estimates
     rays, misses = _compare(cache, view, size)
     removed = cache.end_frame()
-    left = variance_ratio([r[None, :, None] for r in made[PAPER, 10]],
-                          [r[None, :, None] for r in made[PRODUCT, 10]])  # fmt: skip
-    return Frame(records=len(cache), inserted=report.inserted, wrong=removed["wrong"],
-                 unused=removed["unused"], miss_share=misses / max(rays, 1),
-                 ratio=left.ratio)  # fmt: skip
+    left = variance_ratio(
+        [r[None, :, None] for r in made[PAPER, 10]], [r[None, :, None] for r in made[PRODUCT, 10]]
+    )
+    return Frame(
+        records=len(cache),
+        inserted=report.inserted,
+        wrong=removed["wrong"],
+        unused=removed["unused"],
+        miss_share=misses / max(rays, 1),
+        ratio=left.ratio,
+    )
 
 
 def _compare(
     cache: VisibilityMapCache, view: _core.Camera, size: tuple[int, int]
 ) -> tuple[int, int]:
-    """Count how often the records are wrong about exact light-product rays of random pixels."""
+    """Count how often records contradict exact light-product rays of random pixels."""
     scene = cache.scene
     directions, texels = environment_texels(scene)
     radiance = texels.reshape(-1, 3).astype(float)
@@ -150,14 +167,22 @@ def _rows(frames: list[Frame]) -> list[Row]:
     later = np.convolve(ratios[10:], np.full(10, 0.1), mode="valid")
     removed = sum(f.wrong + f.unused for f in frames)
     return [
-        Row(what="largest mean variance ratio of ten frames over that of the first ten",
-            measured=float(later.max() / first), band=bands.RATIO_STAYS,
-            note=f"first ten frames {first:.3f}, product sampling 1"),
-        Row(what="records at the end", measured=frames[-1].records,
-            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed"),
-        Row(what="share of wrong answers, mean of the last ten frames",
-            measured=float(np.mean([f.miss_share for f in frames[-10:]]))),
-    ]  # fmt: skip
+        Row(
+            "largest mean variance ratio of ten frames over that of the first ten",
+            float(later.max() / first),
+            band=bands.RATIO_STAYS,
+            note=f"first ten frames {first:.3f}, product sampling 1",
+        ),
+        Row(
+            "records at the end",
+            frames[-1].records,
+            note=f"{sum(f.inserted for f in frames)} inserted, {removed} removed",
+        ),
+        Row(
+            "share of wrong answers, mean of the last ten frames",
+            float(np.mean([f.miss_share for f in frames[-10:]])),
+        ),
+    ]
 
 
 def _picture(frames: list[Frame]) -> Any:

@@ -1,17 +1,17 @@
-"""What the visibility-map paper's figures must show, written down before any of them was run.
+"""Bands of the visibility-map paper's figures, written before any of them was run.
 
 Figures 3 and 4 are pictures without numbers; their bands turn the paper's sentences into numbers.
-A scene's *slices* are ρ̄ over θ for d < 0.2 units and ρ̄ over d for θ < 2°, in 64 bins each. Only
+A scene's *slices* are ρ̄ over θ for d < 0.2 units and ρ̄ over d for θ < 2°, with 64 bins each. Only
 bins with n >= 100 pairs count.
 
-Our scenes are stand-ins, so what depends on the scene alone (counts of records, seconds) has no
-band: it is printed beside ours. A *variance ratio* is the mean squared error with the cache over
-that of product sampling, both of linear luminance over all pixels, from independent renders at
-equal samples. *iid* and *rqmc* are independent samples and a randomised (0,2)-sequence; `alpha` is
-the factor before the control variate: the paper's is `one`.
+Our scenes are stand-ins, so values that depend mainly on the scene (record counts, seconds) have no
+band; the paper's are printed beside ours. A *variance ratio* is the mean squared error with the
+cache over that of product sampling, both of linear luminance over all pixels, from independent
+renders at equal samples. *iid* samples are independent, *rqmc* ones a randomised (0,2)-sequence.
+`alpha` is the factor of the control variate; the paper has `one`.
 
-The band of the mean ambient occlusion came after a first quick run; the settings of figure 10 were
-chosen on its own scene.
+The band of the mean ambient occlusion was written after a first quick run. The settings of
+Figure 10 were chosen on its own scene.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CORNER = Band(0.8, 1.0, "Fig. 4: close to 1 in the top-left corner")
 #: R² of a straight line through the slice over θ, 0° to 120°.
 LINEAR_IN_THETA = Band(0.9, 1.0, "Sec. 5: falls off near linearly with increasing θ")
 
-#: Share of the fall over the whole slice in d that is done by the middle of it.
+#: Share of the slice's total fall over d that is reached at its middle.
 #: A straight line has 0.5.
 CONVEX_IN_D = Band(
     0.55, 1.5, "Sec. 5: a quicker dropoff in the beginning with d, slower at the end"
@@ -49,7 +49,7 @@ ORDER = Band(
     1.0, math.inf, "Sec. 4.3: the overall correlation is smaller with difficult visibility"
 )
 
-#: Pair estimates of a full run, 10 % around what the paper did per scene.
+#: Pair estimates of a full run: the paper's number per scene, ± 10 %.
 ESTIMATES = Band(0.9 * 1.9e10, 1.1 * 3.2e10, "Sec. 4.1: 1.9–3.2·10¹⁰ estimates per scene")
 
 # Figure 5
@@ -73,10 +73,10 @@ RECORD_BYTES = Band(172, 172, "Sec. 7: 172 bytes")
 
 # Table 3
 
-#: Garage, 10 samples, rqmc, the paper's control variate alone.
+#: Garage, 10 samples, rqmc, only the paper's control variate.
 GARAGE_CONTROL_VARIATE = Band(0.0, 0.45, "Tab. 3 prints 0.212; our garage is another one")
 
-#: Garage with densities guided by the maps, rqmc, at 10 and at 30 samples.
+#: Garage, densities guided by the maps, rqmc, with 10 and 30 samples.
 GARAGE_GUIDED = {
     10: Band(0.0, 0.27, "expected: discretised scenes gave 0.24"),
     30: Band(0.0, 0.2, "expected: discretised scenes gave 0.13"),
@@ -102,8 +102,8 @@ OVERHEAD_IS_CONSTANT = Band(1.0, 1.5, "Tab. 3: 1.06, 1.15, 1.19 in the three sce
 #: Garage, variance ratio at equal time.
 EQUAL_TIME = Band(0.0, 0.5, "Fig. 13: 0.489")
 
-#: Variance ratio in pixels where nine in ten light-product samples are blocked, over that in the
-#: pixels where fewer than half are.
+#: Variance ratio in pixels with nine in ten light-product samples blocked, over that in pixels with
+#: fewer than half blocked.
 SHADOWS_GAIN_MORE = Band(0.0, 1.0, "Sec. 7: the effect is much stronger in shadows")
 
 #: Variance ratio of the crop of an occluded glossy surface, 10 samples.
@@ -118,7 +118,7 @@ DIFFERENCE_FINDS_LOW_RHO = Band(0.15, 1.0, "Fig. 8: finds the regions of low cor
 #: The same of records placed by weight, with the mean angle to the normals of the surroundings.
 WEIGHT_FINDS_CURVATURE = Band(0.15, 1.0, "Fig. 8: more records on surfaces of high curvature")
 
-#: Records of garden1 over records of dynamics, the same parameters and maps.
+#: Records of garden1 over records of dynamics, with equal parameters and maps.
 HARD_SCENES_GET_MORE = Band(1.0, math.inf, "Sec. 5.4: complex occlusion gets more records")
 
 # Figure 10
@@ -132,7 +132,7 @@ AO_TIME = Band(60.0, math.inf, "Fig. 10: 2776 s / 44 s = 63")
 #: Root mean squared error of the ambient visibility in [0, 1].
 AO_RMSE = Band(0.0, 0.03, "Fig. 10: a bit softer, some artefacts; 0.03 is our limit")
 
-#: Mean ambient visibility of the reference: an error has something to be measured against.
+#: Mean ambient visibility of the reference, so that the error is relative to something.
 AO_MEAN = Band(0.2, 0.8, "expected: neither a closed room nor an open plain")
 
 # Figure 11
@@ -145,7 +145,7 @@ PREVIEW_LOOKS_ALIKE = Band(0.8, 1.0, "Sec. 6.2: good enough to judge shadows and
 
 # Sweep
 
-#: Variance ratio with maps of 64x64 over that with 32x32, the same thresholds: four times the rays
+#: Variance ratio with maps of 64x64 over that with 32x32 at equal thresholds: four times the rays
 #: gain less than a factor of two.
 LARGER_MAPS = Band(0.5, 1.1, "Sec. 7: the extra cost is usually not motivated")
 
@@ -154,7 +154,7 @@ MORE_RECORDS_HELP = Band(0.0, 1.0, "expected: records nearer by are better appro
 
 # Animation
 
-#: New records in the second frame of a scene in which nothing moves.
+#: New records in the second frame of a static scene.
 NOTHING_NEW = Band(0, 0, "expected: every look-up of the first frame succeeds again")
 
 #: Largest mean variance ratio of ten frames in a row over that of the first ten.

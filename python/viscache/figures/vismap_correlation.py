@@ -1,7 +1,7 @@
 """Figures 3 and 4 of the visibility-map paper: correlation of visibility in four scenes.
 
-The paper's scenes are a garden from two cameras, mushrooms, and boxes that move; ours are modelled
-to the sizes it prints. Two scenes made by others stand beside them, where their files are.
+The paper's scenes are a garden from two cameras, mushrooms, and moving boxes; ours are modelled to
+the sizes it prints. Two scenes by other authors are added if their files exist.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class View:
     camera: int = 0
 
     def find(self) -> str | None:
-        """The scene as `measure` takes it; None where its file is absent."""
+        """The scene for `measure`; None if its file is absent."""
         if is_builtin(self.scene):
             return self.scene
         path = made_by_others(self.scene)
@@ -50,14 +50,14 @@ OTHERS = (
     View("living-room", "living-room/scene.xml"),
     View("sanmiguel-part", "sanmiguel-part/scene.xml"),
 )
-#: As the paper's 1.9·10¹⁰ estimates of 96×96 samples; and in seconds.
+#: Like the paper's 1.9·10¹⁰ estimates of 96×96 samples; and a quick version.
 FULL: dict[str, Any] = {"n_points": 195_000, "map_size": 96}
 QUICK: dict[str, Any] = {"n_points": 6_000, "map_size": 24, "d_edges": 64}
 
 
 @figure("vismap-fig3", "correlation over distance and angle in one scene, with slices")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The table and both slices of scene (a)."""
+    """Table and both slices of scene (a)."""
     outcome = Outcome()
     view = PAPER[0]
     dataset = _measured(view, folder, quick, progress, outcome)
@@ -75,7 +75,7 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 @figure("vismap-fig4", "correlation in four scenes, with maps of the scenes")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Tables and spatial maps of the four scenes, and of two made by others."""
+    """Tables and spatial maps of the four scenes, and of two by other authors."""
     outcome = Outcome()
     found: dict[str, xarray.Dataset] = {}
     for view in (*PAPER, *OTHERS):
@@ -97,14 +97,15 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _measured(
     view: View, folder: Path, quick: bool, progress: bool, outcome: Outcome
 ) -> xarray.Dataset | None:
-    """Statistics of a view; full runs resume, and keep them beside the picture."""
+    """Statistics of a view; full runs can resume and store them beside the picture."""
     scene = view.find()
     if scene is None:
         outcome.skip(view.name, f"{view.scene} is absent: set {SCENES_VARIABLE} to its folder")
         return None
     store = None if quick else folder / "blocks"
-    dataset = measure(scene, camera=view.camera, directory=store, progress=progress,
-                      **(QUICK if quick else FULL))  # fmt: skip
+    dataset = measure(
+        scene, camera=view.camera, directory=store, progress=progress, **(QUICK if quick else FULL)
+    )
     if not quick:
         outcome.files.append(folder / f"{view.name}.nc")
         save_dataset(dataset, outcome.files[-1])
@@ -115,83 +116,119 @@ def _measured(
 
 
 def _common_rows(name: str, ds: xarray.Dataset, *, held: bool) -> list[Row]:
-    """What the paper says of every scene; `held` against it, where it is a scene of the paper."""
+    """What the paper says of every scene; bands apply if `held`, that is for the paper's scenes."""
     enough = (ds["n"] >= ENOUGH_PAIRS).values & (ds["theta_high"].values <= 90.0)
     negative = ds["mean"].values[enough] < 0
     a = ds.attrs
     limits = f"d < {a['slice_d']:g}, theta < {a['slice_theta_deg']:g} deg"
     return [
-        Row(what=f"{name}: mean rho of pairs with {limits}",
-            printed="close to 1" if held else None, measured=float(ds["corner"]),
+        Row(
+            f"{name}: mean rho of pairs with {limits}",
+            float(ds["corner"]),
+            printed="close to 1" if held else None,
             band=bands.CORNER if held else None,
-            note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}"),
-        Row(what=f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
+            note=f"{int(ds['corner_n'])} pairs, SE {float(ds['corner_se']):.2g}",
+        ),
+        Row(
+            f"{name}: share of bins with theta < 90 deg whose mean rho is negative",
+            float(negative.mean()) if negative.size else None,
             printed="rarely" if held else None,
-            measured=float(negative.mean()) if negative.size else None,
-            band=bands.NEGATIVE_SHARE if held else None, note=f"{negative.size} bins"),
-        Row(what=f"{name}: d_max of the spatial map", measured=a["box_d_max"],
-            note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}"),
-        Row(what=f"{name}: theta_max of the spatial map [deg]",
-            measured=a["box_theta_max_deg"]),
-    ]  # fmt: skip
+            band=bands.NEGATIVE_SHARE if held else None,
+            note=f"{negative.size} bins",
+        ),
+        Row(
+            f"{name}: d_max of the spatial map",
+            a["box_d_max"],
+            note=f"largest box with mean rho >= 0.8; it has {a['box_mean']:.3f}",
+        ),
+        Row(f"{name}: theta_max of the spatial map [deg]", a["box_theta_max_deg"]),
+    ]
 
 
 def _slice_rows(name: str, ds: xarray.Dataset) -> list[Row]:
-    """What the paper shows by its one example, Figure 3."""
+    """What the paper shows with its only example, Figure 3."""
     enough = ds["near_n"].values >= ENOUGH_PAIRS
     theta, sigma = ds["theta_near"].values[enough], ds["near_sigma"].values[enough]
     return [
-        Row(what=f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
-            printed="near linear", measured=straightness(ds), band=bands.LINEAR_IN_THETA),
-        Row(what=f"{name}: share of the fall over d done by the middle",
-            printed="convex", measured=fall_by_the_middle(ds), band=bands.CONVEX_IN_D),
-        Row(what=f"{name}: theta of the largest sigma of the slice [deg]",
-            measured=float(theta[sigma.argmax()]) if theta.size else None,
-            band=bands.LARGEST_SIGMA),
-    ]  # fmt: skip
+        Row(
+            f"{name}: R^2 of a line through the slice over theta, 0 to 120 deg",
+            straightness(ds),
+            printed="near linear",
+            band=bands.LINEAR_IN_THETA,
+        ),
+        Row(
+            f"{name}: share of the fall over d done by the middle",
+            fall_by_the_middle(ds),
+            printed="convex",
+            band=bands.CONVEX_IN_D,
+        ),
+        Row(
+            f"{name}: theta of the largest sigma of the slice [deg]",
+            float(theta[sigma.argmax()]) if theta.size else None,
+            band=bands.LARGEST_SIGMA,
+        ),
+    ]
 
 
 def _size_rows(name: str, ds: xarray.Dataset, quick: bool) -> list[Row]:
     a = ds.attrs
     per_second = a["n_pairs"] / a["pairs_s"] / 1e6 if a["pairs_s"] > 0 else 0.0
-    note = f"{a['n_rays']:.3g} rays, {a['rows_s']:.0f} s; pairs {a['pairs_s']:.0f} s, " \
-           f"{per_second:.0f} M/s"  # fmt: skip
+    note = (
+        f"{a['n_rays']:.3g} rays, {a['rows_s']:.0f} s; pairs {a['pairs_s']:.0f} s, "
+        f"{per_second:.0f} M/s"
+    )
     return [
-        Row(what=f"{name}: pair estimates", printed="1.9e10 to 3.2e10", measured=a["n_pairs"],
-            band=None if quick else bands.ESTIMATES, note=note),
-        Row(what=f"{name}: directions of an estimate", printed=9216.0,
-            measured=float(a["map_size"] ** 2)),
-    ]  # fmt: skip
+        Row(
+            f"{name}: pair estimates",
+            a["n_pairs"],
+            printed="1.9e10 to 3.2e10",
+            band=None if quick else bands.ESTIMATES,
+            note=note,
+        ),
+        Row(f"{name}: directions of an estimate", float(a["map_size"] ** 2), printed=9216.0),
+    ]
 
 
 def _line_rows(ds: xarray.Dataset) -> list[Row]:
-    """Horizontal lines of the flat scene: pairs of its own angles against those nearby."""
+    """Horizontal lines of the flat scene: pairs at its typical angles over those nearby."""
     n = pairs_of_bins(ds).sum(axis=0)
 
     def per_degree(*ranges: tuple[int, int]) -> float:
-        """Pairs per degree; one at least, where a scene has nothing but lines."""
+        """Pairs per degree; at least one, for scenes with nothing but lines."""
         return max(1.0, float(np.concatenate([n[a:b] for a, b in ranges]).mean()))
 
     return [
-        Row(what="dynamics: pairs with theta in [0, 1) deg over those nearby",
-            printed="a line", measured=per_degree((0, 1)) / per_degree((2, 7)),
-            band=bands.LINES),
-        Row(what="dynamics: pairs with theta in [89, 91) deg over those nearby",
-            printed="a line", measured=per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
-            band=bands.LINES),
-    ]  # fmt: skip
+        Row(
+            "dynamics: pairs with theta in [0, 1) deg over those nearby",
+            per_degree((0, 1)) / per_degree((2, 7)),
+            printed="a line",
+            band=bands.LINES,
+        ),
+        Row(
+            "dynamics: pairs with theta in [89, 91) deg over those nearby",
+            per_degree((89, 91)) / per_degree((80, 88), (92, 100)),
+            printed="a line",
+            band=bands.LINES,
+        ),
+    ]
 
 
 def _order_rows(found: dict[str, xarray.Dataset]) -> list[Row]:
     """Overall correlation: dynamics above mushrooms above garden1."""
     overall = {name: overall_correlation(ds) for name, ds in found.items()}
     rows = [
-        Row(what=f"{name}: mean rho of pairs with theta < 30 deg", measured=value)
+        Row(f"{name}: mean rho of pairs with theta < 30 deg", value)
         for name, value in overall.items()
     ]
     for more, less in (("dynamics", "mushrooms"), ("mushrooms", "garden1")):
-        rows.append(Row(what=f"overall correlation, {more} over {less}", printed="more than 1",
-                        measured=overall[more] / overall[less], band=bands.ORDER))  # fmt: skip
+        rows.append(
+            Row(
+                f"overall correlation, {more} over {less}",
+                overall[more] / overall[less],
+                printed="more than 1",
+                band=bands.ORDER,
+            )
+        )
     return rows
 
 
@@ -206,10 +243,10 @@ def straightness(ds: xarray.Dataset) -> float | None:
 
 
 def fall_by_the_middle(ds: xarray.Dataset) -> float | None:
-    """Share of the fall of ρ̄ over d of aligned pairs that is done by the middle of the slice.
+    """Share of the fall of ρ̄ over d, of aligned pairs, that is reached at the slice's middle.
 
-    From the first bins that hold 100 pairs to the last eighth; the middle is the eighth around it.
-    Without an open last bin.
+    The slice runs from the first bins with 100 pairs to the last eighth, without an open last bin.
+    Its middle is the eighth around the centre.
     """
     closed = np.isfinite(ds["d_aligned_high"].values)
     d, n = ds["d_aligned"].values[closed], ds["aligned_n"].values[closed]
@@ -231,7 +268,7 @@ def overall_correlation(ds: xarray.Dataset) -> float:
 
 
 def _picture(found: dict[str, xarray.Dataset]) -> Any:
-    """Maps above, tables below, a column per scene."""
+    """Maps above, tables below; one column per scene."""
     columns = len(found)
     figure = new_figure(3.4 * columns, 6.2)
     axes = figure.subplots(2, columns, squeeze=False)

@@ -1,4 +1,4 @@
-"""Where records lie: their density over the surfaces, ranked against what should attract them."""
+"""Density of records on surfaces, and its rank correlation with what should attract records."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ Cells = npt.NDArray[np.int64]
 
 
 def equal_cells(positions: Floats, levels: int) -> Cells:
-    """Cell in [0, 2^levels) of every point (N,): halves by the longest axis, as many points each.
+    """(N,) cell in [0, 2^levels) of each point.
 
-    Points are the pixels' first hits, so cells are equal parts of the picture.
+    Each level halves the cells along their longest axis, at equal counts. Points are the pixels'
+    first hits, so cells are equal parts of the picture.
     """
     cell = np.zeros(len(positions), np.int64)
     parts = [np.arange(len(positions))]
@@ -33,7 +34,7 @@ def equal_cells(positions: Floats, levels: int) -> Cells:
 
 
 def records_per_cell(records: Floats, positions: Floats, cell: Cells) -> Floats:
-    """How many records (R, 3) lie nearest a point of each cell."""
+    """Number of records (R, 3) whose nearest point is in each cell."""
     from scipy.spatial import cKDTree  # type: ignore[import-untyped,unused-ignore]
 
     _, nearest = cKDTree(positions).query(records)
@@ -41,7 +42,7 @@ def records_per_cell(records: Floats, positions: Floats, cell: Cells) -> Floats:
 
 
 def per_cell_mean(values: Floats, cell: Cells) -> Floats:
-    """Mean of the finite values of each cell; NaN of none."""
+    """Mean of the finite values of each cell; NaN without any."""
     known = np.isfinite(values)
     n = np.bincount(cell[known], minlength=int(cell.max()) + 1)
     sums = np.bincount(cell[known], values[known], minlength=int(cell.max()) + 1)
@@ -50,7 +51,7 @@ def per_cell_mean(values: Floats, cell: Cells) -> Floats:
 
 
 def per_cell_angle(normals: Floats, cell: Cells) -> Floats:
-    """Mean angle of a cell's normals to their sum, in degrees: how curved the surface is there."""
+    """Mean angle between a cell's normals and their sum, in degrees: a measure of curvature."""
     count = int(cell.max()) + 1
     axes = [np.bincount(cell, normals[:, k], minlength=count) for k in range(3)]
     sums: Floats = np.stack(axes, axis=-1).astype(float)
@@ -60,7 +61,7 @@ def per_cell_angle(normals: Floats, cell: Cells) -> Floats:
 
 
 def rank_correlation(a: Floats, b: Floats) -> float:
-    """Spearman's coefficient of two rows of values, without places where one is not finite."""
+    """Spearman's coefficient of two rows of values, without entries where either is not finite."""
     from scipy.stats import spearmanr  # type: ignore[import-untyped,unused-ignore]
 
     known = np.isfinite(a) & np.isfinite(b)

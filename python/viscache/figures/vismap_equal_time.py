@@ -1,4 +1,4 @@
-"""Figures 1, 13 and 14 of the visibility-map paper: what is seen of the variance."""
+"""Figures 1, 13 and 14 of the visibility-map paper: the visible effect on variance."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from viscache.vismap import VisMaps
 
 RENDERS, SIZE = 8, (640, 480)
 QUICK_RENDERS, QUICK_SIZE = 3, (64, 48)
-#: The share of blocked samples is measured at so many pixels, and taken for those around them.
+#: The share of blocked samples is measured at this many pixels and used for their neighbours.
 COARSE = (64, 48)
 #: Shares of blocked light-product samples: mostly hidden, mostly lit.
 HIDDEN, LIT = 0.9, 0.5
@@ -58,16 +58,28 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
     left = variance_ratio(rivals.maps, rivals.product)
     share = _upsampled(blocked_share(picture.scene, size=COARSE, samples=64), picture.size)
     outcome.rows += [
-        Row(what="CPU seconds of a picture with the cache, its records included",
-            printed=printed.EQUAL_TIME_S, measured=seconds, note=f"{len(cache)} records"),
-        Row(what="samples of product sampling in the same time", printed=theirs,
-            measured=equal, note=f"{ours} with the cache"),
-        Row(what="variance left in equal time", printed=printed.EQUAL_TIME_RATIO,
-            measured=left.ratio, band=None if quick else bands.EQUAL_TIME,
-            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}"),
+        Row(
+            "CPU seconds of a picture with the cache, its records included",
+            seconds,
+            printed=printed.EQUAL_TIME_S,
+            note=f"{len(cache)} records",
+        ),
+        Row(
+            "samples of product sampling in the same time",
+            equal,
+            printed=theirs,
+            note=f"{ours} with the cache",
+        ),
+        Row(
+            "variance left in equal time",
+            left.ratio,
+            printed=printed.EQUAL_TIME_RATIO,
+            band=None if quick else bands.EQUAL_TIME,
+            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}",
+        ),
         *_shadow_rows(picture, rivals, ours, share, renders, quick),
         *_guided_rows(picture, renders),
-    ]  # fmt: skip
+    ]
     titles = (f"with the cache, {ours} samples", f"product sampling, {equal} samples")
     path = folder / "vismap-fig13.png"
     save_figure(_picture(rivals, titles), path, dpi=150)
@@ -77,7 +89,7 @@ def figure13(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 @figure("vismap-fig1", "an occluded glossy surface, with and without the control variate")
 def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Glossy surfaces of the garage from which most of the light is hidden, at 10 samples."""
+    """Glossy surfaces of the garage that most light does not reach, with 10 samples."""
     outcome, picture = Outcome(), _garage(quick)
     renders = QUICK_RENDERS if quick else RENDERS
     rivals = _rivals(picture, paper_maps(picture.build_cache()), 10, 10, renders)
@@ -85,10 +97,13 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
     pixels = _glossy(picture) & (share >= HIDDEN)
     left = variance_ratio(rivals.maps, rivals.product, pixels=pixels)
     outcome.rows.append(
-        Row(what="variance left in hidden glossy pixels, 10 samples", measured=left.ratio,
+        Row(
+            "variance left in hidden glossy pixels, 10 samples",
+            left.ratio,
             band=None if quick else bands.OCCLUDED_CROP,
-            note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels")
-    )  # fmt: skip
+            note=f"{left.low:.3f} to {left.high:.3f}; {int(pixels.sum())} of {pixels.size} pixels",
+        )
+    )
     path = folder / "vismap-fig1.png"
     titles = ("with the cache, 10 samples", "product sampling, 10 samples")
     save_figure(_picture(rivals, titles, where=pixels), path, dpi=150)
@@ -115,23 +130,28 @@ def _shadow_rows(
     renders: int,
     quick: bool,
 ) -> list[Row]:
-    """Variance left at equal samples where the light is hidden, and where it is not."""
+    """Remaining variance at equal samples, where light is hidden and where it is not."""
     product = images(lambda seed: picture.product(samples, seed), range(200, 200 + renders))
     hidden = variance_ratio(rivals.maps, product, pixels=share >= HIDDEN).ratio
     lit = variance_ratio(rivals.maps, product, pixels=share < LIT).ratio
     return [
-        Row(what=f"variance left at {samples} samples",
+        Row(
+            f"variance left at {samples} samples",
+            variance_ratio(rivals.maps, product).ratio,
             printed=printed.COSTS["garage"][1].variance_ratio,
-            measured=variance_ratio(rivals.maps, product).ratio),
-        Row(what="variance left where light is hidden over that where it is not",
-            printed="less than 1", measured=hidden / lit,
+        ),
+        Row(
+            "variance left where light is hidden over that where it is not",
+            hidden / lit,
+            printed="less than 1",
             band=None if quick else bands.SHADOWS_GAIN_MORE,
-            note=f"{hidden:.3f} and {lit:.3f}"),
-    ]  # fmt: skip
+            note=f"{hidden:.3f} and {lit:.3f}",
+        ),
+    ]
 
 
 def _guided_rows(picture: Picture, renders: int) -> list[Row]:
-    """Ours beside the paper's: guided densities, in equal time."""
+    """Guided densities, an extension of the paper's method, in equal time."""
     samples = printed.EQUAL_TIME_SAMPLES[0]
     seconds = cpu_median([picture.maps(samples, VisMaps(sampling="guided")) for _ in range(3)])
     equal = samples_in(picture, seconds)
@@ -139,10 +159,13 @@ def _guided_rows(picture: Picture, renders: int) -> list[Row]:
     rivals = _rivals(picture, maps, samples, equal, renders)
     left = variance_ratio(rivals.maps, rivals.product)
     return [
-        Row(what="guided: variance left in equal time", measured=left.ratio,
+        Row(
+            "guided: variance left in equal time",
+            left.ratio,
             note=f"{left.low:.3f} to {left.high:.3f}; {seconds:.3g} s, {samples} against "
-                 f"{equal} samples"),
-    ]  # fmt: skip
+            f"{equal} samples",
+        )
+    ]
 
 
 def _glossy(picture: Picture) -> Pixels:
@@ -153,7 +176,7 @@ def _glossy(picture: Picture) -> Pixels:
 
 
 def _upsampled(share: npt.NDArray[np.float64], size: tuple[int, int]) -> npt.NDArray[np.float64]:
-    """(H, W) of a coarser picture's pixels, the nearest one; not-a-number stays."""
+    """(H, W): a coarser picture enlarged by nearest pixels; NaN stays."""
     rows = (np.arange(size[1]) * share.shape[0]) // size[1]
     columns = (np.arange(size[0]) * share.shape[1]) // size[0]
     return np.asarray(share[np.ix_(rows, columns)])
@@ -162,7 +185,7 @@ def _upsampled(share: npt.NDArray[np.float64], size: tuple[int, int]) -> npt.NDA
 def noisiest_windows(
     variance: npt.NDArray[np.float64], edge: int, count: int
 ) -> list[tuple[int, int]]:
-    """Upper left corners (y, x) of windows with the largest sums that do not overlap."""
+    """Upper left corners (y, x) of the non-overlapping windows with the largest sums."""
     left, found = variance.copy(), []
     for _ in range(count):
         sums = np.cumsum(np.cumsum(np.pad(left, ((1, 0), (1, 0))), axis=0), axis=1)
@@ -176,7 +199,7 @@ def noisiest_windows(
 
 
 def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = None) -> Any:
-    """Reference and both sides above, two crops of each below."""
+    """The reference and both sides above, two crops of each below."""
     shown = {"reference": rivals.reference, titles[0]: rivals.maps[0], titles[1]: rivals.product[0]}
     exposure = auto_exposure(rivals.reference, 95.0)
     seen = np.stack([srgb_curve(luminance(image) * exposure) for image in rivals.product])
@@ -189,6 +212,7 @@ def _picture(rivals: Rivals, titles: tuple[str, str], where: Pixels | None = Non
         for row, (y, x) in enumerate(crops, start=1):
             crop = image[y : y + edge, x : x + edge]
             draw_image(axes[row, column], crop, exposure=exposure)
-            axes[0, column].plot([x, x + edge, x + edge, x, x], [y, y, y + edge, y + edge, y],
-                                 color="red", lw=0.8)  # fmt: skip
+            axes[0, column].plot(
+                [x, x + edge, x + edge, x, x], [y, y, y + edge, y + edge, y], color="red", lw=0.8
+            )
     return figure

@@ -1,4 +1,4 @@
-"""The living room made by others, under two measured skies, beside our stand-ins of the tables."""
+"""A living room by another author under two measured skies, beside our stand-ins."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from viscache.variance import variance_ratio
 __all__ = ["SKIES", "living_rooms", "variance_rows"]
 
 SCENE = "living-room/scene.xml"
-#: Skies measured outdoors, in the folder of scenes.
+#: Measured outdoor skies, in the folder of scenes.
 SKIES = {"noon": "hdr/kloppenheim_05_1k.hdr", "sunset": "hdr/venice_sunset_1k.hdr"}
 SAMPLES, QUICK_SAMPLES = (10, 30), (10,)
 RENDERS, SIZE = 8, (160, 120)
@@ -22,7 +22,7 @@ QUICK_RENDERS, QUICK_SIZE = 3, (32, 24)
 
 
 def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
-    """The room under every sky there is; files that are absent are named in `outcome.skipped`."""
+    """The room under every available sky; absent files are recorded in `outcome.skipped`."""
     room: Scene | None = None
     for name, sky in SKIES.items():
         label = f"living-room, {name}"
@@ -36,7 +36,7 @@ def living_rooms(outcome: Outcome) -> Iterator[tuple[str, Scene]]:
 
 
 def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:
-    """What is left of the variance in rendered pictures, the cache built before."""
+    """Remaining variance of rendered pictures, with a cache built before."""
     renders = QUICK_RENDERS if quick else RENDERS
     picture = Picture(scene=scene, size=QUICK_SIZE if quick else SIZE)
     cache = picture.build_cache()
@@ -46,9 +46,13 @@ def variance_rows(label: str, scene: Scene, quick: bool) -> list[Row]:
         base = [picture.product(n, 100 + seed).image for seed in range(renders)]
         for name, maps in ways.items():
             left = variance_ratio([picture.maps(n, maps, s).image for s in range(renders)], base)
-            rows.append(Row(what=f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
-                            measured=left.ratio,
-                            note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
-                                 f"z of the means {left.energy_z:.1f}; "
-                                 f"{len(cache)} records"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{label}, rendered, rqmc, {name}, {n} samples: variance left",
+                    left.ratio,
+                    note=f"{left.low:.3f} to {left.high:.3f}, trimmed {left.trimmed:.3f}; "
+                    f"z of the means {left.energy_z:.1f}; "
+                    f"{len(cache)} records",
+                )
+            )
     return rows

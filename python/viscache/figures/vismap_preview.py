@@ -20,16 +20,16 @@ from viscache.settings.integrators import Direct
 from viscache.tonemap import auto_exposure, luminance, srgb_curve
 from viscache.vismap import Relighting, VisibilityMapCache
 
-#: The reference has four places per pixel with so many samples each.
+#: The reference has four eye samples per pixel with this many light samples each.
 SIZE, SAMPLES = (640, 480), 64
 QUICK_SIZE, QUICK_SAMPLES = (80, 60), 32
-#: The environment is turned about the vertical by these angles.
+#: The environment is rotated about the vertical by these angles.
 TURNS_DEG = (0.0, 45.0, 180.0, 270.0)
 
 
 @figure("vismap-fig11", "the control variate's integral as a preview")
 def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Preview and reference of the garage, and the preview under its light turned, without rays."""
+    """Preview and reference of the garage, and the preview under rotated light, without rays."""
     outcome = Outcome()
     scene, size = VIEWS["garage"].open(quick), QUICK_SIZE if quick else SIZE
     samples = QUICK_SAMPLES if quick else SAMPLES
@@ -42,15 +42,22 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
         scene, Direct(n_environment=samples, n_brdf=samples), size=size, spp=4, progress=progress
     )
     outcome.rows += [
-        Row(what="records", printed=printed.PREVIEW_RECORDS, measured=len(cache)),
-        Row(what="rays traced for lights that are turned", printed="none", measured=rays,
-            band=bands.PREVIEW_RAYS),
-        Row(what="correlation of displayed luminance, preview with reference",
-            printed="good enough", measured=alike(previews[0], reference),
-            band=bands.PREVIEW_LOOKS_ALIKE),
-        Row(what="seconds of a preview", measured=previews[-1].timings["total_s"],
-            note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s"),
-    ]  # fmt: skip
+        Row("records", len(cache), printed=printed.PREVIEW_RECORDS),
+        Row(
+            "rays traced for lights that are turned", rays, printed="none", band=bands.PREVIEW_RAYS
+        ),
+        Row(
+            "correlation of displayed luminance, preview with reference",
+            alike(previews[0], reference),
+            printed="good enough",
+            band=bands.PREVIEW_LOOKS_ALIKE,
+        ),
+        Row(
+            "seconds of a preview",
+            previews[-1].timings["total_s"],
+            note=f"{size[0]}x{size[1]}; the reference {reference.timings['total_s']:.3g} s",
+        ),
+    ]
     path = folder / "vismap-fig11.png"
     save_figure(_picture(reference, previews), path, dpi=150)
     outcome.files.append(path)
@@ -58,7 +65,7 @@ def figure11(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def alike(preview: Frame, reference: Frame) -> float:
-    """Pearson correlation of displayed luminance, of pixels that see nothing but surfaces."""
+    """Pearson correlation of displayed luminance, of pixels that see only surfaces."""
     surface = reference.layers["coverage"][:, :, 0] == 1
     exposure = auto_exposure(reference.image, 95.0)
     shown = [srgb_curve(luminance(f.image) * exposure)[surface] for f in (preview, reference)]

@@ -1,4 +1,4 @@
-"""What the visibility-map paper prints about its cache, at 1600x1200 on two cores of 2008."""
+"""Numbers of the visibility-map paper about its cache, at 1600x1200 on two cores of 2008."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Cost:
 
     samples: int
     product_s: float
-    """Importance sampling of the product alone."""
+    """With product importance sampling only."""
     cache_s: float
     """With the control variate."""
     overhead_s: float
@@ -60,7 +60,7 @@ COSTS = {
 }
 SAMPLES = tuple(cost.samples for cost in COSTS["garage"])
 
-#: Figure 13: samples per pixel of both sides in the same time, and what is left of the variance.
+#: Figure 13: samples per pixel of both sides in equal time, and the remaining variance.
 EQUAL_TIME_S, EQUAL_TIME_SAMPLES, EQUAL_TIME_RATIO = 178.0, (30, 39), 0.489
 
 #: Figure 10: ambient occlusion of 259k triangles, 4 shading points per pixel.

@@ -1,4 +1,4 @@
-"""Table 2, Figures 8 and 12 of the visibility-map paper: how many records there are, and where."""
+"""Table 2, Figures 8 and 12 of the visibility-map paper: number and places of records."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Floats = npt.NDArray[np.floating[Any]]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A scene of the paper from its camera, and the M of its maps."""
+    """A scene of the paper with its camera, and the M of its maps."""
 
     scene: str
     quick_scene: str
@@ -44,7 +44,7 @@ class View:
     m: int = 5
 
     def open(self, quick: bool) -> Scene:
-        """The scene; a smaller one for quick runs."""
+        """The scene, smaller for quick runs."""
         made = build(self.quick_scene if quick else self.scene)
         assert isinstance(made, Scene)
         return made
@@ -73,7 +73,7 @@ class Built:
 
     @property
     def added(self) -> Floats:
-        """Positions (N, 3) of the records that a criterion asked for, the start-up's left out."""
+        """(N, 3) positions of the records that a criterion requested, without the start-up's."""
         return np.asarray(self.cache.records().positions[self.report.startup :])
 
 
@@ -85,7 +85,7 @@ def build_cache(scene: Scene, camera: int, size: tuple[int, int], settings: MapS
 
 @figure("vismap-tab2", "records, resolutions and rays per pixel of three scenes")
 def table2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records, resolutions and rays per pixel of three scenes, and of two that the paper lacks."""
+    """Records, resolutions and rays per pixel of three scenes, and of two not in the paper."""
     outcome = Outcome()
     size = QUICK if quick else FULL
     for name, view in VIEWS.items():
@@ -113,37 +113,52 @@ def _table_rows(name: str, built: Built, size: tuple[int, int]) -> list[Row]:
         f"w_min {w_min:g}, delta_max {delta_max:g}"
     )
     return [
-        Row(what=f"{name}: records", printed=said.records if said else None, measured=n, note=why),
-        Row(what=f"{name}: cells along an edge", printed=said.map_size if said else None,
-            measured=1 << m),
-        Row(what=f"{name}: rays per pixel", printed=said.rays_per_pixel if said else None,
-            measured=r.rays / (size[0] * size[1])),
-        Row(what=f"{name}: rays over records · 4^M / 2", printed=1.0,
-            measured=r.rays / (n * 4**m / 2), band=bands.RAYS_OF_RECORDS),
-        Row(what=f"{name}: bytes of a record", printed=printed.RECORD_BYTES if m == 5 else None,
-            measured=bytes_each, band=bands.RECORD_BYTES if m == 5 else None,
-            note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides"),
-    ]  # fmt: skip
+        Row(f"{name}: records", n, printed=said.records if said else None, note=why),
+        Row(f"{name}: cells along an edge", 1 << m, printed=said.map_size if said else None),
+        Row(
+            f"{name}: rays per pixel",
+            r.rays / (size[0] * size[1]),
+            printed=said.rays_per_pixel if said else None,
+        ),
+        Row(
+            f"{name}: rays over records · 4^M / 2",
+            r.rays / (n * 4**m / 2),
+            printed=1.0,
+            band=bands.RAYS_OF_RECORDS,
+        ),
+        Row(
+            f"{name}: bytes of a record",
+            bytes_each,
+            printed=printed.RECORD_BYTES if m == 5 else None,
+            band=bands.RECORD_BYTES if m == 5 else None,
+            note=f"{cache.nbytes / 1e6:.3g} MB in all, {cache.extra_nbytes / 1e6:.3g} MB besides",
+        ),
+    ]
 
 
 def _automatic_row(name: str, built: Built) -> Row:
     said = printed.CACHES.get(name)
     w_min, delta_max = built.cache.thresholds
-    return Row(what=f'{name}: records with preset="auto"', printed=said.records if said else None,
-               measured=len(built.cache),
-               note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}")  # fmt: skip
+    return Row(
+        f'{name}: records with preset="auto"',
+        len(built.cache),
+        printed=said.records if said else None,
+        note=f"w_min {w_min:.3g}, delta_max {delta_max:.3g}",
+    )
 
 
 @figure("vismap-fig8", "positions of the records")
 def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records by weight alone and by the difference of maps alone."""
+    """Records by weight only, and by the difference of maps only."""
     outcome = Outcome()
     scene, size = MUSHROOMS.open(quick), QUICK_PICTURE if quick else FULL_PICTURE
     by_weight = build_cache(scene, 0, size, MapSettings(w_min=0.4, delta_max=1.0))
     by_difference = build_cache(scene, 0, size, MapSettings(w_min=0.0, delta_max=0.06))
     outcome.rows += _attraction_rows(scene, by_weight.added, by_difference.added)
-    titles = (f"weight: {len(by_weight.added)} records",
-              f"difference: {len(by_difference.added)} records")  # fmt: skip
+    titles = (
+        f"weight: {len(by_weight.added)} records",
+        f"difference: {len(by_difference.added)} records",
+    )
     path = folder / "vismap-fig8.png"
     _dots(scene, 0, size, {titles[0]: by_weight.added, titles[1]: by_difference.added}, path)
     outcome.files.append(path)
@@ -165,15 +180,20 @@ def _attraction_rows(scene: Scene, by_weight: Floats, by_difference: Floats) -> 
                 ("weight", "mean angle of normals"): bands.WEIGHT_FINDS_CURVATURE,
                 ("difference", "1 - rho"): bands.DIFFERENCE_FINDS_LOW_RHO,
             }.get((name, what))
-            rows.append(Row(what=f"rank correlation of the density by {name} with {what}",
-                            measured=rank_correlation(density, attraction), band=band,
-                            note=f"{len(records)} records, {1 << LEVELS} cells"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"rank correlation of the density by {name} with {what}",
+                    rank_correlation(density, attraction),
+                    band=band,
+                    note=f"{len(records)} records, {1 << LEVELS} cells",
+                )
+            )
     return rows
 
 
 @figure("vismap-fig12", "records in the garden scene")
 def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Records of the garden, and how many more there are than in a simple scene."""
+    """Records of the garden, and their ratio to those of a simple scene."""
     outcome = Outcome()
     size = QUICK_PICTURE if quick else FULL_PICTURE
     built = {}
@@ -187,10 +207,13 @@ def figure12(folder: Path, quick: bool, progress: bool) -> Outcome:
         outcome.files.append(path)
     counts = {name: len(b.cache) for name, b in built.items()}
     outcome.rows.append(
-        Row(what="records of garden1 over records of dynamics, same parameters",
-            measured=counts["garden1"] / counts["dynamics"], band=bands.HARD_SCENES_GET_MORE,
-            note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}")
-    )  # fmt: skip
+        Row(
+            "records of garden1 over records of dynamics, same parameters",
+            counts["garden1"] / counts["dynamics"],
+            band=bands.HARD_SCENES_GET_MORE,
+            note=f"{counts['garden1']} and {counts['dynamics']} at {size[0]}x{size[1]}",
+        )
+    )
     return outcome
 
 

@@ -1,4 +1,4 @@
-"""Variance, rays, bytes and time over the parameters of the visibility cache (ours)."""
+"""Variance, rays, bytes and time over the visibility cache's parameters (not in the paper)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PRODUCT = Way()
 VARIATE = Way(alpha="previous_pass", passes=6)
 GUIDED = Way(alpha="previous_pass", passes=6, eta=0.25)
 
-#: One parameter at a time, around the preset "medium"; both thresholds together as the presets.
+#: One parameter at a time around the preset "medium"; both thresholds change together, by preset.
 GRID: dict[str, tuple[dict[str, Any], ...]] = {
     "m": tuple({"m": m} for m in (4, 5, 6, 7)),
     "n_best": tuple({"n_best": n} for n in (1, 2, 4, 8)),
@@ -44,7 +44,7 @@ GRID: dict[str, tuple[dict[str, Any], ...]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setting:
-    """What one setting costs and leaves."""
+    """Costs and remaining variance of one setting."""
 
     records: int
     rays_per_pixel: float
@@ -56,7 +56,7 @@ class Setting:
 
 @figure("vismap-sweep", "variance, rays and bytes over the cache's parameters")
 def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The grid on the garage, and the settings that no other beats in rays and variance."""
+    """The grid in the garage, and the settings that are Pareto-optimal in rays and variance."""
     scene = build(QUICK_SCENE if quick else SCENE)
     found: dict[str, dict[str, Setting]] = {}
     total = sum(len(values) for values in GRID.values())
@@ -79,22 +79,30 @@ def sweep(folder: Path, quick: bool, progress: bool) -> Outcome:
 
 
 def measure(scene: Scene, value: Mapping[str, Any], quick: bool) -> Setting:
-    """Build a cache and estimate random pixels with it."""
+    """Build a cache, and estimate random pixels with it."""
     size = QUICK_SIZE if quick else SIZE
     cache = VisibilityMapCache(scene, MapSettings(**value))
     start = time.perf_counter()
     report = cache.update(size=size)
     seconds = time.perf_counter() - start
-    made = simulate(cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size,
-                    **(QUICK if quick else FULL)).estimates  # fmt: skip
+    made = simulate(
+        cache, [PRODUCT, VARIATE, GUIDED], [SAMPLES], size=size, **(QUICK if quick else FULL)
+    ).estimates
 
     def left(way: Way) -> VarianceRatio:
-        return variance_ratio([r[None, :, None] for r in made[way, SAMPLES]],
-                              [r[None, :, None] for r in made[PRODUCT, SAMPLES]])  # fmt: skip
+        return variance_ratio(
+            [r[None, :, None] for r in made[way, SAMPLES]],
+            [r[None, :, None] for r in made[PRODUCT, SAMPLES]],
+        )
 
-    return Setting(records=len(cache), rays_per_pixel=report.rays / (size[0] * size[1]),
-                   nbytes=cache.nbytes, seconds=seconds, variate=left(VARIATE),
-                   guided=left(GUIDED))  # fmt: skip
+    return Setting(
+        records=len(cache),
+        rays_per_pixel=report.rays / (size[0] * size[1]),
+        nbytes=cache.nbytes,
+        seconds=seconds,
+        variate=left(VARIATE),
+        guided=left(GUIDED),
+    )
 
 
 def _label(value: Mapping[str, Any]) -> str:
@@ -105,19 +113,26 @@ def _rows(found: Mapping[str, Mapping[str, Setting]]) -> list[Row]:
     rows = []
     for settings in found.values():
         for label, s in settings.items():
-            note = f"{s.records} records, {s.rays_per_pixel:.3g} rays per pixel, " \
-                   f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided " \
-                   f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"  # fmt: skip
-            rows.append(Row(what=f"{label}: variance left", measured=s.variate.ratio, note=note))
+            note = (
+                f"{s.records} records, {s.rays_per_pixel:.3g} rays per pixel, "
+                f"{s.nbytes / 1e6:.3g} MB, {s.seconds:.2g} s; guided "
+                f"{s.guided.ratio:.3f} ({s.guided.low:.3f} to {s.guided.high:.3f})"
+            )
+            rows.append(Row(f"{label}: variance left", s.variate.ratio, note=note))
     maps = list(found["m"].values())
     ends = list(found["both thresholds"].values())
     rows += [
-        Row(what="variance left with 64x64 cells over that with 32x32",
-            measured=maps[2].variate.ratio / maps[1].variate.ratio, band=bands.LARGER_MAPS),
-        Row(what="variance left with the tightest thresholds over that with the loosest",
-            measured=ends[-1].variate.ratio / ends[0].variate.ratio,
-            band=bands.MORE_RECORDS_HELP),
-    ]  # fmt: skip
+        Row(
+            "variance left with 64x64 cells over that with 32x32",
+            maps[2].variate.ratio / maps[1].variate.ratio,
+            band=bands.LARGER_MAPS,
+        ),
+        Row(
+            "variance left with the tightest thresholds over that with the loosest",
+            ends[-1].variate.ratio / ends[0].variate.ratio,
+            band=bands.MORE_RECORDS_HELP,
+        ),
+    ]
     return rows
 
 
@@ -128,13 +143,21 @@ def _picture(found: Mapping[str, Mapping[str, Setting]]) -> Any:
         everything: list[tuple[float, float]] = []
         for k, (name, settings) in enumerate(found.items()):
             points = [(s.rays_per_pixel, getattr(s, kind).ratio) for s in settings.values()]
-            axes.plot(*zip(*points, strict=True), "o-", ms=4, lw=0.8, label=name,
-                      color=COLORS[k % len(COLORS)])  # fmt: skip
+            axes.plot(
+                *zip(*points, strict=True),
+                "o-",
+                ms=4,
+                lw=0.8,
+                label=name,
+                color=COLORS[k % len(COLORS)],
+            )
             everything += points
         best = pareto(everything)
         axes.plot(*zip(*best, strict=True), "k--", lw=1, label="not beaten")
         axes.set(xscale="log", xlabel="rays for records, per pixel", ylabel="variance left")
-        axes.set_title({"variate": "control variate", "guided": "guided, with it"}[kind])
+        axes.set_title(
+            {"variate": "control variate", "guided": "control variate, guided sampling"}[kind]
+        )
         axes.set_ylim(bottom=0)
     both[1].legend(frameon=False, fontsize=8)
     return figure

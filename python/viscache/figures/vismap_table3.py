@@ -1,4 +1,4 @@
-"""Table 3 of the visibility-map paper: variance and overhead over the number of samples."""
+"""Table 3 of the visibility-map paper: variance and overhead by number of samples."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from viscache.variance import VarianceRatio, variance_ratio
 from viscache.vismap import MapSettings, VisibilityMapCache
 from viscache.vismap.simulation import PixelEstimates, Way, simulate
 
-#: Rendered pictures of each kind, their size, and the pixels that are simulated.
+#: Rendered pictures of each kind, their size, and the number of simulated pixels.
 RENDERS, SIZE, PIXELS, REPLICATES = 8, (160, 120), 256, 32
 QUICK_RENDERS, QUICK_SIZE, QUICK_PIXELS, QUICK_REPLICATES = 3, (40, 30), 16, 8
 QUICK_SAMPLES = (10, 30)
@@ -35,14 +35,19 @@ ONE_SHOT, ONE_SHOT_PAPER = (
     Way(alpha="previous_pass", one_shot=True),
 )
 EVERY = (PRODUCT, ONE, STEADY, GUIDED, ONE_SHOT, ONE_SHOT_PAPER)
-NAMES = {ONE: "alpha one", STEADY: "alpha of earlier passes", GUIDED: "guided",
-         LOO: "leave-one-out", ONE_SHOT: "one shot, first alpha of a pilot",
-         ONE_SHOT_PAPER: "one shot, first alpha one"}  # fmt: skip
+NAMES = {
+    ONE: "alpha one",
+    STEADY: "alpha of earlier passes",
+    GUIDED: "guided",
+    LOO: "leave-one-out",
+    ONE_SHOT: "one shot, first alpha of a pilot",
+    ONE_SHOT_PAPER: "one shot, first alpha one",
+}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Times:
-    """CPU seconds of pictures over their samples."""
+    """CPU seconds of pictures, by number of samples."""
 
     samples: tuple[int, ...]
     product: tuple[float, ...]
@@ -50,7 +55,7 @@ class Times:
 
     @property
     def overhead(self) -> tuple[float, ...]:
-        """What the cache costs beside product sampling."""
+        """Seconds with the cache less those of product sampling."""
         return tuple(b - a for a, b in zip(self.product, self.maps, strict=True))
 
     def split(self) -> tuple[float, float]:
@@ -61,17 +66,24 @@ class Times:
 
 @figure("vismap-tab3", "variance ratios and overhead over the number of samples")
 def table3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rendered pictures as the paper's, and single pixels for what it does not print."""
+    """Rendered pictures as in the paper, and simulated pixels for what it does not print."""
     outcome = Outcome()
     samples = QUICK_SAMPLES if quick else printed.SAMPLES
     for name, view in VIEWS.items():
-        picture = Picture(scene=view.open(quick), camera=view.camera,
-                          size=QUICK_SIZE if quick else SIZE)  # fmt: skip
+        picture = Picture(
+            scene=view.open(quick), camera=view.camera, size=QUICK_SIZE if quick else SIZE
+        )
         settings = MapSettings(m=view.m)
         outcome.rows += _rendered_rows(name, picture, settings, samples, quick)
-        found = simulate(picture.build_cache(settings), _ways(), samples, camera=view.camera,
-                         size=picture.size, n_pixels=QUICK_PIXELS if quick else PIXELS,
-                         replicates=QUICK_REPLICATES if quick else REPLICATES)  # fmt: skip
+        found = simulate(
+            picture.build_cache(settings),
+            _ways(),
+            samples,
+            camera=view.camera,
+            size=picture.size,
+            n_pixels=QUICK_PIXELS if quick else PIXELS,
+            replicates=QUICK_REPLICATES if quick else REPLICATES,
+        )
         rows = _simulated_rows(name, found, samples)
         outcome.rows += [replace(row, band=None) for row in rows] if quick else rows
     for label, scene in living_rooms(outcome):
@@ -103,23 +115,29 @@ def _rendered_rows(
         band = bands.GARAGE_CONTROL_VARIATE if (name, n) == ("garage", 10) else None
         if (name, n) == ("garden1", 300):
             band = bands.GARDEN_ONE
-        rows.append(Row(what=f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
-                        printed=said[n].variance_ratio if n in said else None,
-                        measured=found.ratio, band=None if quick else band,
-                        note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
-                             f"z of the means {found.energy_z:.1f}"))  # fmt: skip
+        rows.append(
+            Row(
+                f"{name}, rendered, rqmc, alpha one, {n} samples: variance left",
+                found.ratio,
+                printed=said[n].variance_ratio if n in said else None,
+                band=None if quick else band,
+                note=f"{found.low:.3f} to {found.high:.3f}, trimmed {found.trimmed:.3f}; "
+                f"z of the means {found.energy_z:.1f}",
+            )
+        )
     return rows + _time_rows(name, _times(picture, settings, samples), quick)
 
 
 def _rendered(picture: Picture, cache: VisibilityMapCache, n: int, renders: int) -> VarianceRatio:
     maps = paper_maps(cache)
-    return variance_ratio(images(lambda seed: picture.maps(n, maps, seed), range(renders)),
-                          images(lambda seed: picture.product(n, seed),
-                                 range(100, 100 + renders)))  # fmt: skip
+    return variance_ratio(
+        images(lambda seed: picture.maps(n, maps, seed), range(renders)),
+        images(lambda seed: picture.product(n, seed), range(100, 100 + renders)),
+    )
 
 
 def _times(picture: Picture, settings: MapSettings, samples: tuple[int, ...]) -> Times:
-    """Each picture twice, the faster counts; with maps the cache's records are made anew."""
+    """The faster of two runs of each picture; with maps, each run makes the cache's records."""
 
     def seconds(frames: list[Any]) -> float:
         return float(min(frame.timings["cpu_s"] for frame in frames))
@@ -137,22 +155,38 @@ def _time_rows(name: str, times: Times, quick: bool) -> list[Row]:
     rows = []
     for n, product, overhead in zip(times.samples, times.product, times.overhead, strict=True):
         rows += [
-            Row(what=f"{name}, {n} samples: CPU seconds of product sampling",
-                printed=said[n].product_s if n in said else None, measured=product),
-            Row(what=f"{name}, {n} samples: CPU seconds of overhead",
-                printed=said[n].overhead_s if n in said else None, measured=overhead,
-                note=f"{100 * overhead / product:.1f} %"),
-        ]  # fmt: skip
+            Row(
+                f"{name}, {n} samples: CPU seconds of product sampling",
+                product,
+                printed=said[n].product_s if n in said else None,
+            ),
+            Row(
+                f"{name}, {n} samples: CPU seconds of overhead",
+                overhead,
+                printed=said[n].overhead_s if n in said else None,
+                note=f"{100 * overhead / product:.1f} %",
+            ),
+        ]
     fixed, slope = times.split()
     steady = max(times.overhead) / max(min(times.overhead), 1e-9)
-    return [*rows,
-        Row(what=f"{name}: CPU seconds of product sampling without samples",
-            printed=79.7 if name == "garage" else None, measured=fixed),
-        Row(what=f"{name}: CPU seconds per sample of all pixels",
-            printed=2.33 if name == "garage" else None, measured=slope),
-        Row(what=f"{name}: largest over smallest overhead", measured=steady,
-            band=None if quick else bands.OVERHEAD_IS_CONSTANT),
-    ]  # fmt: skip
+    return [
+        *rows,
+        Row(
+            f"{name}: CPU seconds of product sampling without samples",
+            fixed,
+            printed=79.7 if name == "garage" else None,
+        ),
+        Row(
+            f"{name}: CPU seconds per sample of all pixels",
+            slope,
+            printed=2.33 if name == "garage" else None,
+        ),
+        Row(
+            f"{name}: largest over smallest overhead",
+            steady,
+            band=None if quick else bands.OVERHEAD_IS_CONSTANT,
+        ),
+    ]
 
 
 # Simulated
@@ -168,26 +202,44 @@ def _simulated_rows(name: str, found: PixelEstimates, samples: tuple[int, ...]) 
             left = _left(found, way, base, n)
             ratios[way, n] = left.ratio
             label = NAMES[way if way == LOO else replace(way, points="rqmc")]
-            rows.append(Row(what=f"{name}, {way.points}, {label}, {n} samples: variance left",
-                            measured=left.ratio, band=_band(name, way, n),
-                            note=f"{left.low:.3f} to {left.high:.3f}"))  # fmt: skip
+            rows.append(
+                Row(
+                    f"{name}, {way.points}, {label}, {n} samples: variance left",
+                    left.ratio,
+                    band=_band(name, way, n),
+                    note=f"{left.low:.3f} to {left.high:.3f}",
+                )
+            )
     flat = [ratios[replace(ONE, points="iid"), n] for n in samples]
-    rows.append(Row(what=f"{name}, iid, alpha one: largest over smallest ratio",
-                    measured=max(flat) / min(flat), band=bands.IID_IS_FLAT))  # fmt: skip
+    rows.append(
+        Row(
+            f"{name}, iid, alpha one: largest over smallest ratio",
+            max(flat) / min(flat),
+            band=bands.IID_IS_FLAT,
+        )
+    )
     rising = ratios[ONE, samples[-1]] / ratios[ONE, samples[0]]
     printed_rise = None
     if name in printed.COSTS and samples == printed.SAMPLES:
-        printed_rise = (printed.COSTS[name][-1].variance_ratio
-                        / printed.COSTS[name][0].variance_ratio)  # fmt: skip
-    rows.append(Row(what=f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
-                    printed=printed_rise, measured=rising,
-                    band=bands.RQMC_RISES if name in ("garage", "dynamics") else None))  # fmt: skip
+        printed_rise = (
+            printed.COSTS[name][-1].variance_ratio / printed.COSTS[name][0].variance_ratio
+        )
+    rows.append(
+        Row(
+            f"{name}, rqmc, alpha one: ratio at {samples[-1]} over {samples[0]}",
+            rising,
+            printed=printed_rise,
+            band=bands.RQMC_RISES if name in ("garage", "dynamics") else None,
+        )
+    )
     return rows
 
 
 def _left(found: PixelEstimates, way: Way, base: Way, n: int) -> VarianceRatio:
-    return variance_ratio([r[None, :, None] for r in found.estimates[way, n]],
-                          [r[None, :, None] for r in found.estimates[base, n]])  # fmt: skip
+    return variance_ratio(
+        [r[None, :, None] for r in found.estimates[way, n]],
+        [r[None, :, None] for r in found.estimates[base, n]],
+    )
 
 
 def _band(name: str, way: Way, n: int) -> Any:

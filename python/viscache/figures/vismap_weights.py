@@ -1,4 +1,4 @@
-"""Figure 5 of the visibility-map paper: the weight of a record over distance and angle."""
+"""Figure 5 of the visibility-map paper: a record's weight over distance and angle."""
 
 from __future__ import annotations
 
@@ -21,20 +21,22 @@ STEP = 1e-3
 
 @figure("vismap-fig5", "the weighting function")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """w of Eq. 9 over the limits of the search, from above left and from below right."""
+    """w of Eq. 9 within the limits of the search, seen from above left and from below right."""
     far, tilted = 1.0, math.radians(THETA_MAX_DEG)
     slope = (_weight(STEP, 0.0) - _weight(0.0, 0.0)) / STEP
     outcome = Outcome(
         rows=[
-            Row(what="least weight, at d_max and 30 deg", printed="about 0.7",
-                measured=_weight(far, tilted), band=bands.LEAST_WEIGHT),
-            Row(what="weight at d_max and 0 deg", measured=_weight(far, 0.0),
-                band=bands.EDGE_WEIGHT),
-            Row(what="weight at 0 and 30 deg", measured=_weight(0.0, tilted),
-                band=bands.EDGE_WEIGHT),
-            Row(what="first slope over d / d_max", measured=slope, band=bands.FIRST_SLOPE),
+            Row(
+                "least weight, at d_max and 30 deg",
+                _weight(far, tilted),
+                printed="about 0.7",
+                band=bands.LEAST_WEIGHT,
+            ),
+            Row("weight at d_max and 0 deg", _weight(far, 0.0), band=bands.EDGE_WEIGHT),
+            Row("weight at 0 and 30 deg", _weight(0.0, tilted), band=bands.EDGE_WEIGHT),
+            Row("first slope over d / d_max", slope, band=bands.FIRST_SLOPE),
         ]
-    )  # fmt: skip
+    )
     path = folder / "vismap-fig5.png"
     save_figure(_picture(), path, dpi=150)
     outcome.files.append(path)
@@ -52,7 +54,8 @@ def _picture() -> Any:
     for column, azimuth in ((1, -125), (2, -35)):
         axes: Any = figure.add_subplot(1, 2, column, projection="3d")
         axes.plot_surface(t, theta, weight, cmap="cividis", vmin=0.6, vmax=1.0, lw=0)
-        axes.set(xlabel="distance $d/d_{max}$", ylabel=r"normal difference $\theta$ [°]",
-                 zlim=(0.6, 1.0))  # fmt: skip
+        axes.set(
+            xlabel="distance $d/d_{max}$", ylabel=r"normal difference $\theta$ [°]", zlim=(0.6, 1.0)
+        )
         axes.view_init(elev=25, azim=azimuth)
     return figure

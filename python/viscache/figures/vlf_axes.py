@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: directions of occlusion (X2), the batch's gain (X4)."""
+"""Beyond the visibility field's paper: occlusion directions (X2), the aligned batch's gain (X4)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from viscache.figures.vlf_tracers import first_hits, in_turns, write_csv
 from viscache.scene import Scene
 
 COUNTS, QUICK_COUNTS = (9, 33, 129, 513, 2049), (9, 33, 129, 513)
-#: X2: reference rays per point, uniform over the hemisphere, and the points' picture.
+#: X2: reference rays per point, uniform over the hemisphere, and the size of the points' picture.
 REFERENCE, QUICK_REFERENCE = 16_384, 512
 X2_SIZE, QUICK_X2_SIZE = (48, 48), (20, 20)
 X2_TRIANGLES, QUICK_X2_TRIANGLES = 15_000, 3_000
@@ -34,7 +34,7 @@ X4_DIRECTIONS, QUICK_X4_DIRECTIONS = 129, 33
 
 @figure("vlf-x2", "error of ambient occlusion over the number of directions")
 def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Error of ambient occlusion over the number of directions, equal and solid-angle weights."""
+    """Error of ambient occlusion by number of directions, with equal and solid-angle weights."""
     triangles = QUICK_X2_TRIANGLES if quick else X2_TRIANGLES
     scene: Scene = scenes.bumpy_spheres(triangles=triangles)
     size = QUICK_X2_SIZE if quick else X2_SIZE
@@ -59,11 +59,15 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
     outcome.files += [
         draw_lines(lines, folder / "vlf-x2.png", x="directions", y="RMSE"),
         _draw_banding(errors["solid angle"], reference, seen, folder),
-        write_csv(folder / "vlf-x2.csv", [
-            {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
-            for w in errors for n in counts
-        ]),
-    ]  # fmt: skip
+        write_csv(
+            folder / "vlf-x2.csv",
+            [
+                {"n_directions": n, "weights": w, "rmse": rmse[w][n], "bias": bias[w][n]}
+                for w in errors
+                for n in counts
+            ],
+        ),
+    ]
     outcome.notes.append(
         "All points share the directions, so the error is no noise but bands: vlf-x2-bands.png. "
         "Ambient occlusion is the uniform mean over the hemisphere, without the cosine, as in the "
@@ -75,7 +79,7 @@ def x2(folder: Path, quick: bool, progress: bool) -> Outcome:
 def hemisphere_reference(
     scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], rays: int
 ) -> npt.NDArray[np.float64]:
-    """Share of free directions among `rays` uniform random ones per point."""
+    """Share of unoccluded directions among `rays` uniform random directions per point."""
     rng = np.random.default_rng(11)
     extent = np.float32(scene._core.offset_extent)
     size = np.maximum(np.abs(points).max(axis=1, keepdims=True), extent)
@@ -93,7 +97,7 @@ def hemisphere_reference(
 def bits_of(
     scene: Scene, points: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], count: int
 ) -> npt.NDArray[np.bool_]:
-    """(N, l) which directions are free."""
+    """(N, l): which directions are unoccluded."""
     words = vlf.aligned_occlusion(scene, points, normals, count)
     return np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")[:, :count].astype(bool)
 
@@ -109,22 +113,33 @@ def _error_rows(
     quick: bool,
 ) -> list[Row]:
     rows = [
-        Row(what=f"RMSE, {n} directions, {w} weights", measured=rmse[w][n],
-            note=f"bias {100 * bias[w][n]:+.2f} %")
-        for n in counts for w in rmse
-    ]  # fmt: skip
+        Row(
+            f"RMSE, {n} directions, {w} weights", rmse[w][n], note=f"bias {100 * bias[w][n]:+.2f} %"
+        )
+        for n in counts
+        for w in rmse
+    ]
     fine = [n for n in counts if n >= 33]
     sizes = {w: float(np.mean([abs(bias[w][n]) for n in fine])) for w in bias}
     weighted = "solid angle"
-    return [*rows,
-        Row(what="RMSE, 513 directions over 33, solid-angle weights",
-            measured=rmse[weighted][513] / rmse[weighted][33],
-            band=None if quick else bands.ERROR_FALLS),
-        Row(what="bias, 513 directions, solid-angle weights", measured=bias[weighted][513],
-            band=None if quick else bands.WEIGHTED_BIAS),
-        Row(what="size of the bias, solid-angle over equal weights",
-            measured=sizes[weighted] / sizes["equal"], band=None if quick else bands.WEIGHTS_PAY),
-    ]  # fmt: skip
+    return [
+        *rows,
+        Row(
+            "RMSE, 513 directions over 33, solid-angle weights",
+            rmse[weighted][513] / rmse[weighted][33],
+            band=None if quick else bands.ERROR_FALLS,
+        ),
+        Row(
+            "bias, 513 directions, solid-angle weights",
+            bias[weighted][513],
+            band=None if quick else bands.WEIGHTED_BIAS,
+        ),
+        Row(
+            "size of the bias, solid-angle over equal weights",
+            sizes[weighted] / sizes["equal"],
+            band=None if quick else bands.WEIGHTS_PAY,
+        ),
+    ]
 
 
 def _draw_banding(
@@ -134,8 +149,9 @@ def _draw_banding(
     folder: Path,
 ) -> Path:
     figure = new_figure(3.0 * (len(errors) + 1), 3.2)
-    pictures = {"reference": reference} | {f"{n} directions": reference + e
-                                           for n, e in errors.items()}  # fmt: skip
+    pictures = {"reference": reference} | {
+        f"{n} directions": reference + e for n, e in errors.items()
+    }
     for column, (title, values) in enumerate(pictures.items()):
         image = np.zeros((*seen.shape, 1))
         image[seen, 0] = values
@@ -145,7 +161,7 @@ def _draw_banding(
 
 @figure("vlf-x4", "the aligned batch against Embree over points per triangle")
 def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The aligned batch against Embree over the points per triangle, and what is chosen."""
+    """The aligned batch against Embree, by points per triangle, and the engine chosen by "auto"."""
     outcome, table = Outcome(), []
     lines: dict[str, tuple[list[float], list[float]]] = {}
     directions = QUICK_X4_DIRECTIONS if quick else X4_DIRECTIONS
@@ -158,23 +174,40 @@ def x4(folder: Path, quick: bool, progress: bool) -> Outcome:
             seconds, engine = _engines(scene, share, directions, quick)
             gains.append(seconds["embree"] / seconds["batch"])
             chosen.append(min(seconds["embree"], seconds["batch"]) / seconds["auto"])
-            table.append({"scene": spec, "points per triangle": share, "gain": gains[-1],
-                          "auto": engine, "auto over best": chosen[-1]})  # fmt: skip
+            table.append(
+                {
+                    "scene": spec,
+                    "points per triangle": share,
+                    "gain": gains[-1],
+                    "auto": engine,
+                    "auto over best": chosen[-1],
+                }
+            )
             outcome.rows.append(
-                Row(what=f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
-                    measured=gains[-1], band=_share_band(share, shares, quick),
-                    note=f"auto takes {engine}")
-            )  # fmt: skip
+                Row(
+                    f"{name}, {share:g} points a triangle: speed-up of the batch over Embree",
+                    gains[-1],
+                    band=_share_band(share, shares, quick),
+                    note=f"auto takes {engine}",
+                )
+            )
         lines[name] = (list(shares), gains)
         outcome.rows.append(
-            Row(what=f"{name}: speed of auto over the faster engine, at its worst",
-                measured=min(chosen), band=None if quick else bands.CHOOSER)
-        )  # fmt: skip
+            Row(
+                f"{name}: speed of auto over the faster engine, at its worst",
+                min(chosen),
+                band=None if quick else bands.CHOOSER,
+            )
+        )
     outcome.files += [
-        draw_lines(lines, folder / "vlf-x4.png", x="points per triangle",
-                   y="speed-up of the batch over Embree"),
+        draw_lines(
+            lines,
+            folder / "vlf-x4.png",
+            x="points per triangle",
+            y="speed-up of the batch over Embree",
+        ),
         write_csv(folder / "vlf-x4.csv", table),
-    ]  # fmt: skip
+    ]
     outcome.notes.append(
         f"{directions} directions, one thread, CPU seconds; Embree by the faster of its orders"
     )
@@ -190,7 +223,7 @@ def _share_band(share: float, shares: tuple[float, ...], quick: bool) -> Any:
 def _engines(
     scene: Scene, share: float, directions: int, quick: bool
 ) -> tuple[dict[str, float], str]:
-    """CPU seconds of each engine for `share` points a triangle, and which one auto took."""
+    """CPU seconds of each engine for `share` points per triangle, and the choice of "auto"."""
     wanted = max(16, round(share * scene.triangles))
     side = math.ceil(math.sqrt(2.5 * wanted))
     points, normals, _ = first_hits(scene, scene.cameras[0], (side, side))

@@ -1,13 +1,13 @@
-"""What the visibility field's figures must show, written down before any was run in full.
+"""Bands of the visibility field's figures, written before any full run.
 
-The paper's scenes are not public, so seconds have no band: they are printed beside ours. *VLF-RT*
-is `VisibilityField`, *CRT* is `Bsp`, both with the parameters that a grid search on the same rays
-found fastest. A *speed-up* of A over B is the time of B over the time of A, on the same rays, in
-CPU seconds, one thread. Where a band is the paper's claim and hardware of today breaks it, the row
-says so: the band stays.
+The paper's scenes are not public, so seconds have no band; the paper's are printed beside ours.
+*VLF-RT* is `VisibilityField`, *CRT* is `Bsp`, both with the fastest parameters of a grid search on
+the same rays. A *speed-up* of A over B is the time of B over the time of A, on the same rays, in
+CPU seconds on one thread. If today's hardware breaks a band that is the paper's claim, the row says
+so, and the band stays.
 
-Figures that a trial program measured before have its values as `expected`. `UPDATE_DIFFERS` was
-written down after a quick run.
+Bands with `expected` quote an earlier trial program. `UPDATE_DIFFERS` was written after a quick
+run.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from viscache.figures.outcome import Band
 
 # Figure 1
 
-#: Share of the tiles an edge touches that a DDA leaves out, mean over random edges.
+#: Share of an edge's touched tiles that a DDA misses, mean over random edges.
 DDA_MISSES = Band(0.01, 0.6, "Fig. 1: a DDA misses tiles that the edge touches")
 
-#: Touched tiles that the supercover does not list, and listed ones the edge does not touch.
+#: Touched tiles that the supercover does not list, and listed tiles that the edge does not touch.
 SUPERCOVER_ERRORS = Band(0, 0, "Sec. 3.2: every tile that is touched, and no other")
 
 # Figures 2 and 3
@@ -29,17 +29,17 @@ SUPERCOVER_ERRORS = Band(0, 0, "Sec. 3.2: every tile that is touched, and no oth
 #: Tiles of a ray along the axis of its subfield.
 ALIGNED_TILES = Band(1, 1, "Sec. 5: a ray along the PSF's direction considers only one tile")
 
-#: Tiles of random chords of the scene's ball, 128 tiles, by number of directions.
+#: Tiles of random chords of the scene's bounding ball, with 128 tiles, by number of directions.
 CHORD_TILES = {
     33: Band(8.0, 22.0, "expected: 1 + (4/π) s sin δ n/2 with 9.7° on average"),
     513: Band(3.5, 7.0, "expected: the same with 2.46°; a trial measured 4.5 to 5.2 with hits"),
     2049: Band(2.0, 4.5, "expected: the same with 1.23°; a trial measured 3.1"),
 }
 
-#: Rays whose leaves differ between the linear walk and the walk by a stack.
+#: Rays whose leaves differ between the linear walk and the walk with a stack.
 WALKS_DIFFER = Band(0, 0, "Sec. 4: the linear walk visits the leaves that the stack finds")
 
-#: Share of the leaves of the tiles crossed that are visited (Fig. 3's grey ones), depth 3.
+#: Share of visited leaves (grey in Fig. 3) in the crossed tiles, depth 3.
 GREY_LEAVES = Band(0.1, 0.9, "Fig. 3: only some leaves of a tile are tested")
 
 # Figures 4 and 7
@@ -50,10 +50,10 @@ CLASSROOM_LIGHTS = Band(4, 4, "Sec. 6.2: 4 point light-sources")
 
 # Figure 5
 
-#: Speed-up of VLF-RT over CRT at every number of random triangles, primary rays.
+#: Speed-up of VLF-RT over CRT for primary rays, at every number of random triangles.
 RANDOM_SPEEDUP = Band(1.0, math.inf, "Sec. 8: performs better than the single ray CRT method")
 
-#: Time of VLF-RT at the most triangles over that at the fewest, over the ratio of the numbers.
+#: Time of VLF-RT at the most triangles over that at the fewest, over the ratio of triangles.
 RANDOM_GROWTH = Band(0.0, 0.5, "Fig. 5: time grows much slower than the number of triangles")
 
 #: Speed-up of Embree's packets over VLF-RT.
@@ -61,13 +61,13 @@ EMBREE_AHEAD = Band(1.0, math.inf, "expected: a trial measured 2 to 10 with Embr
 
 # Figure 6
 
-#: Median over the frames of the walk, speed-up of VLF-RT over CRT.
+#: Speed-up of VLF-RT over CRT, median over the frames of the walk.
 WALK_SPEEDUP = {
     "OpenGL-like": Band(1.0, math.inf, "Fig. 6: VLF-RT below CRT, primary rays"),
     "Whitted": Band(1.0, math.inf, "Fig. 6: VLF-RT below CRT, Whitted"),
 }
 
-#: Time of a Whitted frame over an OpenGL-like one, VLF-RT, median.
+#: Time of a Whitted frame over that of an OpenGL-like one with VLF-RT, median.
 WHITTED_COST = Band(1.5, 10.0, "expected: up to four shadow rays and a reflection per primary ray")
 
 # Table 1 and Figure 8
@@ -87,7 +87,7 @@ BATCH_OVER_FIELD = Band(2.0, math.inf, "expected: a trial measured 5 to 30")
 #: Speed-up of the aligned batch over the better of Embree's orders.
 BATCH_OVER_EMBREE = Band(1.0, math.inf, "expected: a trial measured 1.6 on spheres 15k, 256x256")
 
-#: Largest share of rays answered unlike Embree's, any method.
+#: Largest share, of all methods, of rays with another answer than Embree's.
 OCCLUSION_DIFFERS = Band(0.0, 1e-5, "expected: rays within rounding of an edge alone")
 
 # X1: directions, tiles and depth
@@ -105,13 +105,13 @@ FINER_IS_FASTER = Band(
 
 # X2: ambient occlusion over the number of directions
 
-#: RMSE at 513 directions over that at 33, solid-angle weights.
+#: RMSE with 513 directions over that with 33, solid-angle weights.
 ERROR_FALLS = Band(0.0, 0.6, "expected: an error that falls with the spacing of the directions")
 
-#: Mean of the picture at 513 directions over the reference's, less 1, solid-angle weights.
+#: Mean of the picture with 513 directions over the reference's, less 1, solid-angle weights.
 WEIGHTED_BIAS = Band(-0.01, 0.01, "expected: weights of the directions' cells leave no bias")
 
-#: The bias with solid-angle weights over that with equal weights, sizes, mean over l >= 33.
+#: Size of the bias with solid-angle weights over that with equal weights, means over l >= 33.
 WEIGHTS_PAY = Band(0.0, 1.0, "Sec. 7 takes the directions for uniform; their cells differ by 2.0")
 
 # X3: memory
@@ -119,7 +119,7 @@ WEIGHTS_PAY = Band(0.0, 1.0, "Sec. 7 takes the directions for uniform; their cel
 #: Bytes predicted before building over bytes used.
 MEMORY_PREDICTED = Band(0.9, 1.1, "expected: within 10 %")
 
-#: Entries of the lists by the formula A/(2c²) + P/(2c) + 1 over those counted.
+#: List entries by the formula A/(2c²) + P/(2c) + 1 over the counted ones.
 REFERENCES_PREDICTED = Band(0.85, 1.1, "expected: a trial found 0.94 to 1.03")
 
 # X4: when the aligned batch pays
@@ -130,13 +130,13 @@ MANY_POINTS = Band(1.2, math.inf, "expected: a trial measured 1.3 to 5 above 0.4
 #: The same at the fewest points per triangle.
 FEW_POINTS = Band(0.0, 1.0, "expected: every axis touches every triangle, however few the points")
 
-#: Speed of the engine that `engine="auto"` chose over the faster engine, at its worst.
+#: Smallest speed of the engine that `engine="auto"` chose over that of the faster engine.
 CHOOSER = Band(0.8, 1.01, "expected: a choice by predicted cost errs near the crossing alone")
 
 # X5: objects that move
 
-#: Time of a rebuild over that of an update, an object of 1 % of the triangles.
+#: Time of a rebuild over that of an update, for an object of 1 % of the triangles.
 UPDATE_PAYS = Band(2.0, math.inf, "expected: cost follows the triangles of the object")
 
-#: Share of rays answered unlike a field that was built with the object in its place.
+#: Share of rays with another answer than that of a field built with the object in place.
 UPDATE_DIFFERS = Band(0.0, 1e-4, "expected: rays within rounding of an edge, moved in other digits")

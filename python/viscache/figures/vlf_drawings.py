@@ -1,4 +1,4 @@
-"""Figures 1 to 3 of the visibility field's paper: tiles of edges, tiles and leaves of rays."""
+"""Figures 1 to 3 of the visibility field's paper: tiles of edges; tiles and leaves of rays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[Any]
 TILES = 16
 EDGES, QUICK_EDGES = 2000, 300
 CHORDS, QUICK_CHORDS = 2000, 300
-#: How far from an edge a tile may be listed: twice what coverage is grown by.
+#: Largest distance of a listed tile from its edge: twice the growth of the coverage.
 NEAR = 2e-5
 
 
@@ -36,28 +36,30 @@ def figure1(folder: Path, quick: bool, progress: bool) -> Outcome:
         extra += sum(not _near(a, b, tile) for tile in listed - touched)
         shares.append(len(touched - dda(a, b)) / len(touched))
     rows = [
-        Row(what="share of touched tiles a DDA misses", measured=float(np.mean(shares)),
-            band=bands.DDA_MISSES, note=f"{len(edges)} random edges, {TILES}x{TILES} tiles"),
-        Row(what="edges with missed tiles, DDA", measured=float(np.mean(np.array(shares) > 0))),
-        Row(what="touched tiles the supercover misses", measured=missed,
-            band=bands.SUPERCOVER_ERRORS),
-        Row(what="tiles it lists that the edge does not touch", measured=extra,
-            band=bands.SUPERCOVER_ERRORS),
-    ]  # fmt: skip
+        Row(
+            "share of touched tiles a DDA misses",
+            float(np.mean(shares)),
+            band=bands.DDA_MISSES,
+            note=f"{len(edges)} random edges, {TILES}x{TILES} tiles",
+        ),
+        Row("edges with missed tiles, DDA", float(np.mean(np.array(shares) > 0))),
+        Row("touched tiles the supercover misses", missed, band=bands.SUPERCOVER_ERRORS),
+        Row("tiles it lists that the edge does not touch", extra, band=bands.SUPERCOVER_ERRORS),
+    ]
     path = folder / "vlf-fig1.png"
     save_figure(_draw_edges(), path)
     return Outcome(rows=rows, files=[path])
 
 
 def supercover(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles that the field lists for an edge."""
+    """The tiles that the field lists for an edge."""
     corners = np.zeros((1, 3, 3), np.float32)
     corners[0, 0, :2], corners[0, 1:, :2] = a, b
     return {(int(x), int(y)) for _, x, y in core.cover_tiles(corners, TILES)[0]}
 
 
 def dda(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles of a digital differential analyser: one per step along the longer axis."""
+    """The tiles of a digital differential analyser: one per step along the longer axis."""
     p, q = (np.asarray(v, float) * TILES / 2 + TILES / 2 for v in (a, b))
     steps = max(1, int(np.ceil(np.abs(q - p).max())))
     at = p + (q - p) * (np.arange(steps + 1) / steps)[:, None]
@@ -65,19 +67,19 @@ def dda(a: Array, b: Array) -> set[tuple[int, int]]:
 
 
 def touched_tiles(a: Array, b: Array) -> set[tuple[int, int]]:
-    """Tiles whose inside the edge crosses, from its crossings with the tiles' borders."""
+    """The tiles whose interior the edge crosses, from its crossings with tile borders."""
     p, q = np.asarray(a, float), np.asarray(b, float)
     borders = np.linspace(-1, 1, TILES + 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.concatenate([(borders - p[k]) / (q - p)[k] for k in range(2)])
     t = np.unique(np.concatenate([[0, 1], t[(t > 0) & (t < 1)]]))
     middle = p + (t[1:] + t[:-1])[:, None] / 2 * (q - p)
-    keep = np.diff(t) * np.linalg.norm(q - p) > 1e-6  # less: a corner within rounding
+    keep = np.diff(t) * np.linalg.norm(q - p) > 1e-6  # shorter: a corner, within rounding
     return {(int(x), int(y)) for x, y in ((middle[keep] + 1) * TILES / 2).astype(int)}
 
 
 def _near(a: Array, b: Array, tile: tuple[int, int]) -> bool:
-    """Whether the edge meets the tile grown by NEAR."""
+    """Whether the edge intersects the tile grown by NEAR."""
     p, d = np.asarray(a, float), np.asarray(b, float) - np.asarray(a, float)
     low, high = 0.0, 1.0
     for k in range(2):
@@ -121,15 +123,19 @@ def _rectangle(corner: tuple[float, float], width: float, height: float, color: 
 
 @figure("vlf-fig2", "rays over one and several tiles")
 def figure2(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Rays over one and several tiles."""
+    """Rays that cross one tile, and several."""
     n = QUICK_CHORDS if quick else CHORDS
     rng = np.random.default_rng(2)
-    rows = [Row(what="tiles of a ray along the axis", measured=_aligned_tiles(rng, n),
-                band=bands.ALIGNED_TILES)]  # fmt: skip
+    rows = [Row("tiles of a ray along the axis", _aligned_tiles(rng, n), band=bands.ALIGNED_TILES)]
     for count, band in bands.CHORD_TILES.items():
-        rows.append(Row(what=f"tiles of a random chord, {count} directions",
-                        measured=_chord_tiles(rng, n, count), band=band,
-                        note="128 tiles, the whole chord"))  # fmt: skip
+        rows.append(
+            Row(
+                f"tiles of a random chord, {count} directions",
+                _chord_tiles(rng, n, count),
+                band=band,
+                note="128 tiles, the whole chord",
+            )
+        )
     path = folder / "vlf-fig2.png"
     save_figure(_draw_rays(leaves=1), path)
     return Outcome(rows=rows, files=[path])
@@ -148,13 +154,14 @@ def _chord_tiles(rng: np.random.Generator, n: int, count: int) -> float:
     frames = vlf.direction_frames(count)[axis].astype(float)
     q, g = (np.einsum("nij,nj->ni", frames, v) for v in (o, e - o))
     walks = zip(q.tolist(), g.tolist(), strict=True)
-    return float(np.mean([len(core.walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0])
-                          for p, d in walks]))  # fmt: skip
+    return float(
+        np.mean([len(core.walk_tiles(tuple(p), tuple(d), 128, 0.0, 1.0)[0]) for p, d in walks])
+    )
 
 
 @figure("vlf-fig3", "linear traversal of a tile's leaves")
 def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Leaves of the tiles that a ray crosses: the linear walk and the stack's."""
+    """Leaves of the tiles that a ray crosses, by the linear walk and the walk with a stack."""
     rng = np.random.default_rng(3)
     n = QUICK_CHORDS if quick else CHORDS
     differ, visited, there = 0, 0, 0
@@ -164,16 +171,21 @@ def figure3(folder: Path, quick: bool, progress: bool) -> Outcome:
         _, spans = core.walk_tiles(tuple(o), tuple(d), TILES, 0.0, 1.0)
         for t_in, t_out in spans:
             depths = o[2] + np.array([t_in, t_out]) * d[2]
-            ways = [_leaves(float(depths.min()), float(depths.max()), d[2] > 0, how)
-                    for how in core.LeafWalk]  # fmt: skip
+            ways = [
+                _leaves(float(depths.min()), float(depths.max()), d[2] > 0, how)
+                for how in core.LeafWalk
+            ]
             differ += ways[0] != ways[1]
             visited, there = visited + len(ways[0]), there + 8
     rows = [
-        Row(what="tiles whose leaves the two walks visit differently", measured=differ,
-            band=bands.WALKS_DIFFER, note=f"{n} rays, 8 leaves a tile"),
-        Row(what="share of the leaves that are visited", measured=visited / there,
-            band=bands.GREY_LEAVES),
-    ]  # fmt: skip
+        Row(
+            "tiles whose leaves the two walks visit differently",
+            differ,
+            band=bands.WALKS_DIFFER,
+            note=f"{n} rays, 8 leaves a tile",
+        ),
+        Row("share of the leaves that are visited", visited / there, band=bands.GREY_LEAVES),
+    ]
     path = folder / "vlf-fig3.png"
     save_figure(_draw_rays(leaves=8), path)
     return Outcome(rows=rows, files=[path])
@@ -184,12 +196,15 @@ def _leaves(low: float, high: float, upwards: bool, how: core.LeafWalk) -> list[
 
 
 #: Rays of the drawings, in x and z.
-SHOWN = {"A": ((-0.7, -0.6), (0.35, 0.75)), "B": ((-0.25, 0.7), (0.1, -0.8)),
-         "C": ((0.7, -0.75), (0.7, 0.6))}  # fmt: skip
+SHOWN = {
+    "A": ((-0.7, -0.6), (0.35, 0.75)),
+    "B": ((-0.25, 0.7), (0.1, -0.8)),
+    "C": ((0.7, -0.75), (0.7, 0.6)),
+}
 
 
 def _draw_rays(leaves: int) -> Any:
-    """Each ray with the tiles, or the leaves, that it visits."""
+    """Draw each ray with the tiles, or the leaves, that it visits."""
     n = 5
     figure = new_figure(9.0, 3.4)
     for column, (name, (o, e)) in enumerate(SHOWN.items()):
@@ -204,14 +219,20 @@ def _draw_rays(leaves: int) -> Any:
             for low, height in _visited(o[1] + np.array([t_in, t_out]) * d[1], d[1] > 0, leaves):
                 axes.add_patch(_rectangle((2 * tile / n - 1, low), 2 / n, height, "0.8"))
         axes.annotate("", xy=e, xytext=o, arrowprops={"arrowstyle": "->", "lw": 1.4})
-        axes.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title=f"ray {name}",
-                 xlabel="tiles 1 to 5", ylabel="along the beams")  # fmt: skip
+        axes.set(
+            xlim=(-1, 1),
+            ylim=(-1, 1),
+            aspect="equal",
+            title=f"ray {name}",
+            xlabel="tiles 1 to 5",
+            ylabel="along the beams",
+        )
         axes.set_xticks([]), axes.set_yticks([])
     return figure
 
 
 def _visited(depths: Array, upwards: bool, leaves: int) -> list[tuple[float, float]]:
-    """Lower ends and heights of the leaves at some depths of a tile."""
+    """Lower ends and heights of a tile's leaves at the given depths."""
     if leaves == 1:
         return [(-1.0, 2.0)]
     found = _leaves(float(depths.min()), float(depths.max()), upwards, core.LeafWalk.LINEAR)

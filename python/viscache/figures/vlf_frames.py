@@ -31,13 +31,13 @@ from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.rays import Rays
 
-#: Numbers of random triangles, and the most a field is built for in full.
+#: Numbers of random triangles, and the largest for which a full field is built.
 COUNTS = (1_000, 4_000, 9_000, 16_000, 64_000, 250_000, 1_000_000)
 QUICK_COUNTS = (1_000, 4_000)
 EDGE_FACTOR = 1.0
-#: Places on the way into the cube of triangles, looking at its middle.
+#: Places on the way into the cube of triangles; the camera looks at the centre.
 STATIONS = ((1.6, 1.3, 2.0), (1.1, 0.9, 1.4), (0.6, 0.55, 0.9))
-#: Of the walk's 420 frames, every so-many-th.
+#: Interval of the frames taken from the walk's 420.
 STRIDE = 6
 QUICK_FRAMES, QUICK_SIZE = (0, 210), (64, 64)
 
@@ -49,7 +49,7 @@ def _random(count: int) -> Scene:
 
 @figure("vlf-fig4", "the scenes of random triangles")
 def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """The scenes of random triangles."""
+    """Pictures of the scenes of random triangles."""
     outcome, figure = Outcome(), new_figure(8.0, 4.2)
     for column, count in enumerate(printed.RANDOM_SHOWN):
         scene = _random(count)
@@ -59,17 +59,20 @@ def figure4(folder: Path, quick: bool, progress: bool) -> Outcome:
         axes = figure.add_subplot(1, 2, column + 1)
         draw_image(axes, frame.image, f"{count} triangles")
         outcome.rows.append(
-            Row(what=f"triangles, {'left' if column == 0 else 'right'}", printed=count,
-                measured=scene.triangles,
-                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told")
-        )  # fmt: skip
+            Row(
+                f"triangles, {'left' if column == 0 else 'right'}",
+                scene.triangles,
+                printed=count,
+                note=f"edge {EDGE_FACTOR:g} n^(-1/3); the paper's size is not told",
+            )
+        )
     outcome.files.append(save_figure(figure, folder / "vlf-fig4.png"))
     return outcome
 
 
 @figure("vlf-fig5", "frame time over the number of triangles")
 def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Time of primary rays over the number of random triangles."""
+    """Time of primary rays by number of random triangles."""
     size = QUICK_SIZE if quick else printed.RANDOM_SIZE
     counts = QUICK_COUNTS if quick else COUNTS
     outcome, table = Outcome(), []
@@ -88,8 +91,15 @@ def figure5(folder: Path, quick: bool, progress: bool) -> Outcome:
         found = in_turns(runs, 1 if quick else 3)
         for name, seconds in found.items():
             times[name].append(1e3 * seconds / len(STATIONS))
-            table.append({"triangles": count, "method": name, "ms": times[name][-1],
-                          "bytes": tuned[name].nbytes, "build_s": tuned[name].build_s})  # fmt: skip
+            table.append(
+                {
+                    "triangles": count,
+                    "method": name,
+                    "ms": times[name][-1],
+                    "bytes": tuned[name].nbytes,
+                    "build_s": tuned[name].build_s,
+                }
+            )
         outcome.rows += _count_rows(count, found, tuned, quick)
     outcome.rows += _growth_rows(counts, times, quick)
     lines = {name: (counts, ms) for name, ms in times.items()}
@@ -121,22 +131,32 @@ def _count_rows(
 ) -> list[Row]:
     gain, ahead = found["CRT"] / found["VLF-RT"], found["VLF-RT"] / found["Embree"]
     return [
-        Row(what=f"{count} triangles: speed-up of VLF-RT over CRT", measured=gain,
+        Row(
+            f"{count} triangles: speed-up of VLF-RT over CRT",
+            gain,
             band=None if quick else bands.RANDOM_SPEEDUP,
-            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}"),
-        Row(what=f"{count} triangles: speed-up of Embree over VLF-RT", measured=ahead,
-            band=None if quick else bands.EMBREE_AHEAD),
-    ]  # fmt: skip
+            note=f"CRT {tuned['CRT'].text}; VLF-RT {tuned['VLF-RT'].text}",
+        ),
+        Row(
+            f"{count} triangles: speed-up of Embree over VLF-RT",
+            ahead,
+            band=None if quick else bands.EMBREE_AHEAD,
+        ),
+    ]
 
 
 def _growth_rows(counts: Sequence[int], times: dict[str, list[float]], quick: bool) -> list[Row]:
     more = counts[-1] / counts[0]
     rows = []
     for name, ms in times.items():
-        rows.append(Row(what=f"{name}: growth of the time over the growth of the triangles",
-                        measured=ms[-1] / ms[0] / more,
-                        band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
-                        note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame"))  # fmt: skip
+        rows.append(
+            Row(
+                f"{name}: growth of the time over the growth of the triangles",
+                ms[-1] / ms[0] / more,
+                band=bands.RANDOM_GROWTH if name == "VLF-RT" and not quick else None,
+                note=f"{ms[0]:.1f} to {ms[-1]:.1f} ms a frame",
+            )
+        )
     return rows
 
 
@@ -145,13 +165,15 @@ def figure6(folder: Path, quick: bool, progress: bool) -> Outcome:
     """A walk through the classroom: CPU time of each frame."""
     frames = QUICK_FRAMES if quick else range(0, printed.CLASSROOM_FRAMES, STRIDE)
     size = QUICK_SIZE if quick else printed.CLASSROOM_SIZE
-    # A scene each: a scene keeps one caster beside Embree's
+    # One scene per tracer: a scene keeps only one caster besides Embree's
     rooms = {name: _classroom(quick) for name in ("CRT", "VLF-RT", "Embree")}
     views = [scenes.classroom_camera(k) for k in frames]
     trial = camera_rays(views[len(views) // 2], size)
-    tuned = {"CRT": best_bsp(rooms["CRT"], trial, quick),
-             "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
-             "Embree": embree(rooms["Embree"])}  # fmt: skip
+    tuned = {
+        "CRT": best_bsp(rooms["CRT"], trial, quick),
+        "VLF-RT": best_field(rooms["VLF-RT"], trial, quick),
+        "Embree": embree(rooms["Embree"]),
+    }
     table = []
     for k, view in zip(frames, views, strict=True):
         rays = camera_rays(view, size)
@@ -178,7 +200,7 @@ def _classroom(quick: bool) -> Scene:
 
 
 def _whitted(scene: Scene, rays: Rays, view: _core.Camera, size: tuple[int, int]) -> float:
-    """CPU seconds of a frame without building the caster."""
+    """CPU seconds of a frame, without building the caster."""
     scene.caster(rays)
     frame = render(scene, Whitted(n_vpls=0), rays=rays, size=size, camera=view, threads=1)
     return float(frame.timings["cpu_s"])
@@ -194,22 +216,31 @@ def _walk_rows(table: list[dict[str, Any]], tuned: dict[str, Tuned], quick: bool
         crt, field, packets = (_ms(table, n, shading) for n in ("CRT", "VLF-RT", "Embree"))
         gain = crt / field
         rows += [
-            Row(what=f"{shading}: speed-up of VLF-RT over CRT, median", measured=_median(gain),
+            Row(
+                f"{shading}: speed-up of VLF-RT over CRT, median",
+                _median(gain),
                 band=None if quick else band,
-                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames"),
-            Row(what=f"{shading}: speed-up of Embree over VLF-RT, median",
-                measured=_median(field / packets), band=None if quick else bands.EMBREE_AHEAD),
-        ]  # fmt: skip
+                note=f"{gain.min():.2f} to {gain.max():.2f} over {len(gain)} frames",
+            ),
+            Row(
+                f"{shading}: speed-up of Embree over VLF-RT, median",
+                _median(field / packets),
+                band=None if quick else bands.EMBREE_AHEAD,
+            ),
+        ]
     cost = _ms(table, "VLF-RT", "Whitted") / _ms(table, "VLF-RT", "OpenGL-like")
-    rows.append(Row(what="VLF-RT: a Whitted frame over an OpenGL-like one, median",
-                    measured=_median(cost),
-                    band=None if quick else bands.WHITTED_COST))  # fmt: skip
+    rows.append(
+        Row(
+            "VLF-RT: a Whitted frame over an OpenGL-like one, median",
+            _median(cost),
+            band=None if quick else bands.WHITTED_COST,
+        )
+    )
     depths = {"CRT": printed.CLASSROOM_CRT_DEPTH, "VLF-RT": printed.CLASSROOM_FIELD_DEPTH}
     for name, depth in depths.items():
         s: Any = tuned[name].settings
         best = s.max_depth if name == "CRT" else s.bsp_depth
-        rows.append(Row(what=f"{name}: best depth", printed=depth, measured=best,
-                        note=tuned[name].text))  # fmt: skip
+        rows.append(Row(f"{name}: best depth", best, printed=depth, note=tuned[name].text))
     return rows
 
 
@@ -236,23 +267,32 @@ def figure7(folder: Path, quick: bool, progress: bool) -> Outcome:
     frame = render(scene, Whitted(n_vpls=0), size=size, camera=view)
     figure = new_figure(8.0, 4.2)
     pictures: dict[str, npt.NDArray[Any]] = {
-        "Whitted": frame.image, "OpenGL-like": local_shading(frame, view, lights)
-    }  # fmt: skip
+        "Whitted": frame.image,
+        "OpenGL-like": local_shading(frame, view, lights),
+    }
     for column, (title, image) in enumerate(pictures.items()):
         draw_image(figure.add_subplot(1, 2, column + 1), image, title)
     rows = [
-        Row(what="triangles", printed=printed.CLASSROOM_TRIANGLES, measured=scene.triangles,
-            band=bands.CLASSROOM_TRIANGLES),
-        Row(what="point lights", printed=printed.CLASSROOM_LIGHTS, measured=len(lights),
-            band=bands.CLASSROOM_LIGHTS),
-    ]  # fmt: skip
+        Row(
+            "triangles",
+            scene.triangles,
+            printed=printed.CLASSROOM_TRIANGLES,
+            band=bands.CLASSROOM_TRIANGLES,
+        ),
+        Row(
+            "point lights",
+            len(lights),
+            printed=printed.CLASSROOM_LIGHTS,
+            band=bands.CLASSROOM_LIGHTS,
+        ),
+    ]
     return Outcome(rows=rows, files=[save_figure(figure, folder / "vlf-fig7.png")])
 
 
 def local_shading(
     frame: Any, view: _core.Camera, lights: list[dict[str, Any]]
 ) -> npt.NDArray[np.float64]:
-    """Local colour under the lights' distance and direction, without a shadow: (H, W, 3)."""
+    """(H, W, 3): local shading by the lights' distances and directions, without shadows."""
     layers = frame.layers
     height, width = layers["depth"].shape[:2]
     along = camera_rays(view, (width, height)).directions.reshape(height, width, 3)

@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: what it costs to move an object (X5)."""
+"""Beyond the visibility field's paper: the cost of moving an object (X5)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscache.vlf.dynamic import DynamicField
 Mode: TypeAlias = Literal["overlay", "in_place"]
 
 TRIANGLES, QUICK_TRIANGLES = 100_000, 3_000
-#: Triangles of the object that moves, as shares of the scene's: 100 to 10,000.
+#: Triangles of the moving object, as shares of the scene's: 100 to 10,000.
 SHARES, QUICK_SHARES = (0.001, 0.003, 0.01, 0.03, 0.1), (0.01, 0.1)
 FIELD = Vlf(n_tiles=128, bsp_depth=3, head_room=1.25, max_bytes=MAX_BYTES)
 QUICK_FIELD = Vlf(n_directions=33, n_tiles=64, bsp_depth=3, head_room=1.25)
@@ -32,15 +32,20 @@ CHORDS, QUICK_CHORDS = 50_000, 2_000
 
 @figure("vlf-x5", "an object that moves: time of an update against a rebuild")
 def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """CPU time of an update against that of building the field again."""
+    """CPU time of an update against that of rebuilding the field."""
     settings = QUICK_FIELD if quick else FIELD
     scene: Scene = scenes.bumpy_spheres(triangles=QUICK_TRIANGLES if quick else TRIANGLES)
     rebuild = cpu_seconds(partial(settings.build, scene._core), 1 if quick else 2)
     outcome = Outcome(
-        rows=[Row(what="CPU seconds of a rebuild", measured=rebuild,
-                  note=f"{scene.triangles} triangles, l {settings.n_directions}, n "
-                       f"{settings.n_tiles}, depth {settings.bsp_depth}")]
-    )  # fmt: skip
+        rows=[
+            Row(
+                "CPU seconds of a rebuild",
+                rebuild,
+                note=f"{scene.triangles} triangles, l {settings.n_directions}, n "
+                f"{settings.n_tiles}, depth {settings.bsp_depth}",
+            )
+        ]
+    )
     table: list[dict[str, Any]] = []
     modes: tuple[Mode, ...] = ("overlay", "in_place")
     for mode in modes:
@@ -50,14 +55,20 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
     for r in table:
         banded = r["share"] == 0.01 and not quick
         outcome.rows.append(
-            Row(what=f"{r['mode']}, {r['triangles']} triangles: a rebuild over an update",
-                measured=rebuild / r["seconds"], band=bands.UPDATE_PAYS if banded else None,
-                note=f"{1e3 * r['seconds']:.1f} CPU ms an update, {r['bytes'] / 1e6:.1f} MB")
-        )  # fmt: skip
+            Row(
+                f"{r['mode']}, {r['triangles']} triangles: a rebuild over an update",
+                rebuild / r["seconds"],
+                band=bands.UPDATE_PAYS if banded else None,
+                note=f"{1e3 * r['seconds']:.1f} CPU ms an update, {r['bytes'] / 1e6:.1f} MB",
+            )
+        )
     outcome.rows.append(
-        Row(what="rays answered unlike a field built with the object in its place",
-            measured=max(r["differ"] for r in table), band=bands.UPDATE_DIFFERS)
-    )  # fmt: skip
+        Row(
+            "rays answered unlike a field built with the object in its place",
+            max(r["differ"] for r in table),
+            band=bands.UPDATE_DIFFERS,
+        )
+    )
     lines: dict[str, tuple[list[float], list[float]]] = {}
     for mode in modes:
         points = [(r["triangles"], 1e3 * r["seconds"]) for r in table if r["mode"] == mode]
@@ -75,7 +86,7 @@ def x5(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _move(
     field: DynamicField, scene: Scene, share: float, mode: Mode, quick: bool
 ) -> dict[str, Any]:
-    """Insert an object, take it from stop to stop, compare the last, and delete it."""
+    """Insert an object, move it from stop to stop, compare the last stop, and delete it."""
     vertices, triangles = ball(round(share * scene.triangles), (0.0, 0.5, 0.0))
     number = field.insert(vertices, triangles)
     times = []
@@ -91,7 +102,10 @@ def _move(
     nbytes = field.stats["bytes"]
     field.delete(number)
     return {
-        "mode": mode, "share": share, "triangles": len(triangles),
-        "seconds": float(np.median(times)), "bytes": nbytes,
+        "mode": mode,
+        "share": share,
+        "triangles": len(triangles),
+        "seconds": float(np.median(times)),
+        "bytes": nbytes,
         "differ": float(np.mean(~np.isclose(found, expected, rtol=1e-5, atol=0))),
-    }  # fmt: skip
+    }

@@ -32,15 +32,15 @@ from viscache.figures.vlf_tracers import (
 from viscache.scene import Scene
 
 SIZE, QUICK_SIZE = (256, 256), (48, 48)
-#: Points whose rays the tracers of single rays are given; the batch gets all.
+#: Number of points for the single-ray tracers; the batch gets all points.
 POINTS, QUICK_POINTS = 4096, 128
-#: visibility/query.h: how far rays start off a surface, in units in the last place.
+#: Offset of ray origins from a surface, as in visibility/query.h: units in the last place.
 OFFSET = 8 * 2.0**-23
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Place:
-    """A scene, the points its first camera sees, and rays along all axes."""
+    """A scene, the points that its first camera sees, and rays along all axes."""
 
     name: str
     scene: Scene
@@ -50,7 +50,7 @@ class Place:
     n_directions: int
 
     def beams(self, n_points: int) -> tuple[Beams, Beams]:
-        """The rays of some points: point by point, and direction by direction."""
+        """The rays of some points, ordered by point and ordered by direction."""
         pick = np.unique(np.linspace(0, len(self.positions) - 1, n_points).astype(np.int64))
         p, n = self.positions[pick], self.normals[pick]
         extent = np.float32(self.scene._core.offset_extent)
@@ -73,8 +73,14 @@ def place(name: str, quick: bool) -> Place:
     make: Any = scenes.church if name == "church" else scenes.bumpy_spheres
     scene: Scene = make(triangles=triangles)
     found = first_hits(scene, scene.cameras[0], QUICK_SIZE if quick else SIZE)
-    return Place(name=name, scene=scene, positions=found[0], normals=found[1], seen=found[2],
-                 n_directions=QUICK_DIRECTIONS if quick else printed.DIRECTIONS)  # fmt: skip
+    return Place(
+        name=name,
+        scene=scene,
+        positions=found[0],
+        normals=found[1],
+        seen=found[2],
+        n_directions=QUICK_DIRECTIONS if quick else printed.DIRECTIONS,
+    )
 
 
 @figure("vlf-tab1", "ambient occlusion: seconds and speed-up of five scenes")
@@ -88,10 +94,13 @@ def table1(folder: Path, quick: bool, progress: bool) -> Outcome:
         outcome.rows += rows
         table += more
     outcome.rows.append(
-        Row(what="speed-up at 34K over that at 5.8K triangles", printed=1.45 / 2.51,
-            measured=gains["tugboat"] / gains["cow"],
-            band=None if quick else bands.OCCLUSION_DECLINE)
-    )  # fmt: skip
+        Row(
+            "speed-up at 34K over that at 5.8K triangles",
+            gains["tugboat"] / gains["cow"],
+            printed=1.45 / 2.51,
+            band=None if quick else bands.OCCLUSION_DECLINE,
+        )
+    )
     outcome.files.append(write_csv(folder / "vlf-tab1.csv", table))
     outcome.notes.append(
         "Stand-ins with the paper's numbers of triangles: bumpy spheres, and a church of ours. CPU "
@@ -125,18 +134,27 @@ def _measure(spot: Place, quick: bool) -> tuple[list[Row], list[dict[str, Any]],
         for name in answers
     )
     rows.append(
-        Row(what=f"{spot.name}: largest share of rays answered unlike Embree's", measured=differ,
-            note=f"{len(by_point)} rays, Wald's triangle test")
-    )  # fmt: skip
+        Row(
+            f"{spot.name}: largest share of rays answered unlike Embree's",
+            differ,
+            note=f"{len(by_point)} rays, Wald's triangle test",
+        )
+    )
     rays = printed.OCCLUSION_PIXELS * printed.OCCLUSION_RAYS
     table: list[dict[str, Any]] = []
     for name, s in seconds.items():
         built = tuned.get(name.partition(",")[0])
-        table.append({
-            "scene": spot.name, "triangles": spot.scene.triangles, "method": name, "seconds": s,
-            "Mray/s": rays / s / 1e6, "bytes": built.nbytes if built else "",
-            "build_s": built.build_s if built else "",
-        })  # fmt: skip
+        table.append(
+            {
+                "scene": spot.name,
+                "triangles": spot.scene.triangles,
+                "method": name,
+                "seconds": s,
+                "Mray/s": rays / s / 1e6,
+                "bytes": built.nbytes if built else "",
+                "build_s": built.build_s if built else "",
+            }
+        )
     return rows, table, gain
 
 
@@ -159,10 +177,17 @@ def _rows_of_bits(spot: Place, quick: bool) -> dict[str, float]:
     """The aligned batch and Embree's rows, all points at once."""
     engines: dict[str, Any] = {"aligned batch": "batch", "Embree's rows": "embree"}
     runs: dict[str, Callable[[], Any]] = {
-        name: partial(vlf.trace_aligned, spot.scene, spot.positions, spot.normals,
-                      spot.n_directions, engine=engine, threads=1)
+        name: partial(
+            vlf.trace_aligned,
+            spot.scene,
+            spot.positions,
+            spot.normals,
+            spot.n_directions,
+            engine=engine,
+            threads=1,
+        )
         for name, engine in engines.items()
-    }  # fmt: skip
+    }
     spot.scene.aligned_batch()
     whole = printed.OCCLUSION_PIXELS * printed.OCCLUSION_RAYS
     traced = len(spot.positions) * spot.n_directions
@@ -182,24 +207,51 @@ def _scene_rows(
         return None if quick else value
 
     return [
-        Row(what=f"{name}: seconds, CRT", printed=said.crt_s, measured=seconds["CRT, by point"],
-            note=f"{tuned['CRT'].text}; printed with depth {said.crt_depth}"),
-        Row(what=f"{name}: seconds, VLF-RT", printed=said.field_s, measured=field,
-            note=f"{tuned['VLF-RT'].text}; printed with depth {said.field_depth}"),
-        Row(what=f"{name}: speed-up of VLF-RT over CRT", printed=said.speedup,
-            measured=seconds["CRT, by point"] / field, band=band(bands.OCCLUSION_SPEEDUP)),
-        Row(what=f"{name}: VLF-RT by direction over by point",
-            measured=field / seconds["VLF-RT, by direction"], band=band(bands.DIRECTION_ORDER)),
-        Row(what=f"{name}: seconds, Embree, the better order", measured=packets,
+        Row(
+            f"{name}: seconds, CRT",
+            seconds["CRT, by point"],
+            printed=said.crt_s,
+            note=f"{tuned['CRT'].text}; printed with depth {said.crt_depth}",
+        ),
+        Row(
+            f"{name}: seconds, VLF-RT",
+            field,
+            printed=said.field_s,
+            note=f"{tuned['VLF-RT'].text}; printed with depth {said.field_depth}",
+        ),
+        Row(
+            f"{name}: speed-up of VLF-RT over CRT",
+            seconds["CRT, by point"] / field,
+            printed=said.speedup,
+            band=band(bands.OCCLUSION_SPEEDUP),
+        ),
+        Row(
+            f"{name}: VLF-RT by direction over by point",
+            field / seconds["VLF-RT, by direction"],
+            band=band(bands.DIRECTION_ORDER),
+        ),
+        Row(
+            f"{name}: seconds, Embree, the better order",
+            packets,
             note=f"by point {seconds['Embree, by point']:.2f}, by direction "
-                 f"{seconds['Embree, by direction']:.2f}, as rows {seconds[EMBREE_ROWS]:.2f}"),
-        Row(what=f"{name}: speed-up of Embree over VLF-RT", measured=field / packets,
-            band=band(bands.EMBREE_AHEAD)),
-        Row(what=f"{name}: speed-up of the aligned batch over VLF-RT",
-            measured=field / seconds["aligned batch"], band=band(bands.BATCH_OVER_FIELD)),
-        Row(what=f"{name}: speed-up of the aligned batch over Embree",
-            measured=packets / seconds["aligned batch"], band=band(bands.BATCH_OVER_EMBREE)),
-    ]  # fmt: skip
+            f"{seconds['Embree, by direction']:.2f}, as rows {seconds[EMBREE_ROWS]:.2f}",
+        ),
+        Row(
+            f"{name}: speed-up of Embree over VLF-RT",
+            field / packets,
+            band=band(bands.EMBREE_AHEAD),
+        ),
+        Row(
+            f"{name}: speed-up of the aligned batch over VLF-RT",
+            field / seconds["aligned batch"],
+            band=band(bands.BATCH_OVER_FIELD),
+        ),
+        Row(
+            f"{name}: speed-up of the aligned batch over Embree",
+            packets / seconds["aligned batch"],
+            band=band(bands.BATCH_OVER_EMBREE),
+        ),
+    ]
 
 
 EMBREE_ROWS = "Embree's rows"
@@ -216,21 +268,28 @@ def figure8(folder: Path, quick: bool, progress: bool) -> Outcome:
         weights = vlf.direction_weights(spot.n_directions).astype(float)
         image = np.zeros((*spot.seen.shape, 1))
         image[spot.seen, 0] = bits["batch"] @ weights / weights.sum()
-        draw_image(figure.add_subplot(1, len(names), column + 1), image,
-                   f"{name}: {spot.scene.triangles} triangles", exposure=1.0)  # fmt: skip
+        draw_image(
+            figure.add_subplot(1, len(names), column + 1),
+            image,
+            f"{name}: {spot.scene.triangles} triangles",
+            exposure=1.0,
+        )
         outcome.rows += [
-            Row(what=f"{name}: share of rays unlike Embree's",
-                measured=float((bits["batch"] != bits["embree"]).mean()),
-                band=None if quick else bands.OCCLUSION_DIFFERS, note=f"{bits['batch'].size} rays"),
-            Row(what=f"{name}: mean of the directions that are free",
-                measured=float(image[spot.seen].mean())),
-        ]  # fmt: skip
+            Row(
+                f"{name}: share of rays unlike Embree's",
+                float((bits["batch"] != bits["embree"]).mean()),
+                band=None if quick else bands.OCCLUSION_DIFFERS,
+                note=f"{bits['batch'].size} rays",
+            ),
+            Row(f"{name}: mean of the directions that are free", float(image[spot.seen].mean())),
+        ]
     outcome.files.append(save_figure(figure, folder / "vlf-fig8.png"))
     return outcome
 
 
 def _bits(spot: Place, engine: Any) -> npt.NDArray[np.bool_]:
-    words = vlf.aligned_occlusion(spot.scene, spot.positions, spot.normals, spot.n_directions,
-                                  engine=engine)  # fmt: skip
+    words = vlf.aligned_occlusion(
+        spot.scene, spot.positions, spot.normals, spot.n_directions, engine=engine
+    )
     unpacked = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little")
     return unpacked[:, : spot.n_directions].astype(bool)

@@ -1,4 +1,4 @@
-"""What the visibility field's paper prints, measured on a Pentium 4 of 2.8 GHz with 2 GB."""
+"""Numbers of the visibility field's paper, measured on a Pentium 4 of 2.8 GHz with 2 GB."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ OCCLUSION_PIXELS, OCCLUSION_RAYS = 256 * 256, 513
 #: Section 7: millions of rays per second in the church.
 CHURCH_CRT, CHURCH_FIELD = 1.3, 2.4
 
-#: Section 6: what was kept fixed, and the best depths in the classroom.
+#: Section 6: the fixed parameters, and the best depths in the classroom.
 DIRECTIONS, TILES = 513, 128
 CLASSROOM_TRIANGLES, CLASSROOM_LIGHTS, CLASSROOM_FRAMES = 51_208, 4, 420
 CLASSROOM_CRT_DEPTH, CLASSROOM_FIELD_DEPTH = 23, 5
 CLASSROOM_SIZE, RANDOM_SIZE = (256, 256), (512, 512)
 
-#: Figure 4: triangles of the two random scenes shown.
+#: Figure 4: triangles of the two random scenes.
 RANDOM_SHOWN = (9_000, 16_000)

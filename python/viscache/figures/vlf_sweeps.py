@@ -1,4 +1,4 @@
-"""Beyond the visibility field's paper: its parameters swept (X1), its memory foretold (X3)."""
+"""Beyond the visibility field's paper: sweeps of its parameters (X1), predicted memory (X3)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from viscache.figures.vlf_tracers import MAX_BYTES, cpu_seconds, embree, write_c
 from viscache.scene import Scene
 from viscache.settings.rays import Vlf
 
-#: X1: one parameter at a time around the paper's.
+#: X1: one parameter at a time, around the paper's settings.
 BASE, QUICK_BASE = (
     Vlf(n_tiles=128, bsp_depth=3, max_bytes=MAX_BYTES),
     Vlf(n_directions=129, n_tiles=64, bsp_depth=3),
@@ -74,10 +74,13 @@ def x1(folder: Path, quick: bool, progress: bool) -> Outcome:
     )
     outcome = Outcome(rows=_sweep_rows(table, quick))
     outcome.rows += [
-        Row(what="Mray/s, Embree in packets", measured=len(beams) / seconds / 1e6,
-            note=f"{rival.build_s:.3f} CPU s to build"),
-        Row(what="Mray/s, Embree ray by ray", measured=len(beams) / single / 1e6),
-    ]  # fmt: skip
+        Row(
+            "Mray/s, Embree in packets",
+            len(beams) / seconds / 1e6,
+            note=f"{rival.build_s:.3f} CPU s to build",
+        ),
+        Row("Mray/s, Embree ray by ray", len(beams) / single / 1e6),
+    ]
     outcome.files += [_draw_sweep(table, folder), write_csv(folder / "vlf-x1.csv", table)]
     outcome.notes.append(
         f"{scene.triangles} random triangles, nearest hits of {len(beams)} chords, one thread; "
@@ -96,11 +99,16 @@ def _measure(scene: Scene, beams: Beams, settings: Vlf) -> dict[str, Any]:
     seconds = cpu_seconds(lambda: beams.trace(field))
     n = len(beams)
     return {
-        "n_directions": settings.n_directions, "n_tiles": settings.n_tiles,
-        "bsp_depth": settings.bsp_depth, "tiles": steps["tiles"] / n, "leaves": steps["leaves"] / n,
-        "tests": steps["tests"] / n, "mrays_s": n / seconds / 1e6,
-        "bytes": field.stats["bytes"], "build_s": build_s,
-    }  # fmt: skip
+        "n_directions": settings.n_directions,
+        "n_tiles": settings.n_tiles,
+        "bsp_depth": settings.bsp_depth,
+        "tiles": steps["tiles"] / n,
+        "leaves": steps["leaves"] / n,
+        "tests": steps["tests"] / n,
+        "mrays_s": n / seconds / 1e6,
+        "bytes": field.stats["bytes"],
+        "build_s": build_s,
+    }
 
 
 def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
@@ -115,22 +123,32 @@ def _sweep_rows(table: list[dict[str, Any]], quick: bool) -> list[Row]:
         return None if quick else value
 
     rows = [
-        Row(what="tests per ray, depth 0 over depth 5", measured=flat["tests"] / deep["tests"],
+        Row(
+            "tests per ray, depth 0 over depth 5",
+            flat["tests"] / deep["tests"],
             band=band(bands.DEPTH_SAVES_TESTS),
             note=f"{flat['tests']:.1f} and {deep['tests']:.1f} tests, "
-                 f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s"),
-        Row(what=f"tiles per ray, {few} directions over {many}",
-            measured=coarse["tiles"] / fine["tiles"], band=band(bands.DIRECTIONS_SAVE_TILES),
-            note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles"),
-        Row(what=f"rays per second, {many} directions over {few}",
-            measured=fine["mrays_s"] / coarse["mrays_s"], band=band(bands.FINER_IS_FASTER),
-            note="fewer tiles, but more memory than caches hold"),
-    ]  # fmt: skip
+            f"{flat['mrays_s']:.2f} and {deep['mrays_s']:.2f} Mray/s",
+        ),
+        Row(
+            f"tiles per ray, {few} directions over {many}",
+            coarse["tiles"] / fine["tiles"],
+            band=band(bands.DIRECTIONS_SAVE_TILES),
+            note=f"{coarse['tiles']:.2f} and {fine['tiles']:.2f} tiles",
+        ),
+        Row(
+            f"rays per second, {many} directions over {few}",
+            fine["mrays_s"] / coarse["mrays_s"],
+            band=band(bands.FINER_IS_FASTER),
+            note="fewer tiles, but more memory than caches hold",
+        ),
+    ]
     for r in table:
         what = ", ".join(f"{n} {r[n]}" for n in SWEPT)
         note = f"{r['tiles']:.2f} tiles, {r['tests']:.2f} tests a ray, {r['bytes'] / 1e6:.1f} MB"
-        rows.append(Row(what=f"Mray/s, {what}", measured=r["mrays_s"],
-                        note=f"{note}, {r['build_s']:.2f} CPU s to build"))  # fmt: skip
+        rows.append(
+            Row(f"Mray/s, {what}", r["mrays_s"], note=f"{note}, {r['build_s']:.2f} CPU s to build")
+        )
     return rows
 
 
@@ -149,35 +167,50 @@ def _draw_sweep(table: list[dict[str, Any]], folder: Path) -> Path:
     return save_figure(figure, folder / "vlf-x1.png")
 
 
-@figure("vlf-x3", "memory of a field, foretold and used")
+@figure("vlf-x3", "memory of a field, predicted and used")
 def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
-    """Bytes and list entries foretold over those counted."""
+    """Predicted bytes and list entries over the counted ones."""
     outcome, table = Outcome(), []
     directions = QUICK_X3_DIRECTIONS if quick else X3_DIRECTIONS
     for spec, n_tiles, depth in QUICK_FIELDS if quick else FIELDS:
         scene: Scene = scenes.build(spec)
-        settings = Vlf(n_directions=directions, n_tiles=n_tiles, bsp_depth=depth,
-                       max_bytes=MAX_BYTES)  # fmt: skip
+        settings = Vlf(
+            n_directions=directions, n_tiles=n_tiles, bsp_depth=depth, max_bytes=MAX_BYTES
+        )
         predicted = _core.vlf.predicted_bytes(scene._core, settings.core())
         start = time.process_time()
         stats = settings.build(scene._core).stats
         build_s = time.process_time() - start
         label = f"{spec.partition('&')[0]}, n {n_tiles}, depth {depth}"
         outcome.rows.append(
-            Row(what=f"{label}: bytes predicted over used", measured=predicted / stats["bytes"],
+            Row(
+                f"{label}: bytes predicted over used",
+                predicted / stats["bytes"],
                 band=bands.MEMORY_PREDICTED,
-                note=f"{stats['bytes'] / 1e6:.1f} MB, {build_s:.2f} CPU s to build")
-        )  # fmt: skip
-        table.append({"scene": spec, "n_tiles": n_tiles, "bsp_depth": depth, "predicted": predicted,
-                      "bytes": stats["bytes"], "build_s": build_s})  # fmt: skip
+                note=f"{stats['bytes'] / 1e6:.1f} MB, {build_s:.2f} CPU s to build",
+            )
+        )
+        table.append(
+            {
+                "scene": spec,
+                "n_tiles": n_tiles,
+                "bsp_depth": depth,
+                "predicted": predicted,
+                "bytes": stats["bytes"],
+                "build_s": build_s,
+            }
+        )
         if depth == 0 and spec.startswith("random"):
             formula = _core.vlf.expected_references(scene._core, n_tiles)
             counted = stats["references"] / directions
             outcome.rows.append(
-                Row(what=f"{label}: entries by formula over counted", measured=formula / counted,
+                Row(
+                    f"{label}: entries by formula over counted",
+                    formula / counted,
                     band=bands.REFERENCES_PREDICTED,
-                    note=f"{counted / scene.triangles:.2f} entries a triangle")
-            )  # fmt: skip
+                    note=f"{counted / scene.triangles:.2f} entries a triangle",
+                )
+            )
     outcome.files += [_draw_memory(table, folder), write_csv(folder / "vlf-x3.csv", table)]
     return outcome
 
@@ -185,8 +218,8 @@ def x3(folder: Path, quick: bool, progress: bool) -> Outcome:
 def _draw_memory(table: list[dict[str, Any]], folder: Path) -> Path:
     figure = new_figure(4.6, 4.6)
     axes = figure.add_subplot(1, 1, 1)
-    used, foretold = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
-    axes.loglog(used, foretold, "o")
+    used, predicted = ([r[name] / 1e6 for r in table] for name in ("bytes", "predicted"))
+    axes.loglog(used, predicted, "o")
     ends = [min(used) / 2, max(used) * 2]
     axes.loglog(ends, ends, "k-", lw=0.6)
     axes.set(xlabel="MB used", ylabel="MB predicted")

@@ -1,4 +1,4 @@
-"""What the visibility field's figures share: rays, tracers tuned by a grid search, CPU seconds."""
+"""Shared by the visibility field's figures: rays, tracers tuned by a grid search, CPU seconds."""
 
 from __future__ import annotations
 
@@ -19,24 +19,33 @@ from viscache.figures import vlf_printed as printed
 from viscache.scene import Scene
 from viscache.settings.rays import Bsp, Embree, Rays, Vlf
 
-__all__ = ["Tuned", "best_bsp", "best_field", "camera_rays", "cpu_seconds", "embree",
-           "first_hits", "in_turns", "write_csv"]  # fmt: skip
+__all__ = [
+    "Tuned",
+    "best_bsp",
+    "best_field",
+    "camera_rays",
+    "cpu_seconds",
+    "embree",
+    "first_hits",
+    "in_turns",
+    "write_csv",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
-#: Depth and leaf size of the BSP, depth of the field's tiles: the grids that are searched.
+#: The searched grids: depth and leaf size of the BSP, depth of the field's tiles.
 BSP_DEPTHS, BSP_LEAVES = (12, 14, 16, 18, 20, 22, 24, 26), (2, 4, 8, 16)
 QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES = (14, 18), (4, 16)
 FIELD_DEPTHS, QUICK_FIELD_DEPTHS = (0, 1, 2, 3, 4, 5, 6), (0, 3)
 QUICK_DIRECTIONS, QUICK_TILES = 129, 64
-#: Rays a grid search traces.
+#: Rays that a grid search traces.
 TRIAL_RAYS = 20_000
 MAX_BYTES = 6 << 30
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Tuned:
-    """A tracer with the parameters that were the fastest of a grid."""
+    """A tracer with the fastest parameters of a grid."""
 
     settings: Rays
     caster: Any
@@ -44,11 +53,11 @@ class Tuned:
     """CPU seconds of all threads."""
     nbytes: int
     grid: tuple[dict[str, Any], ...] = ()
-    """All that was tried: parameters, CPU seconds, bytes."""
+    """All grid points: parameters, CPU seconds, bytes."""
 
     @property
     def text(self) -> str:
-        """The parameters, as a note says them."""
+        """The parameters, as text for a note."""
         s = self.settings
         if isinstance(s, Bsp):
             kind = f"depth {s.max_depth}, leaf {s.leaf_size}"
@@ -60,7 +69,7 @@ class Tuned:
 
 
 def cpu_seconds(run: Callable[[], Any], repeats: int = 2) -> float:
-    """The least CPU seconds of some runs."""
+    """The smallest CPU seconds of several runs."""
     best = math.inf
     for _ in range(repeats):
         start = time.process_time()
@@ -70,7 +79,7 @@ def cpu_seconds(run: Callable[[], Any], repeats: int = 2) -> float:
 
 
 def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, float]:
-    """The least CPU seconds of each, all taking turns, so that a busy machine is so for all."""
+    """The smallest CPU seconds of each; they take turns, so a busy machine slows all of them."""
     best = dict.fromkeys(runs, math.inf)
     for _ in range(repeats):
         for name, run in runs.items():
@@ -79,7 +88,7 @@ def in_turns(runs: dict[str, Callable[[], Any]], repeats: int = 3) -> dict[str, 
 
 
 def best_bsp(scene: Scene, beams: Beams, quick: bool) -> Tuned:
-    """The fastest BSP for some rays: the paper's pre-test over depth and leaf size."""
+    """The fastest BSP for some rays, from the paper's pre-test over depth and leaf size."""
     depths, leaves = (QUICK_BSP_DEPTHS, QUICK_BSP_LEAVES) if quick else (BSP_DEPTHS, BSP_LEAVES)
     return _best(
         scene, beams, (Bsp(max_depth=d, leaf_size=n, kernel="wald") for d in depths for n in leaves)
@@ -87,18 +96,24 @@ def best_bsp(scene: Scene, beams: Beams, quick: bool) -> Tuned:
 
 
 def best_field(scene: Scene, beams: Beams, quick: bool, *, lazy: bool = False) -> Tuned:
-    """The fastest field over the depth of its tiles; directions and tiles are the paper's."""
+    """The fastest field over tile depths, with the paper's directions and tiles."""
     axes, n = (QUICK_DIRECTIONS, QUICK_TILES) if quick else (printed.DIRECTIONS, printed.TILES)
     depths = QUICK_FIELD_DEPTHS if quick else FIELD_DEPTHS
     return _best(
         scene,
         beams,
         (
-            Vlf(n_directions=axes, n_tiles=n, bsp_depth=d, kernel="wald", lazy=lazy,
-                max_bytes=MAX_BYTES)
+            Vlf(
+                n_directions=axes,
+                n_tiles=n,
+                bsp_depth=d,
+                kernel="wald",
+                lazy=lazy,
+                max_bytes=MAX_BYTES,
+            )
             for d in depths
         ),
-    )  # fmt: skip
+    )
 
 
 def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
@@ -107,7 +122,7 @@ def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
     best: tuple[float, Rays] | None = None
     for settings in candidates:
         caster: Any = settings.build(scene._core)
-        trial.trace(caster)  # a lazy field is built by its first rays
+        trial.trace(caster)  # the first rays build a lazy field
         seconds = cpu_seconds(partial(trial.trace, caster))
         row = {"seconds": seconds, "bytes": caster.stats["bytes"]}
         names = ("max_depth", "leaf_size", "n_directions", "n_tiles", "bsp_depth")
@@ -122,22 +137,31 @@ def _best(scene: Scene, beams: Beams, candidates: Iterable[Bsp | Vlf]) -> Tuned:
     if isinstance(chosen, Vlf) and chosen.lazy:
         beams.trace(caster)
     built = time.process_time() - start
-    return Tuned(settings=chosen, caster=caster, build_s=built, nbytes=caster.stats["bytes"],
-                 grid=tuple(grid))  # fmt: skip
+    return Tuned(
+        settings=chosen,
+        caster=caster,
+        build_s=built,
+        nbytes=caster.stats["bytes"],
+        grid=tuple(grid),
+    )
 
 
 def embree(scene: Scene) -> Tuned:
-    """Embree, robust as the others' watertight kernels are."""
+    """Embree, robust like the watertight kernels of the others."""
     settings = Embree()
     start = time.process_time()
     caster = settings.build(scene._core)
-    # Its bytes cannot be asked for; measured, about 100 a triangle
-    return Tuned(settings=settings, caster=caster, build_s=time.process_time() - start,
-                 nbytes=100 * scene.triangles)  # fmt: skip
+    # Embree does not report its bytes; about 100 per triangle were measured
+    return Tuned(
+        settings=settings,
+        caster=caster,
+        build_s=time.process_time() - start,
+        nbytes=100 * scene.triangles,
+    )
 
 
 def camera_rays(camera: _core.Camera, size: tuple[int, int]) -> Beams:
-    """Rays through the middles of the pixels, row by row."""
+    """Rays through the pixel centres, row by row."""
     width, height = size
     half = math.tan(camera.fov_rad / 2)
     across = half if camera.fov_is_horizontal else half * width / height
@@ -157,12 +181,12 @@ def first_hits(
 
     Returns
     -------
-    positions (N, 3), normals (N, 3) on the camera's side, and which pixels (H, W) see one.
+    positions (N, 3), normals (N, 3) towards the camera, and which pixels (H, W) see a surface.
     """
     beams = camera_rays(camera, size)
     hit = scene.intersect(beams.origins, beams.directions)
     seen = hit.triangle >= 0
-    # None of the scenes here has instances
+    # No scene here has instances
     corners = np.concatenate([m["vertices"][m["triangles"]] for m in scene.meshes()]).astype(float)
     a, b, c = (corners[hit.triangle[seen], i] for i in range(3))
     w = hit.barycentrics[seen].astype(float)
@@ -179,7 +203,7 @@ def first_hits(
 
 
 def write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> Path:
-    """Rows of one table; columns in the order in which they first come."""
+    """Write the rows of a table; columns are in the order of their first occurrence."""
     columns = list(dict.fromkeys(name for row in rows for name in row))
     lines = [",".join(columns)]
     lines += [",".join(_cell(row.get(name, "")) for name in columns) for row in rows]

@@ -1,4 +1,4 @@
-"""Figures of a sweep for papers. Each returns a matplotlib Figure and leaves pyplot alone."""
+"""Figures of a sweep for papers. Each function returns a matplotlib Figure, without pyplot."""
 
 from viscache.plots.sweeps import (
     FORMATS,
@@ -13,6 +13,16 @@ from viscache.plots.sweeps import (
 from viscache.sweeps.swept import COLORS, colors_for, pareto, settings_of
 
 __all__ = [
-    "COLORS", "FORMATS", "MARKERS", "colors_for", "heatmap", "label", "pairs", "pareto", "save",
-    "save_all", "settings_of", "trade",
-]  # fmt: skip
+    "COLORS",
+    "FORMATS",
+    "MARKERS",
+    "colors_for",
+    "heatmap",
+    "label",
+    "pairs",
+    "pareto",
+    "save",
+    "save_all",
+    "settings_of",
+    "trade",
+]

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure of so many inches.
+    """An empty figure; sizes are in inches.
 
-    Jupyter draws figures only after `%matplotlib inline` or an import of pyplot; this one it draws
-    always.
+    Jupyter shows figures only after `%matplotlib inline` or an import of pyplot, but always shows
+    this one.
     """
     return _shown_class()(figsize=(width, height), layout="constrained")
 

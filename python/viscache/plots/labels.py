@@ -1,4 +1,4 @@
-"""What axes, tables and reports call a variable: the papers' symbol or words, and the unit."""
+"""Labels of variables in axes, tables and reports: the papers' symbol or words, and the unit."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Callable
 
-#: Name → (words, unit). A symbol stands between dollars: `$C_E$`, `$\\theta_{max}$`, `$\\hat L$`.
+#: Name → (words, unit). A symbol is between dollar signs: `$C_E$`, `$\\theta_{max}$`, `$\\hat L$`.
 LABELS: dict[str, tuple[str, str]] = {
     # The quantized cache
     "c_e": ("$C_E$", "px"),
@@ -77,15 +77,23 @@ def mathtext(name: str, unit: bool = True) -> str:
 
 def plain(name: str, unit: bool = True) -> str:
     """Without markup: `C_E [px]`."""
-    return _written(name, unit, lambda base, below, hat:
-                    base + ("\u0302" if hat else "") + (f"_{below}" if below else ""))  # fmt: skip
+    return _written(
+        name,
+        unit,
+        lambda base, below, hat: base + ("\u0302" if hat else "") + (f"_{below}" if below else ""),
+    )
 
 
 def as_html(name: str, unit: bool = True) -> str:
     """Escaped, with italics and indices: `<i>C</i><sub>E</sub> [px]`."""
-    return _written(name, unit, lambda base, below, hat:
-                    f"<i>{base}{_hat(hat)}</i>" + (f"<sub>{below}</sub>" if below else ""),
-                    html.escape)  # fmt: skip
+    return _written(
+        name,
+        unit,
+        lambda base, below, hat: (
+            f"<i>{base}{_hat(hat)}</i>" + (f"<sub>{below}</sub>" if below else "")
+        ),
+        html.escape,
+    )
 
 
 def as_svg(name: str, unit: bool = True) -> str:
@@ -100,12 +108,12 @@ def as_svg(name: str, unit: bool = True) -> str:
 
 
 def level(value: object) -> str:
-    """A parameter's value as a point's name has it: five digits that matter."""
+    """A parameter's value with five significant digits, for a point's name."""
     return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def number(value: float) -> str:
-    """A number as an axis shows it: 0.02, 1500, 2M."""
+    """A number as on an axis: 0.02, 1500, 2M."""
     for limit, suffix in ((1e9, "G"), (1e6, "M"), (1e4, "k")):
         if abs(value) >= limit:
             scale = 1e3 if suffix == "k" else limit
@@ -125,15 +133,17 @@ def _written(
     for found in _SYMBOL.finditer(words):
         base = found[2]
         base = _GREEK[base[1:]] if base.startswith("\\") else base
-        parts += [escape(words[at : found.start()]),
-                  symbol(base, found[3] or found[4] or "", bool(found[1]))]  # fmt: skip
+        parts += [
+            escape(words[at : found.start()]),
+            symbol(base, found[3] or found[4] or "", bool(found[1])),
+        ]
         at = found.end()
     parts.append(escape(words[at:]))
     return "".join(parts) + (f" [{escape(its_unit)}]" if unit and its_unit else "")
 
 
 def _words(name: str) -> tuple[str, str]:
-    """Words and unit; of `integrator.n_vpls` the last part counts."""
+    """Words and unit; for `integrator.n_vpls` only the last part counts."""
     if name in LABELS:
         return LABELS[name]
     for prefix, before in (("converged_", "total"), ("exact_", "exact frame's")):

@@ -1,4 +1,4 @@
-"""Error over cost, heat maps, all pairs of a sweep's variables; writing them to files."""
+"""Error over cost, heat maps and pair plots of a sweep; writing them to files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMATS", "MARKERS", "heatmap", "label", "pairs", "save", "save_all", "trade"]
 
-#: One for each value of the second swept parameter.
+#: One marker per value of the second swept parameter.
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 #: What `save` writes: text stays text, and PDFs hold TrueType fonts, as publishers ask.
 FORMATS = ("svg", "png", "pdf")
@@ -50,21 +50,22 @@ def label(name: str) -> str:
 
 
 def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
-    """Error against cost: a point per setting, the best ones joined.
+    """Error against cost: a point per setting, and the Pareto front.
 
     Parameters
     ----------
     ds : Dataset of `viscache.sweep`
     x, y : str
-        Variables of the dataset. An axis is logarithmic where its values are positive
-        and span more than a factor of 3.
+        Variables of the dataset. An axis is logarithmic if its values are positive and span more
+        than a factor of 3.
 
     Returns
     -------
     Figure
-        Means over repeats with 95 % intervals. The first swept parameter sets the colour (and the
-        marker, or its value stands at a point), the second the marker. The line is the Pareto
-        front: it joins the settings that nothing beats in both. Dashed: the exact frame's cost.
+        Means over repeats with 95 % intervals. The first swept parameter sets the colour and the
+        second one the marker; a single parameter sets both. With two parameters, the values of the
+        first are written beside points. The line is the Pareto front: the settings that no other
+        beats in both. Dashed: the exact frame's cost.
     """
     _require(ds, x, y)
     settings = settings_of(ds, x, y)
@@ -77,21 +78,39 @@ def trade(ds: xarray.Dataset, x: str = "total_s", y: str = "rel_l1") -> Figure:
         color, marker = looks([setting["values"][n] for n in names[:2]])
         (px, ex), (py, ey) = setting[x], setting[y]
         errors: dict[str, Any] = {"xerr": ex or None, "yerr": ey or None}
-        axes.errorbar(px, py, **errors, fmt=MARKERS[marker], color=color, ms=6, lw=1, capsize=2,
-                      zorder=3)  # fmt: skip
+        axes.errorbar(
+            px, py, **errors, fmt=MARKERS[marker], color=color, ms=6, lw=1, capsize=2, zorder=3
+        )
     front = pareto([(s[x][0], s[y][0]) for s in settings])
-    axes.plot([p[0] for p in front], [p[1] for p in front], color="0.5", lw=1, zorder=1,
-              label="Pareto front")  # fmt: skip
+    axes.plot(
+        [p[0] for p in front],
+        [p[1] for p in front],
+        color="0.5",
+        lw=1,
+        zorder=1,
+        label="Pareto front",
+    )
     if f"exact_{x}" in ds:
-        axes.axvline(float(ds[f"exact_{x}"].mean()), color="0.5", lw=1, ls="--", zorder=1,
-                     label="exact visibility")  # fmt: skip
+        axes.axvline(
+            float(ds[f"exact_{x}"].mean()),
+            color="0.5",
+            lw=1,
+            ls="--",
+            zorder=1,
+            label="exact visibility",
+        )
     for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
         axis.set_label_text(label(name))
         if _spans([s[name][0] for s in settings]):
             _logarithmic(axes, axis)
     for setting in first_of_levels(settings, names, x):
-        axes.annotate(labels.level(setting["values"][names[0]]), (setting[x][0], setting[y][0]),
-                      xytext=(5, 4), textcoords="offset points", fontsize=7)  # fmt: skip
+        axes.annotate(
+            labels.level(setting["values"][names[0]]),
+            (setting[x][0], setting[y][0]),
+            xytext=(5, 4),
+            textcoords="offset points",
+            fontsize=7,
+        )
     _legend(axes, names, levels, looks)
     axes.grid(True, which="major", color="0.9")
     axes.set_axisbelow(True)
@@ -106,7 +125,7 @@ def heatmap(
     Parameters
     ----------
     ds : Dataset of `viscache.sweep`
-        Over a grid.
+        The sweep must be a grid.
     x, y : str, optional
         Two of the swept parameters; the first two by default.
     value : str
@@ -115,8 +134,8 @@ def heatmap(
     Returns
     -------
     Figure
-        Each cell's colour and number are the mean over repeats and all other parameters. Colours
-        are logarithmic where values are positive and span more than a factor of 3.
+        The colour and number of a cell are the mean over repeats and all other parameters. Colours
+        are logarithmic if values are positive and span more than a factor of 3.
     """
     swept = [str(d) for d in ds.dims if d not in ("repeat", "group", "point")]
     x, y = x or (swept[0] if swept else None), y or (swept[1] if len(swept) > 1 else None)
@@ -155,16 +174,16 @@ def pairs(ds: xarray.Dataset, value: str = "rel_l1") -> Figure:
     Parameters
     ----------
     ds : Dataset of `viscache.sweep`
-        Two or more swept parameters of numbers; others are left out.
+        Two or more numeric swept parameters; others are omitted.
     value : str
         Variable of the dataset.
 
     Returns
     -------
     Figure
-        Below the diagonal a point per setting, coloured by its mean over repeats, larger where
-        that is greater; on the diagonal the value over one parameter. Axes and colours are
-        logarithmic where values are positive and span more than a factor of 3.
+        Below the diagonal: a point per setting, with colour and size by its mean over repeats. On
+        the diagonal: the value over one parameter. Axes and colours are logarithmic if values are
+        positive and span more than a factor of 3.
     """
     _require(ds, value)
     settings = settings_of(ds, value)
@@ -209,7 +228,7 @@ def save(
     ----------
     figure : Figure
     path : path
-        Without suffix: every format adds its own. The folder is made.
+        Without suffix: each format adds its own. The folder is created if missing.
     formats : iterable of {"svg", "png", "pdf"}
         PNG has 300 pixels per inch.
 
@@ -237,14 +256,14 @@ def save_all(
 ) -> list[Path]:
     """Write every figure that a sweep's parameters allow.
 
-    Trade plots over time and rays; heat maps of error and rays where a grid has two parameters;
-    pair plots of three parameters of numbers, or of two from a random design.
+    Trade plots over time and rays; heat maps of error and rays for a grid of two parameters; pair
+    plots for three numeric parameters, or for two of a random design.
 
     Parameters
     ----------
     ds : Dataset of `viscache.sweep`
     folder : path
-        Gets `trade-total_s.pdf`, `heatmap-rel_l1.pdf`, `pairs-rel_l1.pdf` and so on.
+        Receives `trade-total_s.pdf`, `heatmap-rel_l1.pdf`, `pairs-rel_l1.pdf` and so on.
     formats : iterable of {"svg", "png", "pdf"}
 
     Returns
@@ -278,13 +297,13 @@ def _spans(values: Any) -> bool:
 
 
 def _logarithmic(axes: Any, axis: Any) -> None:
-    """Makes an axis logarithmic."""
+    """Make an axis logarithmic."""
     axes.set_xscale("log") if axis is axes.xaxis else axes.set_yscale("log")
     ticks_1_2_5(axis)
 
 
 def ticks_1_2_5(axis: Any) -> None:
-    """Ticks of a logarithmic axis at 1, 2, 5; at every digit of a short one, at 1 of a long one."""
+    """Ticks of a logarithmic axis: at 1, 2, 5; at every digit if short; at 1 only if long."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
@@ -300,7 +319,7 @@ def _legend(
     levels: Sequence[Sequence[Any]],
     looks: Callable[[Sequence[Any]], tuple[str, int]],
 ) -> None:
-    """Names up to `MOST_NAMED` levels of a parameter, and the ends of more."""
+    """The levels of a parameter; only both ends if there are more than `MOST_NAMED`."""
     from matplotlib.lines import Line2D
 
     handles: list[Any] = []
@@ -316,5 +335,4 @@ def _legend(
             words = f"{labels.mathtext(name, unit=False)} = {labels.level(value)}{more}"
             handles.append(Line2D([], [], **style, marker=shape, label=words))
     handles += [h for h in axes.get_lines() if not h.get_label().startswith("_")]
-    axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left",
-                bbox_to_anchor=(1, 1))  # fmt: skip
+    axes.legend(handles=handles, fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1, 1))

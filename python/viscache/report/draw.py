@@ -72,8 +72,19 @@ def _trade(
             color, shape = looks[s["id"]]
             text = f"{s['text']}: {plain(metric)} {py:.4g}, {plain(cost)} {number(px)}"
             beside = labels.level(s["values"][model["names"][0]]) if s["id"] in named else ""
-            marks.append(Mark(id=s["id"], x=px, y=py, half_x=hx, half_y=hy, color=color,
-                              shape=shape, text=text, beside=beside))  # fmt: skip
+            marks.append(
+                Mark(
+                    id=s["id"],
+                    x=px,
+                    y=py,
+                    half_x=hx,
+                    half_y=hy,
+                    color=color,
+                    shape=shape,
+                    text=text,
+                    beside=beside,
+                )
+            )
     exact = f"exact_{cost}"
     line = float(ds[exact].mean()) if exact in ds else None
     return scatter(f"plot-{cost}", marks, cost, metric, line)

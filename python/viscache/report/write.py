@@ -102,9 +102,16 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
     """The data that the page shows, for JSON."""
     metrics = json.loads(ds.attrs["metrics"])
     wanted = [
-        *metrics[:1], "total_s", "speedup", "cpu_speedup", "rays", "ray_reduction", *metrics[1:],
-        *(f"converged_{m}" for m in metrics[:1]), "visibility_s",
-    ]  # fmt: skip
+        *metrics[:1],
+        "total_s",
+        "speedup",
+        "cpu_speedup",
+        "rays",
+        "ray_reduction",
+        *metrics[1:],
+        *(f"converged_{m}" for m in metrics[:1]),
+        "visibility_s",
+    ]
     columns = [c for c in wanted if c in ds and bool(ds[c].notnull().any())]
     if not columns or not metrics:
         raise ValueError("the sweep has no finished point")
@@ -121,10 +128,15 @@ def _model(ds: xarray.Dataset) -> dict[str, Any]:
         rows.append(row | {"values": values, "cells": cells, "text": text})
     width, height = json.loads(ds.attrs["size"])
     return {
-        "names": names, "metrics": metrics, "columns": columns, "settings": rows, "pictures": {},
-        "size": [width, height], "frame": {"width": width, "height": height},
+        "names": names,
+        "metrics": metrics,
+        "columns": columns,
+        "settings": rows,
+        "pictures": {},
+        "size": [width, height],
+        "frame": {"width": width, "height": height},
         "repeats": int(ds.sizes["repeat"]),
-    }  # fmt: skip
+    }
 
 
 def _facts(ds: xarray.Dataset, model: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""What is rendered: scenes, their cameras and environments."""
+"""Scenes, their cameras and environments."""
 
 from viscache.scene.cameras import look_at
 from viscache.scene.load import load_scene

@@ -1,4 +1,4 @@
-"""What is told of a scene: its numbers, its coplanar triangles, how far away it lies."""
+"""Facts about a scene: numbers, coplanar triangles, distance from the origin."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from viscache.scene.coplanar import coplanar_share
 __all__ = ["far_away", "info", "placed_coplanar_share"]
 
 MOST_COUNTED_TRIANGLES = 5_000_000
-#: Sizes from the origin from which on a scene is warned of.
+#: Distance from the origin, in sizes of the scene, that causes a warning.
 FAR_AWAY = 1e4
 
 
 def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
-    """The warning of a scene whose distance costs it precision, if it is one."""
+    """A warning if the distance from the origin costs precision."""
     low, high = bounds.astype(float)
     size = float(np.max(high - low))
     if not (np.isfinite(size) and size > 0):
@@ -37,7 +37,7 @@ def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
 def placed_coplanar_share(
     core: _core.Scene, meshes: Callable[[], list[dict[str, Any]]]
 ) -> float | None:
-    """`Scene.coplanar_share`."""
+    """See `Scene.coplanar_share`."""
     if core.unique_triangles > MOST_COUNTED_TRIANGLES:
         return None
     listed = meshes()
@@ -53,7 +53,7 @@ def placed_coplanar_share(
 
 
 def info(scene: Any) -> dict[str, Any]:
-    """`Scene.info`."""
+    """See `Scene.info`."""
     bounds = [[float(str(v)) for v in corner] for corner in scene.bounds]
     return {
         "name": scene.name,

@@ -27,14 +27,14 @@ def look_at(
     origin, target : (3,) float
         In scene units; they must differ.
     up : (3,) float
-        What points up in the picture.
+        The direction that points up in the picture.
     fov_deg : float in (0.01, 177)
         Vertical angle of view.
 
     Raises
     ------
     ValueError
-        Not three numbers each, or an angle out of range.
+        A vector does not have three numbers, or the angle is out of range.
     """
     for name, value in (("origin", origin), ("target", target), ("up", up)):
         require(len(value) == 3, f"{name} must be 3 numbers", value)
@@ -46,7 +46,7 @@ def look_at(
 
 
 def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Camera:
-    """A camera of the scene by name or index, its first one, or one that sees it whole."""
+    """A camera by name or index; the first one by default, or one that sees the whole scene."""
     if isinstance(wish, _core.Camera):
         return wish
     cameras = scene.cameras
@@ -69,5 +69,5 @@ def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
 
 
 def frame_size(size: tuple[int, int] | None, camera: _core.Camera) -> tuple[int, int]:
-    """(width, height) as a call takes it: the camera's own where it is None."""
+    """(width, height); by default those of the camera."""
     return (camera.width, camera.height) if size is None else size

@@ -1,4 +1,4 @@
-"""Images a scene needs: EXR textures, environment light from files, arrays or constants."""
+"""Images of a scene: EXR textures, and environment light from files, arrays or constants."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
     Raises
     ------
     SceneError
-        Missing, not an EXR file, or without colour channels.
+        The file is missing, not an EXR file, or without colour channels.
     """
     import OpenEXR
 
@@ -31,7 +31,7 @@ def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
             raise SceneError(f"{source}: not an OpenEXR file")
     try:
         channels: dict[str, Any] = OpenEXR.File(str(source), separate_channels=True).channels()
-    except Exception as error:  # the library raises bare exceptions of several kinds
+    except Exception as error:  # the library raises exceptions of several kinds
         raise SceneError(f"{source}: {error}") from error
     if all(c in channels for c in "RGB"):
         planes = [channels[c].pixels for c in "RGB"]
@@ -52,7 +52,7 @@ def read_image(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
 
 
 def decode_images(description: SceneDescription, *, strict: bool) -> None:
-    """Decode the EXR images a loader left pending."""
+    """Decode the EXR images that a loader left pending."""
     for i, image in enumerate(description.images):
         if image["width"] == 0:
             try:

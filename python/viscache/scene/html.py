@@ -1,4 +1,4 @@
-"""What notebooks show of a scene: a thumbnail, its size, its lights, its warnings."""
+"""The view of a scene in notebooks: a thumbnail, its size, lights and warnings."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["scene_html"]
 
 
 def scene_html(scene: Any, picture: Callable[[Any], str] | None) -> str:
-    """The thumbnail and a table; where no picture can be made, the reason in its place."""
+    """The thumbnail and a table; without a thumbnail, the reason."""
     try:
         shown = picture(scene) if picture else ""
-    except (ValueError, MemoryError, RuntimeError) as error:  # the rest is worth showing
+    except (ValueError, MemoryError, RuntimeError) as error:  # show the rest anyway
         shown = f"<p>{html.escape(f'no picture: {error}')}</p>"
     low, high = scene.bounds
     lights = Counter(str(light["kind"]) for light in scene.lights)

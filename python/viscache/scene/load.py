@@ -29,7 +29,7 @@ def load_scene(
     path : path
         `.xml` (Mitsuba), `.pbrt`, `.gltf`, `.glb`, `.obj` or `.ply`.
     strict : bool
-        Make what viscache does not model an error; by default it is skipped and named in
+        Features that viscache does not model are errors. By default they are skipped and listed in
         `Scene.warnings`.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
@@ -39,7 +39,7 @@ def load_scene(
     Raises
     ------
     SceneError
-        A missing, malformed or inconsistent file; names file and place.
+        The file is missing, malformed or inconsistent; the message gives file and place.
     """
     if str(path) and Path(path).is_dir():
         raise SceneError(f"{path}: is a directory, not a scene file")

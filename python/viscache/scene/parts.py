@@ -1,4 +1,4 @@
-"""Scenes from arrays and from trimesh: meshes with materials, put into a description."""
+"""Adds meshes with materials, from arrays or trimesh, to a description."""
 
 from __future__ import annotations
 
@@ -14,27 +14,35 @@ from viscache.settings.checks import require
 
 __all__ = ["Mesh", "add_mesh", "add_trimesh", "checked_meshes"]
 
-#: Vertices (V, 3), triangles (T, 3) and, where it has one of its own, an albedo (3,) or a mapping
-#: of what `SceneDescription.add_material` takes.
+#: Vertices (V, 3), triangles (T, 3) and, for its own material, an albedo (3,) or a mapping with the
+#: arguments of `SceneDescription.add_material`.
 Mesh: TypeAlias = "tuple[npt.ArrayLike, npt.ArrayLike] | tuple[npt.ArrayLike, npt.ArrayLike, Any]"
 
 
 def checked_meshes(value: Any) -> Sequence[Mesh]:
-    """A list of meshes; ValueError where it is none."""
+    """The list of meshes; ValueError for anything else."""
     listed = isinstance(value, (list, tuple)) and all(
         isinstance(mesh, (list, tuple)) and len(mesh) in (2, 3) for mesh in value
     )
-    require(listed, "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
-            " material), where triangles are left out", type(value).__name__)  # fmt: skip
+    require(
+        listed,
+        "meshes must be a list of (vertices, triangles) or (vertices, triangles,"
+        " material), where triangles are left out",
+        type(value).__name__,
+    )
     meshes: Sequence[Mesh] = value
     return meshes
 
 
 def add_mesh(
-    description: SceneDescription, vertices: npt.ArrayLike, triangles: npt.ArrayLike,
-    material: Any, normals: npt.ArrayLike | None = None, name: str = "",
-) -> None:  # fmt: skip
-    """One mesh with a material of its own: an albedo or a mapping."""
+    description: SceneDescription,
+    vertices: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    material: Any,
+    normals: npt.ArrayLike | None = None,
+    name: str = "",
+) -> None:
+    """Add a mesh with its own material: an albedo or a mapping."""
     indices = np.asarray(triangles)
     if indices.size and indices.dtype.kind not in "iu":
         raise SceneError(f"triangles must be integers, got dtype {indices.dtype}")
@@ -42,9 +50,12 @@ def add_mesh(
         low, high = indices.min(), indices.max()
         raise SceneError(f"triangles must index vertices, got values from {low} to {high}")
     description.add_mesh(
-        vertices, indices.astype(np.uint32), material=_add_material(description, material),
-        normals=normals, name=name,
-    )  # fmt: skip
+        vertices,
+        indices.astype(np.uint32),
+        material=_add_material(description, material),
+        normals=normals,
+        name=name,
+    )
 
 
 def _add_material(description: SceneDescription, material: Any) -> int:
@@ -62,7 +73,7 @@ def _add_material(description: SceneDescription, material: Any) -> int:
 
 
 def add_trimesh(description: SceneDescription, given: Any) -> None:
-    """A trimesh.Trimesh, a trimesh.Scene, or several of them; known by what they have."""
+    """Add a trimesh.Trimesh, a trimesh.Scene, or several; recognised by their attributes."""
     for name, mesh, to_world in _placed(given):
         if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
             kind = type(mesh).__name__
@@ -72,13 +83,13 @@ def add_trimesh(description: SceneDescription, given: Any) -> None:
         vertices = np.asarray(mesh.vertices, dtype=np.float64)
         vertices = vertices @ to_world[:3, :3].T + to_world[:3, 3]
         triangles = np.asarray(mesh.faces)
-        if np.linalg.det(to_world[:3, :3]) < 0:  # a mirrored mesh keeps its outside
+        if np.linalg.det(to_world[:3, :3]) < 0:  # a mirrored mesh keeps its orientation
             triangles = triangles[:, ::-1]
         add_mesh(description, vertices, triangles, _albedo(mesh), name=name)
 
 
 def _placed(given: Any) -> Iterable[tuple[str, Any, npt.NDArray[np.float64]]]:
-    """(name, mesh, matrix (4, 4)) of everything that is placed."""
+    """(name, mesh, matrix (4, 4)) of every placed mesh."""
     if isinstance(given, (list, tuple)):
         for one in given:
             yield from _placed(one)
@@ -91,7 +102,7 @@ def _placed(given: Any) -> Iterable[tuple[str, Any, npt.NDArray[np.float64]]]:
 
 
 def _albedo(mesh: Any) -> tuple[float, ...]:
-    """The mesh's main colour, RGBA bytes in trimesh; a vertex or face colour is averaged there."""
+    """The mesh's main colour, RGBA bytes in trimesh; trimesh averages vertex and face colours."""
     visual = getattr(mesh, "visual", None)
     source = getattr(visual, "material", visual)
     color = np.asarray(getattr(source, "main_color", (127.5,) * 3), dtype=np.float64)

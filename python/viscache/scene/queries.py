@@ -1,4 +1,4 @@
-"""Rays and segments as arrays that broadcast as NumPy's do, asked of whatever traces them."""
+"""Queries of a ray caster with arrays of rays and segments, broadcast as in NumPy."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Floats: TypeAlias = npt.NDArray[np.float32]
 
 
 class Intersection(NamedTuple):
-    """Nearest hits of N rays; N is any shape that the rays have.
+    """Nearest hits of N rays, where N is the shape of the rays.
 
     Attributes
     ----------
     t : (N,) float32
-        Distance in units of the direction's length; inf where nothing is hit. A surface through the
-        origin itself is hit at 0 by Embree's robust rays, not by others: start off it.
+        Distance in units of the direction's length; inf for a miss. Only Embree's robust rays hit a
+        surface through their origin, at 0, so start rays off the surface.
     triangle : (N,) int64
         Index over the triangles of all meshes in order (instances share theirs); -1 for a miss.
     barycentrics : (N, 2) float32
@@ -42,16 +42,19 @@ class Intersection(NamedTuple):
 def visible(
     caster: Caster, x: npt.ArrayLike, y: npt.ArrayLike, threads: int | None
 ) -> npt.NDArray[np.bool_]:
-    """`Scene.visible`."""
+    """See `Scene.visible`."""
     (from_, to), shape = together(x=x, y=y)
     return caster.visible(from_, to, checked_threads(threads)).reshape(shape)
 
 
 def occluded(
-    caster: Any, origins: npt.ArrayLike, directions: npt.ArrayLike,
-    t_max: float | npt.ArrayLike, threads: int | None,
-) -> npt.NDArray[np.bool_]:  # fmt: skip
-    """`Scene.occluded`."""
+    caster: Any,
+    origins: npt.ArrayLike,
+    directions: npt.ArrayLike,
+    t_max: float | npt.ArrayLike,
+    threads: int | None,
+) -> npt.NDArray[np.bool_]:
+    """See `Scene.occluded`."""
     if np.ndim(t_max) == 0:
         rays, shape = together(origins=origins, directions=directions)
         ends = t_max
@@ -66,24 +69,27 @@ def occluded(
 def intersect(
     caster: Caster, origins: npt.ArrayLike, directions: npt.ArrayLike, threads: int | None
 ) -> Intersection:
-    """`Scene.intersect`."""
+    """See `Scene.intersect`."""
     return Intersection(*hits(caster, origins, directions, threads))
 
 
 def hits(
     caster: Any, origins: npt.ArrayLike, directions: npt.ArrayLike, threads: int | None
 ) -> list[npt.NDArray[Any]]:
-    """The arrays that a caster finds nearest hits as, in the shape of the rays."""
+    """A caster's arrays of nearest hits, in the shape of the rays."""
     rays, shape = together(origins=origins, directions=directions)
     found = caster.intersect(*rays, checked_threads(threads))
     return [part.reshape(*shape, *part.shape[1:]) for part in found]
 
 
 def visible_matrix(
-    caster: Caster, points: npt.ArrayLike, targets: npt.ArrayLike, threads: int | None,
+    caster: Caster,
+    points: npt.ArrayLike,
+    targets: npt.ArrayLike,
+    threads: int | None,
     progress: bool | Callable[[int, int], None],
-) -> npt.NDArray[np.uint64]:  # fmt: skip
-    """`Scene.visible_matrix`."""
+) -> npt.NDArray[np.uint64]:
+    """See `Scene.visible_matrix`."""
     ends = checked_points(points, "points"), checked_points(targets, "targets")
     with progress_bar(progress, unit="tile") as report:
         return caster.visible_matrix(*ends, checked_threads(threads), report)
@@ -94,12 +100,12 @@ def together(
 ) -> tuple[list[Floats], tuple[int, ...]]:
     """Vectors (..., 3) as rows (N, 3) of one length, and the shape (...) that they broadcast to.
 
-    `more` are the shapes of what broadcasts with them.
+    `more` has further shapes that broadcast with them.
 
     Raises
     ------
     ValueError
-        Not vectors, or shapes that do not go together; the message has the names and shapes.
+        Arrays without vectors, or shapes that do not broadcast; the message gives names and shapes.
     """
     arrays = {name: checked_points(value, name) for name, value in given.items()}
     for name, array in arrays.items():

@@ -1,4 +1,4 @@
-"""Scenes: loaded from files, made from arrays, asked for exact visibility."""
+"""Scenes: made from files or arrays, and queried for exact visibility."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Scene:
     """An immutable scene.
 
     Made by `load_scene`, `Scene.from_arrays`, `Scene.from_trimesh`, a function of
-    `viscache.scenes`, or `Scene.from_description`. It pickles: by its spec where that gives a scene
-    of the same `content_hash`, else with its arrays, so that pools of processes can take it.
+    `viscache.scenes`, or `Scene.from_description`. Scenes can be pickled for process pools: as the
+    spec if that gives a scene of the same `content_hash`, otherwise with all arrays.
     """
 
     def __init__(self, core: _core.Scene, spec: str | None = None) -> None:
@@ -48,19 +48,19 @@ class Scene:
         self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
 
-    #: Makes the thumbnail; set by the package, which can render.
+    #: Renders the thumbnail; set by the package.
     _picture: ClassVar[Callable[[Any], str] | None] = None
 
     @classmethod
     def from_description(
         cls, description: SceneDescription, *, spec: str | None = None, threads: int | None = None
     ) -> Scene:
-        """Freeze a description, on all cores by default; the scene is the same on any number.
+        """Make a scene from a description; it does not depend on `threads` (default: all cores).
 
         Raises
         ------
         SceneError
-            Something in it cannot be used; the message says what and where.
+            The description has an error; the message says what and where.
         """
         return cls(_core.Scene.freeze(description, checked_threads(threads)), spec)
 
@@ -79,13 +79,13 @@ class Scene:
         Parameters
         ----------
         vertices : (V, 3) float, or list of (vertices, triangles) or (vertices, triangles, material)
-            Positions; finite, at most 1e16 in size. A material is an albedo (3,) or a mapping of
-            what `SceneDescription.add_material` takes, whose kind may be a string:
+            Positions; finite, at most 1e16 in size. A material is an albedo (3,) or a mapping with
+            the arguments of `SceneDescription.add_material`. Its kind may be a string:
             `{"kind": "glossy", "roughness": 0.3}`.
         triangles : (T, 3) int
-            Vertex indices in [0, V); left out with a list.
+            Vertex indices in [0, V). Must be absent if `vertices` is a list of meshes.
         normals : (V, 3) float, optional
-            Shading normals of the one mesh.
+            Shading normals of a single mesh.
         base_color : (3,) float in [0, 1]
             Albedo of meshes without a material.
         env : path, float, (3,) or (H, W, 3), optional
@@ -96,7 +96,7 @@ class Scene:
         SceneError
             An index out of range or a vertex that is not finite.
         ValueError
-            No list of meshes where triangles are left out.
+            Without triangles, `vertices` is not a list of meshes.
 
         Examples
         --------
@@ -123,20 +123,20 @@ class Scene:
 
     @classmethod
     def from_trimesh(cls, meshes: Any, *, env: Env | None = None) -> Scene:
-        """A scene of trimesh's objects.
+        """A scene from trimesh objects.
 
         Parameters
         ----------
         meshes : trimesh.Trimesh, trimesh.Scene or a list of them
-            What a trimesh scene places is placed. A mesh keeps its main colour as albedo, its
-            texture and shading do not come along.
+            A trimesh scene keeps its placements. The main colour of a mesh becomes its albedo;
+            textures, shading and lights are ignored.
         env : path, float, (3,) or (H, W, 3), optional
-            Environment light: trimesh's lights do not come along.
+            Environment light, as in `from_arrays`.
 
         Raises
         ------
         SceneError
-            Something that has no triangles, or triangles that cannot be used.
+            An object has no triangles, or invalid ones.
 
         Examples
         --------
@@ -151,21 +151,21 @@ class Scene:
             apply_environment(description, env)
         return cls.from_description(description)
 
-    # What it is
+    # Properties
 
     @property
     def name(self) -> str:
-        """Name given by the file or the built-in scene."""
+        """Name from the file or the built-in scene."""
         return self._core.name
 
     @property
     def triangles(self) -> int:
-        """Placed triangles: instances expanded, emitting spheres not counted."""
+        """Number of placed triangles: with instances expanded, without emitting spheres."""
         return self._core.triangles
 
     @property
     def bounds(self) -> npt.NDArray[np.float32]:
-        """(2, 3): lowest and highest corner of everything placed."""
+        """(2, 3): lowest and highest corner of the placed geometry."""
         return np.array(self._core.bounds, dtype=np.float32)
 
     @property
@@ -175,15 +175,15 @@ class Scene:
 
     @property
     def lights(self) -> list[dict[str, Any]]:
-        """One dict per light: its kind and its values."""
+        """One dict per light, with its kind and its values."""
         return _core.scene_lights(self._core)
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What the file asked for that is not modelled, with its place; what to know of a scene.
+        """Features of the file that are not modelled, with their place, and problems of the scene.
 
-        That it has no triangles, no light, or lies so far from the origin that single precision has
-        lost much of its shape.
+        A problem is: no triangles, no light, or a distance from the origin at which single
+        precision loses much of the shape.
         """
         texts = [
             f"{where}: {text}" if where else text
@@ -197,12 +197,12 @@ class Scene:
 
     @cached_property
     def content_hash(self) -> str:
-        """Hash of everything that decides how the scene looks."""
+        """Hash of everything that determines the look of the scene."""
         return _core.scene_hash(self._core)
 
     @cached_property
     def geometry_hash(self) -> str:
-        """Hash of what decides who sees whom: shapes, where they are, and holes cut by alpha."""
+        """Hash of what determines visibility: shapes, their places, holes of alpha masks."""
         return _core.geometry_hash(self._core)
 
     def meshes(self) -> list[dict[str, Any]]:
@@ -211,19 +211,19 @@ class Scene:
 
     @cached_property
     def coplanar_share(self) -> float | None:
-        """Share of the placed triangles that lie in one plane with a neighbour.
+        """Share of the placed triangles that are coplanar with a neighbour.
 
-        Many of them are flat faces cut up: they raise the count without adding shape. None above 5
-        million unique triangles, where counting would take long.
+        A high share means subdivided flat faces, which add triangles but no shape. None above 5
+        million unique triangles, because counting would take long.
         """
         return placed_coplanar_share(self._core, self.meshes)
 
     def info(self) -> dict[str, Any]:
-        """What `viscache info --json` prints."""
+        """The facts that `viscache info --json` prints."""
         return info(self)
 
     def with_environment(self, env: Env, *, threads: int | None = None) -> Scene:
-        """The same scene under another environment light."""
+        """The same scene with another environment light."""
         description = _core.description_of(self._core)
         apply_environment(description, env)
         return Scene.from_description(description, spec=self.spec, threads=threads)
@@ -236,7 +236,7 @@ class Scene:
         up = (0.0, 1.0, 0.0)
         return _core.look_at(tuple(origin.tolist()), tuple(center.tolist()), up, 55.0)
 
-    # What it answers
+    # Queries
 
     @overload
     def caster(
@@ -251,14 +251,14 @@ class Scene:
     def caster(self, rays: Rays | str | None = None, *, threads: int | None = None) -> Caster:
         """A ray caster over the scene, built on first use.
 
-        Embree's stay with the scene; of the others, the one asked for last.
+        The scene keeps all casters of Embree, and the last of the others.
 
         Parameters
         ----------
         rays : Embree, Bsp or Vlf, optional
-            Or "embree", "bsp", "vlf"; Embree, robust, by default.
+            Or "embree", "bsp", "vlf". Default: Embree with its robust flag.
         threads : int, optional
-            To build with; all cores by default. The caster is the same on any number.
+            Threads of the build; all cores by default. The caster is the same for any number.
 
         Raises
         ------
@@ -271,12 +271,12 @@ class Scene:
                 self._embree[rays] = rays.build(self._core)
             return self._embree[rays]
         if self._other is None or self._other[0] != rays:
-            self._other = None  # before the next one takes memory
+            self._other = None  # free memory for the next one
             self._other = rays, rays.build(self._core, checked_threads(threads))
         return self._other[1]
 
     def aligned_batch(self) -> _core.vlf.AlignedBatch:
-        """The triangles as aligned rays meet them, put in order on first use."""
+        """The triangles in the order of the aligned batch, sorted on first use."""
         if self._batch is None:
             self._batch = _core.vlf.AlignedBatch(self._core)
         return self._batch
@@ -294,11 +294,11 @@ class Scene:
         Parameters
         ----------
         x, y : (..., 3) float
-            End points, in scene units; they broadcast as NumPy's arrays do. The segment is
-            shortened at both ends by 32 units in the last place of the larger coordinate, so that
-            surfaces at the ends do not block it.
+            End points in scene units, broadcast as in NumPy. The segment is shortened at both ends
+            by 32 units in the last place of the larger coordinate, so that surfaces at the ends do
+            not block it.
         rays : Embree, Bsp or Vlf, optional
-            Who traces; Embree by default.
+            The ray caster, as in `caster`.
         threads : int, optional
             All cores by default.
 
@@ -309,11 +309,11 @@ class Scene:
         Raises
         ------
         ValueError
-            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
+            Shapes do not broadcast, or coordinates are not finite or above 1e16.
 
         Examples
         --------
-        Four points against two, as a matrix:
+        A matrix of four points and two:
 
         >>> import numpy as np
         >>> import viscache as vc
@@ -332,23 +332,23 @@ class Scene:
         threads: int | None = None,
         progress: bool | Callable[[int, int], None] = False,
     ) -> npt.NDArray[np.uint64]:
-        """Does each of N points see each of M targets? One bit for every pair.
+        """Does each of N points see each of M targets? One bit per pair.
 
-        The same answers as `visible(points[:, None], targets[None])`, in a 512th of its memory:
-        rays are made tile by tile.
+        The answers equal `visible(points[:, None], targets[None])`. Rays are generated tile by
+        tile, which takes 1/512 of its memory.
 
         Parameters
         ----------
         points : (N, 3) float
         targets : (M, 3) float
-            In scene units. Segments are shortened as by `visible`.
+            In scene units. Segments are shortened as in `visible`.
         rays : Embree, Bsp or Vlf, optional
-            Who traces; Embree by default. With `Embree(robust=False)`, rays through an edge may be
-            answered otherwise than by `visible`.
+            As in `visible`. With `Embree(robust=False)`, answers of rays through an edge may differ
+            from those of `visible`.
         threads : int, optional
             All cores by default; the bits do not depend on it.
         progress : bool or callable
-            True shows a bar; a callable gets (done, total).
+            True shows a progress bar; a callable is called with (done, total).
 
         Returns
         -------
@@ -358,7 +358,7 @@ class Scene:
         Raises
         ------
         ValueError
-            Wrong shapes, or coordinates that are not finite or above 1e16.
+            Shapes are wrong, or coordinates are not finite or above 1e16.
         KeyboardInterrupt
             Within half a second of Ctrl-C.
 
@@ -385,20 +385,17 @@ class Scene:
     ) -> npt.NDArray[np.bool_]:
         """Does a ray hit anything up to t_max?
 
-        A surface through the origin itself counts with Embree's robust rays alone; what lies at
-        t_max within rounding may count or not.
+        A surface through the ray's origin counts only with Embree's robust rays. A surface at t_max
+        within rounding error may count or not.
 
         Parameters
         ----------
         origins, directions : (..., 3) float
-            Directions of any length; a zero direction hits nothing. With `t_max` they broadcast as
-            NumPy's arrays do.
+            Directions of any length; a zero direction hits nothing. Both broadcast with `t_max`.
         t_max : float or (...) float, >= 0
             In units of the direction's length.
-        rays : Embree, Bsp or Vlf, optional
-            Who traces; Embree by default.
-        threads : int, optional
-            All cores by default.
+        rays, threads
+            As in `visible`.
 
         Returns
         -------
@@ -407,7 +404,7 @@ class Scene:
         Raises
         ------
         ValueError
-            Shapes that do not broadcast, or coordinates that are not finite or above 1e16.
+            As in `visible`.
         """
         caster = self.caster(rays, threads=threads)
         return queries.occluded(caster, origins, directions, t_max, threads)
@@ -436,22 +433,22 @@ class Scene:
         spp: int = 1,
         threads: int | None = None,
     ) -> Oracle:
-        """A visibility cache as a module: arrays of points in, bits out.
+        """A visibility cache as a module that takes arrays of points and returns bits.
 
         Parameters
         ----------
         visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, or an oracle of your own
             Or its name with default settings, as in `viscache.render`.
         rays : Embree, Bsp or Vlf, optional
-            Who traces.
+            As in `visible`.
         use : {"replace", "correct"} or Correct, optional
             As in `viscache.render`.
         seed : int >= 0
-            Of methods that draw at random.
+            Seed of random methods.
         spp : int >= 1
-            Eye samples per pixel, where the points are such: it tells whether refinement pays.
+            Samples per pixel if the points are eye samples; decides whether refinement pays off.
         threads : int, optional
-            All cores by default. Answers are the same bits for any number.
+            All cores by default; the bits do not depend on it.
 
         Returns
         -------
@@ -461,7 +458,7 @@ class Scene:
         Raises
         ------
         ValueError
-            A visibility that answers no single connections, such as VisMaps.
+            The visibility does not answer single connections, such as `VisMaps`.
         """
         return Oracle(self, visibility, rays=rays, use=use, seed=seed, spp=spp, threads=threads)
 

@@ -153,9 +153,14 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
     above = cosine > 0
     normal = tuple(hits.normals[index].tolist())
     point = sampling.ShadingPoint(
-        material["kind"], tuple(hits.towards[index].tolist()), ns=normal, ng=normal,
-        base=material["base_color"], specular=material["specular"],
-        roughness=material["roughness"])  # fmt: skip
+        material["kind"],
+        tuple(hits.towards[index].tolist()),
+        ns=normal,
+        ng=normal,
+        base=material["base_color"],
+        specular=material["specular"],
+        roughness=material["roughness"],
+    )
     out = np.zeros_like(directions)
     out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))
     return np.asarray(out * np.maximum(cosine, 0)[:, None])
@@ -167,8 +172,11 @@ def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:
     x = (np.arange(width) + 0.5) / width * 2 - 1
     y = 1 - (np.arange(height) + 0.5) / height * 2
     reach = math.tan(camera.fov_rad / 2)
-    across, upwards = (reach, reach * height / width) if camera.fov_is_horizontal else (
-        reach * width / height, reach)  # fmt: skip
+    across, upwards = (
+        (reach, reach * height / width)
+        if camera.fov_is_horizontal
+        else (reach * width / height, reach)
+    )
     ray: Array = (
         np.array(camera.forward)
         + (across * x)[None, :, None] * np.array(camera.right)

@@ -88,8 +88,14 @@ def _mushrooms(b: Builder, rng: np.random.Generator) -> None:
 
 def _stones(b: Builder, rng: np.random.Generator) -> None:
     at = spots(rng, STONES, 0.7, 0.93 * HALF)
-    scale = np.stack([rng.uniform(0.7, 1.6, STONES), rng.uniform(0.5, 0.9, STONES),
-                      rng.uniform(0.7, 1.6, STONES)], -1)  # fmt: skip
+    scale = np.stack(
+        [
+            rng.uniform(0.7, 1.6, STONES),
+            rng.uniform(0.5, 0.9, STONES),
+            rng.uniform(0.7, 1.6, STONES),
+        ],
+        -1,
+    )
     frames = place(_on_ground(at, 0.02), rng.uniform(0, 360, STONES), scale)
     grey = b.diffuse("stones", (0.4, 0.39, 0.36))
     for k in range(3):

@@ -33,8 +33,11 @@ def car(b: Builder, at: Array, body: int) -> None:
     roof = soft_box((1.35, 0.07, 1.16), (12, 3, 12), power=5, bulge=0.35)
     b.add(roof, body, at @ place([-0.42, CAR_HEIGHT - 0.02, 0]))
     for side in (-1, 1):
-        for foot, top in (((1.08, 0.9), (0.3, 1.39)), ((-0.45, 0.93), (-0.5, 1.4)),
-                          ((-1.72, 0.93), (-1.05, 1.37))):  # fmt: skip
+        for foot, top in (
+            ((1.08, 0.9), (0.3, 1.39)),
+            ((-0.45, 0.93), (-0.5, 1.4)),
+            ((-1.72, 0.93), (-1.05, 1.37)),
+        ):
             post = [[foot[0], foot[1], side * 0.76], [top[0], top[1], side * 0.565]]
             b.add(rod(post[0], post[1], 0.035, 8), body, at)
         b.add(rod([-1.6, 0.5, side * 0.87], [1.4, 0.5, side * 0.87], 0.025, 7), trim, at)
@@ -108,8 +111,14 @@ def bicycle(b: Builder, at: Array, color: str) -> None:
     frame, dark, steel = paint(b, color), paint(b, "black_metal"), paint(b, "steel")
     rear, front, crank = (-0.52, 0.34), (0.53, 0.34), (-0.1, 0.29)
     seat, head = (-0.26, 0.82), (0.36, 0.88)
-    for start, end in ((crank, seat), (crank, (0.4, 0.78)), (seat, head), (seat, rear),
-                       (crank, rear), ((0.37, 0.9), front)):  # fmt: skip
+    for start, end in (
+        (crank, seat),
+        (crank, (0.4, 0.78)),
+        (seat, head),
+        (seat, rear),
+        (crank, rear),
+        ((0.37, 0.9), front),
+    ):
         b.add(rod([*start, 0], [*end, 0], 0.016, 8), frame, at)
     angle = np.linspace(0, 2 * np.pi, 33)
     for x, y in (rear, front):

@@ -47,8 +47,11 @@ def pipes(b: Builder, length: float, height: float, depth: float) -> None:
     spots = [[x, height - 0.3, z] for x in (2.4, 6.0, 9.6) for z in (2.6, 5.4)]
     b.add(fixture, paint(b, "white_paint"), place(spots))
     for side in (-0.035, 0.035):
-        b.add(rod([-0.6, -0.045, side], [0.6, -0.045, side], 0.014, 9), paint(b, "porcelain"),
-              place(spots))  # fmt: skip
+        b.add(
+            rod([-0.6, -0.045, side], [0.6, -0.045, side], 0.014, 9),
+            paint(b, "porcelain"),
+            place(spots),
+        )
 
 
 def _tray(b: Builder, length: float, height: float) -> None:
@@ -90,8 +93,13 @@ def rack(b: Builder, at: Array, rng: np.random.Generator, *, phase: int = 0) -> 
 
 
 def _tins(b: Builder, at: Array, rng: np.random.Generator) -> None:
-    tin = revolve([[0.07, 0], [0.075, 0.01], [0.072, 0.02], [0.072, 0.17], [0.076, 0.18],
-                   [0.07, 0.19]], 22, 16, caps=(True, True), smooth=False)  # fmt: skip
+    tin = revolve(
+        [[0.07, 0], [0.075, 0.01], [0.072, 0.02], [0.072, 0.17], [0.076, 0.18], [0.07, 0.19]],
+        22,
+        16,
+        caps=(True, True),
+        smooth=False,
+    )
     for i in range(6):
         for z in (-0.1, 0.1):
             spot = place([-0.4 + 0.16 * i, 0, z], scale=[1, rng.uniform(0.7, 1.6), 1])

@@ -16,7 +16,7 @@ from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitte
 from viscache.settings.not_given import NotGiven
 from viscache.settings.rays import Bsp, Embree, Vlf
 from viscache.settings.spelling import nearest
-from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Unoccluded, VisMaps
 
 Role: TypeAlias = Literal["integrator", "rays", "visibility"]
 
@@ -30,6 +30,7 @@ NAMES: dict[Role, dict[str, type[Any]]] = {
         "vismap": VisMaps,
         "shadow_map": ShadowMap,
         "nee_plus_plus": NeePlusPlus,
+        "unoccluded": Unoccluded,
     },
 }
 ROLES: tuple[Role, ...] = ("integrator", "rays", "visibility")

@@ -13,7 +13,16 @@ from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import setting
 from viscache.settings.vismaps import VisMaps
 
-__all__ = ["Aqvc", "Exact", "NeePlusPlus", "PaperForm", "ShadowMap", "VisMaps", "Visibility"]
+__all__ = [
+    "Aqvc",
+    "Exact",
+    "NeePlusPlus",
+    "PaperForm",
+    "ShadowMap",
+    "Unoccluded",
+    "VisMaps",
+    "Visibility",
+]
 
 
 @setting
@@ -129,4 +138,31 @@ class ShadowMap:
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
 
-Visibility: TypeAlias = Exact | Aqvc | ShadowMap | NeePlusPlus | VisMaps
+@setting
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Unoccluded:
+    """No shadows: every query is answered "visible" without a ray.
+
+    The baseline that every cache must beat. It shows how much light the shadows of a scene take
+    away, and with `use="correct"` it is the plainest control variate: a random share of the
+    shadow rays, each with a larger weight.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> scene = vc.scenes.cube_on_plane()
+    >>> frame = vc.render(scene, vc.Direct(), visibility=vc.Unoccluded(), size=(32, 20))
+    >>> frame.counters["rays"], frame.counters["occluded"]
+    (0, 0)
+    """
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        """The source of one frame's oracles."""
+        return _core.UnoccludedSource()
+
+    def parameters(self) -> dict[str, Any]:
+        """Names and values: none."""
+        return {}
+
+
+Visibility: TypeAlias = Exact | Aqvc | ShadowMap | NeePlusPlus | Unoccluded | VisMaps

@@ -79,9 +79,15 @@ def aligned_occlusion(
     (100, 9)
     """
     return trace_aligned(
-        scene, points, normals, n_directions,
-        t_max=t_max, engine=engine, threads=threads, progress=progress,
-    ).bits  # fmt: skip
+        scene,
+        points,
+        normals,
+        n_directions,
+        t_max=t_max,
+        engine=engine,
+        threads=threads,
+        progress=progress,
+    ).bits
 
 
 @spelled

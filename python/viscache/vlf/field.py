@@ -78,14 +78,21 @@ class VisibilityField:
         progress: Progress = False,
     ) -> None:
         self.scene = sources.opened(scene)
-        short = {"n_directions": n_directions, "n_tiles": n_tiles, "bsp_depth": bsp_depth,
-                 "max_bytes": max_bytes}  # fmt: skip
+        short = {
+            "n_directions": n_directions,
+            "n_tiles": n_tiles,
+            "bsp_depth": bsp_depth,
+            "max_bytes": max_bytes,
+        }
         given = {name: value for name, value in short.items() if value is not None}
         chosen = vlf_settings(settings)
         for name, value in given.items() if settings is not None else ():
             said = getattr(chosen, name)
-            require(value == said, f"{name} must be left out beside settings, or be their {said!r}",
-                    value)  # fmt: skip
+            require(
+                value == said,
+                f"{name} must be left out beside settings, or be their {said!r}",
+                value,
+            )
         #: The settings as given.
         self.settings: Vlf = by_name.replaced(chosen, given, "settings")
         with progress_bar(progress) as report:

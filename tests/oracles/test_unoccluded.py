@@ -1,0 +1,59 @@
+"""Light without shadows: the baseline that every cache must beat."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+
+SIZE = (32, 24)
+ROOM = "room?triangles=2000"
+
+
+@pytest.mark.parametrize(
+    "integrator", [vc.Whitted(n_vpls=64), vc.Direct(n_area=4)], ids=["shared lights", "own samples"]
+)
+def test_the_frame_is_all_contributions_summed(integrator: Any) -> None:
+    scene = vc.scenes.build(ROOM)
+    frame = vc.render(scene, integrator, size=SIZE, visibility=vc.Unoccluded())
+    taps = vc.connections(scene, integrator, size=SIZE)
+    seen = {name: np.ones_like(answer.visible) for name, answer in taps.answers(vc.Exact()).items()}
+    assert frame.sha256 == taps.frame(seen).sha256
+    exact = vc.render(scene, integrator, size=SIZE)
+    assert frame.counters["queries"] == exact.counters["queries"]
+    assert frame.counters["rays"] == frame.counters["occluded"] == 0
+    assert np.all(frame.image >= exact.image * (1 - 1e-5))
+    assert frame.image.mean() > 1.02 * exact.image.mean()
+
+
+def test_ambient_occlusion_is_white_and_bidirectional_paths_take_it() -> None:
+    scene = vc.scenes.build(ROOM)
+    ambient = vc.AmbientOcclusion(n_samples=4)
+    frame = vc.render(scene, ambient, size=SIZE, visibility=vc.Unoccluded())
+    assert frame.image.min() == pytest.approx(1, abs=1e-6)
+    paths = vc.Bdpt(max_depth=3)
+    bright, exact = (
+        vc.render(scene, paths, size=SIZE, visibility=v).image.mean()
+        for v in (vc.Unoccluded(), vc.Exact())
+    )
+    assert bright > exact
+
+
+def test_with_corrections_it_is_unbiased() -> None:
+    """The power and the negative controls of corrections are in test_correct.py."""
+    scene, light = vc.scenes.build(ROOM), vc.Direct()
+    right = vc.render(scene, light, size=SIZE, visibility=vc.Unoccluded(), use=vc.Correct(share=1))
+    assert right.sha256 == vc.render(scene, light, size=SIZE).sha256
+    errors = []
+    for seed in range(24):
+        drawn, exact = (
+            vc.render(scene, light, size=SIZE, seed=seed, **given).image.sum(dtype=float)
+            for given in ({"visibility": "unoccluded", "use": vc.Correct(share=0.2)}, {})
+        )
+        errors.append(drawn / exact - 1)
+    mean, deviation = np.mean(errors), np.std(errors, ddof=1) / np.sqrt(len(errors))
+    assert abs(mean) < 3.5 * deviation
+    assert 5 * deviation < 0.05, "a bias of 5 % would be noticed"
