@@ -2,6 +2,8 @@
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
+#include <tuple>
+
 #include "arrays.h"
 #include "checked_rows.h"
 #include "viscache/render/settings.h"
@@ -11,6 +13,27 @@
 #include "viscache/visibility/exact.h"
 
 namespace viscache::bindings {
+
+namespace {
+
+/// Every field of a camera, in the order of its declaration.
+using CameraState = std::tuple<std::string, std::array<float, 3>, std::array<float, 3>, std::array<float, 3>,
+                               std::array<float, 3>, float, int, int, bool>;
+
+CameraState camera_state(const Camera& c) {
+    return {c.name,      array3(c.origin), array3(c.right), array3(c.up),       array3(c.forward),
+            c.fov_y_rad, c.width,          c.height,        c.fov_is_horizontal};
+}
+
+Camera camera_of(const CameraState& state) {
+    const auto& [name, origin, right, up, forward, fov, width, height, horizontal] = state;
+    const Camera camera{name, vec3(origin), vec3(right), vec3(up),  vec3(forward),
+                        fov,  width,        height,      horizontal};
+    check_camera(camera);
+    return camera;
+}
+
+}  // namespace
 
 void bind_render(py::module_& m) {
     py::native_enum<PMode>(m, "PMode", "enum.Enum", "Where the density of an eye point comes from.")
@@ -102,7 +125,8 @@ void bind_render(py::module_& m) {
             "right", [](const Camera& c) { return array3(c.right); },
             "Unit vector to the right in the picture.")
         .def_property_readonly(
-            "up", [](const Camera& c) { return array3(c.up); }, "Unit vector upwards in the picture.");
+            "up", [](const Camera& c) { return array3(c.up); }, "Unit vector upwards in the picture.")
+        .def(py::pickle(&camera_state, &camera_of));
     m.def("scene_cameras", [](const Scene& s) { return s.description().cameras; }, py::arg("scene"));
     m.def(
         "look_at",

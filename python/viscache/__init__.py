@@ -102,11 +102,11 @@ __all__ = [
     "vlf",
 ]
 
-# What scenes cannot do by themselves: they know neither a renderer nor what specs mean
+# Scenes know neither the renderer nor built-in names, so what needs these is set here
 Scene._picture = staticmethod(_thumbnail)
 _copyreg.pickle(Scene, _reduced)
 
 
 def __dir__() -> list[str]:
-    """The public names, without the modules that importing leaves behind."""
+    """The public names, without modules that imports added."""
     return sorted(__all__)

@@ -1,4 +1,4 @@
-"""A table of the quantized cache that outlives frames."""
+"""A table of the quantized cache that is kept from frame to frame."""
 
 from __future__ import annotations
 
@@ -26,26 +26,25 @@ ENTRY = np.dtype([("slot", "u4"), ("digest", "u4"), ("visible", "?"), ("current"
 
 @spelled
 class AqvcTable:
-    """Bits of visibility that frames of `vc.render(..., keep=table)` hand on to the next ones.
+    """Visibility bits that frames of `vc.render(..., keep=table)` pass on to later frames.
 
-    A frame reads what the frames before have left, and its tiles what they trace themselves; it
-    writes at its end, tile by tile, so that pictures do not depend on threads. Camera, C_E, levels
-    and lights may change from frame to frame: they are in the keys, or choose among them. The
-    geometry must be the same, unless `moved` was called.
+    A frame reads the bits of earlier frames, and each tile reads its own new bits. New bits are
+    written at the end of the frame, tile by tile, so the image does not depend on the number of
+    threads. Camera, C_E, levels and lights may change from frame to frame, because keys depend on
+    them. The geometry must stay the same unless `moved` is called.
 
     Parameters
     ----------
     table_bytes : int in [4, 2^33]
-        4 bytes per cluster. Ten times the clusters of the frames that are to be remembered lose
-        few of them.
+        4 bytes per cluster. A table with ten times as many slots as clusters loses few of them.
     check : float in [0, 1]
-        Share of the reused bits, drawn by frame and query, whose ray is traced as well:
-        `frame.counters` "checked_kept" of those from frames before and "wrong_kept" that the ray
-        contradicts, "checked_fresh" and "wrong_fresh" of those from the frame itself. The picture
-        stays as it is and these rays are not among "rays".
+        Share of the reused bits that are checked with a ray; the draw depends on frame and query.
+        `frame.counters` counts them: "checked_kept" and "wrong_kept" for bits of earlier frames,
+        "checked_fresh" and "wrong_fresh" for bits of the frame itself. The image does not change,
+        and "rays" does not include these rays.
     repair : bool
-        Checked rays answer their query, and what they contradict is written anew. Only bits from
-        frames before are checked then, and their rays count.
+        Rays of the check answer their query, and wrong bits are corrected. Only bits of earlier
+        frames are checked then, and "rays" includes their rays.
 
     Examples
     --------
@@ -63,8 +62,11 @@ class AqvcTable:
     def __init__(
         self, *, table_bytes: int = 256 << 20, check: float = 0.0, repair: bool = False
     ) -> None:
-        require(is_whole(table_bytes) and 4 <= table_bytes <= 1 << 33,
-                "table_bytes must be a whole number in [4, 2^33]", table_bytes)  # fmt: skip
+        require(
+            is_whole(table_bytes) and 4 <= table_bytes <= 1 << 33,
+            "table_bytes must be a whole number in [4, 2^33]",
+            table_bytes,
+        )
         number = isinstance(check, int | float) and not isinstance(check, bool)
         require(number and 0 <= check <= 1, "check must be in [0, 1]", check)
         require(isinstance(repair, bool), "repair must be True or False", repair)
@@ -76,17 +78,17 @@ class AqvcTable:
 
     @property
     def frames(self) -> int:
-        """Frames that were finished with it."""
+        """Number of finished frames that used the table."""
         return self._core.frames if self._core else 0
 
     @property
     def epoch(self) -> int:
-        """How often everything was forgotten."""
+        """Number of calls that forgot all bits."""
         return self._core.epoch if self._core else 0
 
     @property
     def occupancy(self) -> float:
-        """Share of the slots in use, those of forgotten epochs among them."""
+        """Share of occupied slots, including those of earlier epochs."""
         return self._core.occupied / self._core.slots if self._core else 0.0
 
     def entries(self) -> npt.NDArray[np.void]:
@@ -131,29 +133,34 @@ class AqvcTable:
             self._busy.release()
 
     def forget(self) -> None:
-        """Start a new epoch: no bit from before is found again. Takes no time."""
+        """Start a new epoch: no earlier bit is found again. Takes no time."""
         if self._core:
             self._core.next_epoch()
 
     def moved(self, scene: Scene | str | os.PathLike[str], *, forget: bool = True) -> None:
-        """Go on with `scene`, whose geometry may differ from that of the frames before.
+        """Continue with `scene`, whose geometry may differ from that of earlier frames.
 
         Parameters
         ----------
         scene : Scene, path or str
-            Of the next frames.
+            Scene of the next frames.
         forget : bool
-            Start a new epoch. False keeps all bits: those that are wrong now (stale) stay until
-            they are overwritten, or found by `repair`.
+            Start a new epoch. False keeps all bits. Stale ones, which are wrong now, stay until
+            they are overwritten or `repair` finds them.
         """
         self._geometry = sources.opened(scene).geometry_hash
         if forget:
             self.forget()
 
     def parameters(self) -> dict[str, Any]:
-        """What frames record of it: its settings, and what it had seen when they were finished."""
-        return {"table_bytes": self.table_bytes, "check": self.check, "repair": self.repair,
-                "frames": self.frames, "epoch": self.epoch}  # fmt: skip
+        """What frames record: the settings, and the number of frames so far."""
+        return {
+            "table_bytes": self.table_bytes,
+            "check": self.check,
+            "repair": self.repair,
+            "frames": self.frames,
+            "epoch": self.epoch,
+        }
 
     def __repr__(self) -> str:
         return (
@@ -163,9 +170,10 @@ class AqvcTable:
 
     @contextmanager
     def _frame(self, scene: Scene, cache: Aqvc) -> Iterator[_core.KeptTable]:
-        """The C++ table for one frame, which must fit those before."""
-        require(self._busy.acquire(blocking=False), "keep must not be in use by another frame",
-                self)  # fmt: skip
+        """The C++ table for one frame, whose settings must match those of earlier frames."""
+        require(
+            self._busy.acquire(blocking=False), "keep must not be in use by another frame", self
+        )
         try:
             core = cache.core()
             keyed = {name: getattr(core, name) for name in KEYED}
@@ -176,12 +184,17 @@ class AqvcTable:
                 self._keyed_by = keyed
                 self._geometry = self._geometry or scene.geometry_hash
             for name, value in keyed.items():
-                require(value == self._keyed_by[name],
-                        f"{name} must be {self._keyed_by[name]} as in the table's frames before",
-                        value)  # fmt: skip
-            require(scene.geometry_hash == self._geometry,
-                    "scene must have the geometry of the table's frames before, or be given to "
-                    "table.moved(scene)", scene)  # fmt: skip
+                require(
+                    value == self._keyed_by[name],
+                    f"{name} must be {self._keyed_by[name]} as in the table's frames before",
+                    value,
+                )
+            require(
+                scene.geometry_hash == self._geometry,
+                "scene must have the geometry of the table's frames before, or be given to "
+                "table.moved(scene)",
+                scene,
+            )
             yield self._core
         finally:
             self._busy.release()

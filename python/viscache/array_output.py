@@ -1,4 +1,4 @@
-"""Outputs that other libraries take as arrays: `np.asarray(frame)`, `torch.from_dlpack(frame)`."""
+"""Results that convert to arrays: `np.asarray(frame)`, `torch.from_dlpack(frame)`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["ArrayOutput"]
 
 
 class ArrayOutput:
-    """A result that has one array above all; NumPy's and DLPack's protocols give that one."""
+    """A result with one main array, which NumPy's and DLPack's protocols return."""
 
     __slots__ = ()
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from viscache.provenance import VERSION
 from viscache.settings.spelling import nearest
 
-#: Sub-command → what it does; the module of the same name in `viscache.commands` does it.
+#: Sub-command → description. The module of the same name in `viscache.commands` implements it.
 COMMANDS = {
     "scenes": "the built-in procedural scenes, their parameters and defaults",
     "info": "what a scene holds, and what its file asked for that is not modelled",
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser = _parser(given)
         parsed = parser.parse_args(given)
         return int(importlib.import_module(f"viscache.commands.{parsed.command}").run(parsed))
-    except SystemExit as stop:  # argparse has said why
+    except SystemExit as stop:  # argparse has printed the reason
         return stop.code if isinstance(stop.code, int) else BAD_USAGE
     except KeyboardInterrupt:
         if debug:
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
-    """The parser; only the sub-command that was given gets its arguments (and its imports)."""
+    """The parser. Only the sub-command in use is imported and adds its arguments."""
     parser = _Parser(prog="viscache", description="Trade shadow rays for accuracy, and measure it.")
     parser.add_argument("--version", action="version", version=f"viscache {VERSION}")
     parser.add_argument("--debug", action="store_true", help="tracebacks instead of one line")
@@ -67,15 +67,19 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         raise ValueError(f"unknown command {wanted!r}{nearest(wanted, COMMANDS)}")
     for name, text in COMMANDS.items():
         sub = subs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        sub.add_argument("--debug", action="store_true", default=argparse.SUPPRESS,
-                         help="tracebacks instead of one line")  # fmt: skip
+        sub.add_argument(
+            "--debug",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="tracebacks instead of one line",
+        )
         if name == wanted:
             importlib.import_module(f"viscache.commands.{name}").add_arguments(sub)
     return parser
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, without the usage before it."""
+    """A parser whose errors are one line, without the usage."""
 
     def error(self, message: str) -> None:  # type: ignore[override]
         self.exit(BAD_USAGE, f"{self.prog}: {message} (see {self.prog} --help)\n")

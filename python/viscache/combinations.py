@@ -1,4 +1,4 @@
-"""What does not combine, in one table: refused by `viscache.render`, printed in docs/limits.md."""
+"""Combinations that do not work: `viscache.render` refuses them, docs/limits.md lists them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["RULES", "Request", "Rule", "check", "table"]
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What a frame is asked to be.
+    """The settings of a frame.
 
     Attributes
     ----------
@@ -23,11 +23,11 @@ class Request:
         Settings.
     use : str or Correct, optional
     keep : bool
-        A table of the quantized cache is kept over frames.
+        Whether a table of the quantized cache is kept from frame to frame.
     parts : int
-        The frame is cut into so many parts.
+        Number of parts of the frame.
     batch : bool
-        Directions that all eye points share may go through the aligned batch.
+        Whether shared directions may be traced by the aligned batch.
     """
 
     integrator: Any
@@ -45,12 +45,12 @@ class Request:
 
     @property
     def shares_directions(self) -> bool:
-        """Ambient occlusion along directions that all eye points share."""
+        """Whether ambient occlusion uses directions that all eye points share."""
         return getattr(self.integrator, "directions", "") == "shared"
 
     @property
     def corrects(self) -> bool:
-        """The answers of an oracle serve as a control variate."""
+        """Whether the answers of the oracle serve as a control variate."""
         return self.use not in (None, "replace") and not isinstance(self.visibility, VisMaps)
 
 
@@ -58,7 +58,7 @@ class Request:
 class Rule:
     """One row of the table: `what` does not work with `other`.
 
-    Where `refused` holds, `must` says what must hold and `given` what was given.
+    If `refused` is true, the error consists of `must`, what must hold, and `given`.
     """
 
     what: str
@@ -154,12 +154,12 @@ RULES: tuple[Rule, ...] = (
 
 
 def check(request: Request) -> None:
-    """Refuse what does not combine.
+    """Refuse combinations that do not work.
 
     Raises
     ------
     ValueError
-        The first rule that is broken: what must hold, and what was given.
+        A rule is broken: what must hold, and what was given.
     """
     for rule in RULES:
         if rule.refused(request):

@@ -1,4 +1,4 @@
-"""The renderer's taps: its own eye points, lights and samples, and frames from answers to them."""
+"""Eye points, lights and samples of the renderer, and frames made from answers about them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Samples:
         Sample k belongs to eye point `index[k]`.
     ends : FarEnds of K ends
     contributions : (K, 3) float32
-        What each brings to its pixel unoccluded, linear RGB.
+        Contribution of each to its pixel if it is visible, linear RGB.
     """
 
     def __init__(self, arrays: dict[str, Any]) -> None:
@@ -57,23 +57,28 @@ class Samples:
 
 
 class Connections:
-    """All that a frame asks, and the frame that answers make; see `viscache.connections`.
+    """All visibility queries of a frame, and the frame from their answers; see `vc.connections`.
 
     Attributes
     ----------
     eyes : EyePoints
-        Of all tiles, in the renderer's order: sample × branch at mirrors and glass × side.
+        Eye points of all tiles in the renderer's order: sample × branch at mirrors and glass ×
+        side.
     groups : dict of str to FarEnds
-        Lights that all eye points share, by light group: "point", "directional", "vpl", and
+        Lights shared by all eye points, by light group: "point", "directional", "vpl", and
         "environment" with shared directions.
     samples : dict of str to Samples
-        Samples of each eye point's own: "area", "environment", "ambient".
+        Samples that belong to one eye point each: "area", "environment", "ambient".
     """
 
     def __init__(
-        self, scene: Scene, integrator: Any, rays: Rays | str | None, frame: _core.FrameSettings,
+        self,
+        scene: Scene,
+        integrator: Any,
+        rays: Rays | str | None,
+        frame: _core.FrameSettings,
         camera: _core.Camera,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._scene, self._integrator, self._rays = scene, integrator, rays
         self._frame, self._camera = frame, camera
         self._core = core_settings(integrator)
@@ -85,9 +90,12 @@ class Connections:
             for name in ("positions", "normals", "density", "origins")
         }
         self.eyes = EyePoints(
-            joined["positions"], joined["normals"], joined["density"], _origins=joined["origins"],
+            joined["positions"],
+            joined["normals"],
+            joined["density"],
+            _origins=joined["origins"],
             _tiles=tuple(tiles),
-        )  # fmt: skip
+        )
         lights = self._taps.lights()
         self._light_number = {GROUPS[arrays["group"]]: i for i, arrays in enumerate(lights)}
         self.groups = {GROUPS[arrays["group"]]: ends_of(arrays) for arrays in lights}
@@ -97,23 +105,23 @@ class Connections:
         }
 
     def wanted(self, group: str) -> npt.NDArray[np.uint64]:
-        """Rows of bits (N, ⌈M/64⌉): the connections that would bring something unoccluded."""
+        """Rows of bits (N, ⌈M/64⌉): connections whose contribution is not zero."""
         return self._taps.wanted(self._number(group))
 
     def contributions(self, group: str, rows: slice | None = None) -> npt.NDArray[np.float32]:
-        """What connections of some eye points would bring to their pixels unoccluded.
+        """Contributions of connections to the pixels of some eye points, before visibility.
 
         Parameters
         ----------
         group : str
             One of `groups`.
         rows : slice, optional
-            Eye points, without a step; all by default, which takes 12·N·M bytes.
+            Eye points, a slice without a step. All by default, which takes 12·N·M bytes.
 
         Returns
         -------
         (rows, M, 3) float32
-            Linear RGB; the sum over what is visible is the eye point's light.
+            Linear RGB. The sum over visible connections is the light of the eye point.
         """
         self._number(group)
         begin, end, step = (rows or slice(None)).indices(len(self.eyes))
@@ -121,7 +129,7 @@ class Connections:
         return self._taps.contributions(GROUPS.index(group), begin, max(begin, end))
 
     def answers(self, visibility: Any, *, use: Any = None) -> dict[str, Answer]:
-        """Every question of the frame, answered by a visibility setting as `viscache.render` does.
+        """Answers of a visibility setting to every query of the frame, as in `viscache.render`.
 
         Returns
         -------
@@ -144,33 +152,41 @@ class Connections:
         for number, samples in result["samples"].items():
             group = GROUPS[number]
             found[group] = PairAnswer(
-                samples["visible"], samples.get("weights"), counted(group), timings,
+                samples["visible"],
+                samples.get("weights"),
+                counted(group),
+                timings,
                 (samples["order"], samples["run_end"]),
-            )  # fmt: skip
+            )
         return found
 
     def oracle(self, visibility: Any, *, use: Any = None) -> Oracle:
         """`scene.oracle` with the frame's rays, seed, samples per pixel and threads."""
         return Oracle(
-            self._scene, visibility, rays=self._rays, use=use, seed=self._frame.seed,
-            spp=self._frame.spp, threads=self._frame.threads,
-        )  # fmt: skip
+            self._scene,
+            visibility,
+            rays=self._rays,
+            use=use,
+            seed=self._frame.seed,
+            spp=self._frame.spp,
+            threads=self._frame.threads,
+        )
 
     def frame(self, answers: Mapping[str, Answer], *, progress: Any = False) -> Frame:
-        """The frame that answers make. Groups without an answer stay dark.
+        """The frame that results from answers. Groups without an answer stay dark.
 
         Parameters
         ----------
         answers : mapping of group to answer
-            What `oracle.block` and `oracle.pairs` return; of shared groups also (N, M) bool or
-            bits, of samples also (K,) bool; or any of these with weights, as (visible, weights).
+            What `oracle.block` and `oracle.pairs` return. For shared groups also (N, M) bool or
+            bits, for samples also (K,) bool. All of these also as (visible, weights).
         progress : bool or callable
             True shows a bar; a callable gets (done, total).
 
         Returns
         -------
         Frame
-            With the answers of a built-in setting the same bytes as `viscache.render`.
+            With the answers of a built-in setting it has the same bytes as `viscache.render`.
 
         Raises
         ------
@@ -187,26 +203,36 @@ class Connections:
                 self._give_samples(given, group, answer)
         with progress_bar(progress) as report:
             result = _core.render_frame(
-                self._scene._core, self._caster, self._camera, self._core, self._frame,
-                given.source(), progress=report,
-            )  # fmt: skip
+                self._scene._core,
+                self._caster,
+                self._camera,
+                self._core,
+                self._frame,
+                given.source(),
+                progress=report,
+            )
         counted = [a.counters for a in answers.values() if isinstance(a, BlockAnswer | PairAnswer)]
         rays = sum(int(c.get("rays", 0)) for c in counted)
         counters = result["counters"]
         counters["rays"] = rays
         counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
         made = Frame(
-            layers=result["layers"], counters=counters, timings=result["timings"],
+            layers=result["layers"],
+            counters=counters,
+            timings=result["timings"],
             parameters={
                 "scene": self._scene.spec or self._scene.name,
                 "scene_hash": self._scene.content_hash,
                 "integrator": described(self._integrator),
                 "visibility": {"name": "given"},
-                "size": [self._frame.width, self._frame.height], "spp": self._frame.spp,
-                "seed": self._frame.seed, "camera": self._camera.name,
+                "size": [self._frame.width, self._frame.height],
+                "spp": self._frame.spp,
+                "seed": self._frame.seed,
+                "camera": self._camera.name,
             },
-            provenance=provenance(), warnings=list(self._scene.warnings),
-        )  # fmt: skip
+            provenance=provenance(),
+            warnings=list(self._scene.warnings),
+        )
         made.counters["sha256"] = made.sha256
         return made
 
@@ -228,9 +254,11 @@ class Connections:
             bits = pack(seen) if seen.dtype == bool and seen.ndim == 2 else seen
         require(bits.dtype == np.uint64, f"answers[{group!r}] must be bool or bits", bits.dtype)
         given.block(
-            GROUPS.index(group), np.ascontiguousarray(bits), _finite(weights, group),
+            GROUPS.index(group),
+            np.ascontiguousarray(bits),
+            _finite(weights, group),
             len(self.groups[group]),
-        )  # fmt: skip
+        )
 
     def _give_samples(self, given: _core.GivenAnswers, group: str, answer: Answer) -> None:
         order: tuple[Any, Any] = ([], [])
@@ -267,15 +295,15 @@ def connections(
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
 ) -> Connections:
-    """The questions of a frame as arrays: eye points, lights, samples, and what each would bring.
+    """The visibility queries of a frame as arrays: eye points, lights, samples, contributions.
 
     Parameters
     ----------
     scene, rays, size, spp, seed, threads, camera, env
         As in `viscache.render`.
     integrator : Direct, Whitted or AmbientOcclusion
-        Of samples drawn beforehand: not `Bdpt`, nor environment="product", nor shared directions
-        of ambient occlusion.
+        Samples must be drawn before visibility is known. So `Bdpt`, environment="product" and
+        shared directions of ambient occlusion are refused.
 
     Returns
     -------
@@ -296,8 +324,11 @@ def connections(
     scene = sources.opened(scene)
     integrator = by_name.setting("integrator", integrator)
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
-    require(fits, "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
-            integrator)  # fmt: skip
+    require(
+        fits,
+        "integrator must be vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)",
+        integrator,
+    )
     product = getattr(integrator, "environment", "") == "product"
     require(not product, 'environment must not be "product" for connections', "product")
     shared = getattr(integrator, "directions", "") == "shared"

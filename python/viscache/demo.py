@@ -1,8 +1,8 @@
 """The demonstration behind `scripts/demo`: sweep the quantized cache and write a report.
 
-`python -m viscache.demo` renders a built-in room, and the living room of a folder of scenes where
-there is one, with exact visibility and with the cache over two parameters. What is already in the
-output folder is not rendered again.
+`python -m viscache.demo` renders a built-in room with exact visibility and with the cache, over two
+parameters. If there is a folder of scenes, its living room is rendered too. Frames in the output
+folder are not rendered again.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 import viscache as vc
 
-#: Name of the output, scene below the folder of scenes (or built-in), parameters that are swept.
+#: Output name, scene (a built-in name, or a path in the folder of scenes), swept parameters.
 SWEEPS: tuple[tuple[str, str, dict[str, list[float]]], ...] = (
     ("living-room", "living-room/scene.xml", {"c_e": [4, 8, 16, 32], "c_n": [4, 8]}),
     ("room", "room?triangles=200000", {"c_e": [2, 4, 8, 16, 32], "c_z": [1, 4, 8]}),

@@ -1,4 +1,4 @@
-"""What is written to files: whole or not at all, and as values that JSON has."""
+"""Writing files atomically, and values as JSON."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from typing import Any
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """A path beside the target to write to; at the end that file takes the target's place.
+    """A path beside the target to write to. At the end that file replaces the target.
 
-    Where the block raises, the target stays as it was. Processes and threads get paths of their
-    own: the last one to end wins.
+    If the block raises, the target does not change. Every process and thread has its own path; the
+    last one to finish wins.
     """
     partial = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}.part")
-    partial.unlink(missing_ok=True)  # of a process that was killed
+    partial.unlink(missing_ok=True)  # left by a process that was killed
     try:
         yield partial
         partial.replace(target)
@@ -34,7 +34,7 @@ def write_whole(target: Path, text: str) -> None:
 
 
 def finite(value: Any) -> Any:
-    """The same as plain JSON values: arrays as lists, non-finite numbers as null, else text."""
+    """The value for JSON: arrays as lists, non-finite numbers as null, anything else as text."""
     if isinstance(value, dict):
         return {str(k): finite(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

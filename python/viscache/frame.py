@@ -1,4 +1,4 @@
-"""A rendered frame: layers, counters, timings, parameters, provenance; kept in one EXR file."""
+"""A rendered frame: layers, counters, timings, parameters, provenance, all in one EXR file."""
 
 from __future__ import annotations
 
@@ -23,12 +23,15 @@ from viscache.settings.spelling import spelled
 
 Layer = npt.NDArray[np.float32]
 
-#: Suffix to kind of file: what `Frame.save` writes.
+#: Kind of file by suffix: what `Frame.save` writes.
 KINDS: dict[str, Literal["exr", "png", "jpeg"]] = {
-    ".exr": "exr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg",
-}  # fmt: skip
+    ".exr": "exr",
+    ".png": "png",
+    ".jpg": "jpeg",
+    ".jpeg": "jpeg",
+}
 _RECORDS = ("counters", "timings", "parameters", "provenance")
-_PREFIX = "viscache."  # of the header attributes
+_PREFIX = "viscache."  # prefix of header attributes
 
 
 @spelled
@@ -45,15 +48,15 @@ class Frame(ArrayOutput):
     counters : dict
         Plain Python numbers; nested dicts per light group, lists per level.
     timings : dict of str to float
-        Seconds. "cpu_s" and names that end so are CPU seconds, summed over the threads; all others
-        are wall seconds: "total_s", "build_s" of the ray caster, "lights_s", "tiles_s", ... The
-        wall time of "visibility_s" and "shading_s" is their CPU time over the threads that ran.
+        Seconds. Names that end in "cpu_s" are CPU seconds, summed over threads. All others are wall
+        seconds: "total_s", "build_s" (the ray caster), "lights_s", "tiles_s", ... "visibility_s"
+        and "shading_s" are CPU seconds divided by the number of threads.
     parameters : dict
-        The settings the frame was made with, JSON-able.
+        Settings of the frame, JSON-able.
     provenance : dict
         Versions, ISA variant, threads, date (`viscache.provenance.provenance`).
     warnings : list of str
-        What the scene asked for that was not modelled, and what happened underway.
+        Features of the scene that are not supported, and problems during rendering.
 
     Raises
     ------
@@ -96,20 +99,19 @@ class Frame(ArrayOutput):
         return hashlib.sha256(np.ascontiguousarray(self.image, dtype="<f4").tobytes()).hexdigest()
 
     def save(self, path: str | os.PathLike[str], *, exposure: float | None = None) -> None:
-        """Write a file of the kind that its suffix names. It appears whole or not.
+        """Write a file; its suffix determines the format. The file is complete or absent.
 
-        `.exr`: all layers, scene-linear; tev shows them, `load` reads them back. The records go
-        into the header as JSON. The colour layer is R, G, B at top level; the others
-        `name.R/G/B`, `name.X/Y/Z` (position, normal), `name.V` (one channel) or
-        `name.0, name.1, ...`. `.png`, `.jpg`, `.jpeg`: the colour layer alone, to look at, with 8
-        bits and the sRGB curve.
+        `.exr`: all layers, scene-linear; tev shows them, `load` reads them back. The header has the
+        records as JSON. The colour layer is R, G, B at top level. Other layers are `name.R/G/B`,
+        `name.X/Y/Z` (position, normal), `name.V` (one channel) or `name.0, name.1, ...`. `.png`,
+        `.jpg`, `.jpeg`: the colour layer with 8 bits and the sRGB curve.
 
         Parameters
         ----------
         path : path
         exposure : float, optional
-            Factor before the curve of a PNG or JPEG; chosen by the picture by default
-            (`viscache.tonemap.display_exposure`).
+            Factor before the curve of a PNG or JPEG; `viscache.tonemap.display_exposure` by
+            default.
 
         Raises
         ------
@@ -207,7 +209,7 @@ class Frame(ArrayOutput):
 
 
 def checked_suffix(path: Path) -> Literal["exr", "png", "jpeg"]:
-    """What a path's suffix names; ValueError where `Frame.save` does not write it."""
+    """The kind of file by suffix; ValueError if `Frame.save` does not write that kind."""
     suffix = path.suffix.lower()
     require(suffix in KINDS, f"path must end in {', '.join(KINDS)}", str(path))
     return KINDS[suffix]
@@ -227,7 +229,7 @@ def _as_layer(name: str, pixels: npt.ArrayLike) -> Layer:
 
 
 def _plain(value: Any, where: str) -> Any:
-    """The value with numpy numbers and arrays as plain Python; refuses what JSON cannot hold."""
+    """The value with plain Python numbers and lists; ValueError if JSON cannot hold it."""
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if isinstance(value, np.generic):

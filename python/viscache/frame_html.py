@@ -1,4 +1,4 @@
-"""What notebooks show of a frame: its picture, six numbers, and the rest folded."""
+"""A frame in notebooks: its picture, six numbers, and the rest folded."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def frame_html(image: Any, timings: Mapping[str, float], counters: Mapping[str, 
 
 
 def picture(image: Any, words: str) -> str:
-    """An image, scene-linear, as an element of HTML."""
+    """A scene-linear image as an HTML element."""
     png = tonemap.encode(tonemap.to_srgb8(image), max_width=640)
     data = base64.b64encode(png).decode("ascii")
     return f"<img alt='{html.escape(words)}' src='data:image/png;base64,{data}'>"
 
 
 def clock(name: str) -> str:
-    """Which clock a timing is of: CPU seconds of all threads, or wall seconds."""
+    """The clock of a timing: CPU seconds of all threads, or wall seconds."""
     return "CPU" if name == "cpu_s" or name.endswith("_cpu_s") else "wall"
 
 

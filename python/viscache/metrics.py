@@ -42,10 +42,10 @@ SSIM_WINDOW_PX = 11
 
 
 class Metrics(Mapping[str, "float | None"]):
-    """The metrics that were asked for; a mapping, and attributes of the same names.
+    """The requested metrics, as a mapping and as attributes.
 
-    A value is None where the metric is undefined: rel_l1, energy, rel_mse, flip against a black
-    reference; ssim of images smaller than its window.
+    A value is None if the metric is undefined: rel_l1, energy, rel_mse and flip with a black
+    reference, ssim of images smaller than its window.
 
     Attributes
     ----------
@@ -136,19 +136,19 @@ def rmse(a: Image, b: Image) -> float:
 
 
 def rel_l1(a: Image, b: Image) -> float | None:
-    """Σ|a - b| / Σb, the paper's L̂_INF; None where Σb is 0."""
+    """Σ|a - b| / Σb, the paper's L̂_INF; None if Σb is 0."""
     total = float(b.sum())
     return float(np.abs(a - b).sum()) / total if total != 0.0 else None
 
 
 def energy(a: Image, b: Image) -> float | None:
-    """Σ(a - b) / Σb, signed; None where Σb is 0."""
+    """Σ(a - b) / Σb, signed; None if Σb is 0."""
     total = float(b.sum())
     return float((a - b).sum()) / total if total != 0.0 else None
 
 
 def rel_mse(a: Image, b: Image) -> float | None:
-    """mean((a - b)² / (b² + (0.01·mean b)²)); None where b is black."""
+    """mean((a - b)² / (b² + (0.01·mean b)²)); None if b is black."""
     floor = (0.01 * float(b.mean())) ** 2
     below = np.square(b) + floor
     if not below.all():  # a pixel of 0 and a mean of 0 (or one too small to be squared)
@@ -157,7 +157,7 @@ def rel_mse(a: Image, b: Image) -> float | None:
 
 
 def ssim(a: Image, b: Image) -> float | None:
-    """Mean structural similarity of what a viewer sees; None where a side has < 11 pixels."""
+    """Mean structural similarity after tone mapping; None if a side has less than 11 pixels."""
     if min(b.shape[:2]) < SSIM_WINDOW_PX:
         return None
     from skimage.metrics import structural_similarity
@@ -179,9 +179,9 @@ def flip(a: Image, b: Image) -> float | None:
 def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None:
     """HDR-FLIP of every pixel, (H, W) in [0, 1], and its mean; None against a black reference.
 
-    flip-evaluator ends the process when the reference's brightest luminance is below 1.2e-7, so
-    darker pictures are scaled up first: both alike, which changes nothing that is seen, because
-    FLIP sets its exposures by the reference. It asks for non-negative pixels: negative ones are 0.
+    flip-evaluator ends the process if the maximum luminance of the reference is below 1.2e-7. So
+    both images are scaled up first if they are darker. This does not change the result, because
+    FLIP chooses its exposures by the reference. Negative pixels count as 0.
     """
     flip_evaluator = _flip_evaluator()
     brightest = float(tonemap.luminance(b).max())
@@ -193,9 +193,14 @@ def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None
         for i in (a, b)
     )
     errors, mean, _ = flip_evaluator.evaluate(
-        reference, test, "HDR", inputsRGB=False, applyMagma=False, computeMeanError=True,
+        reference,
+        test,
+        "HDR",
+        inputsRGB=False,
+        applyMagma=False,
+        computeMeanError=True,
         parameters={"ppd": FLIP_PIXELS_PER_DEGREE},
-    )  # fmt: skip
+    )
     if not math.isfinite(mean):
         return None
     return np.asarray(errors, np.float32).reshape(b.shape[:2]), float(mean)
@@ -204,8 +209,8 @@ def flip_map(a: Image, b: Image) -> tuple[npt.NDArray[np.float32], float] | None
 def _flip_evaluator() -> Any:
     """flip-evaluator, with threads that sleep while they wait for each other.
 
-    OpenMP's spin by default: on a busy machine they take the cores from those they wait for, which
-    doubles the CPU time. Its library reads the policy once, when it is loaded.
+    OpenMP's threads spin by default. On a busy machine they block the cores that other threads
+    need, which doubles the CPU time. The library reads this policy once, when it is loaded.
     """
     if "flip_evaluator" in sys.modules or "OMP_WAIT_POLICY" in os.environ:
         return importlib.import_module("flip_evaluator")
@@ -294,7 +299,7 @@ def compare(
 
 
 def _linear(image: Comparable, which: str) -> Image:
-    """Pixels as (H, W, 1 or 3) float64, finite; an alpha channel is left out."""
+    """Pixels as finite float64 (H, W, 1 or 3), without alpha."""
     pixels = np.asarray(getattr(image, "image", image), dtype=np.float64)
     if pixels.ndim == 2:
         pixels = pixels[:, :, None]

@@ -1,6 +1,6 @@
-"""For notebooks: a film that shows a frame while it is rendered, and sliders that render again.
+"""For notebooks: a live view of a frame during rendering, and sliders that render again.
 
-Needs `viscache[notebook]` for sliders; without ipywidgets they draw once.
+Sliders need `viscache[notebook]`; without ipywidgets there is one picture.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ from viscache.settings.spelling import spelled
 
 __all__ = ["Film", "Sliders", "is_quick", "sliders"]
 
-#: Seconds between two looks at a frame that is being rendered.
+#: Seconds between two views of a frame during rendering.
 REFRESH_S = 0.2
 
 
 def is_quick() -> bool:
-    """Whether notebooks run in their small form: VISCACHE_QUICK is set."""
+    """Whether notebooks use small sizes: VISCACHE_QUICK is set."""
     return bool(os.environ.get("VISCACHE_QUICK"))
 
 
 @spelled
 class Film:
-    """Shows a frame as it grows: `vc.tiles.render(..., show=vc.notebook.Film())`.
+    """Shows a frame during rendering: `vc.tiles.render(..., show=vc.notebook.Film())`.
 
     Parameters
     ----------
     exposure : float, optional
         Linear factor; by the picture's 99th percentile by default.
     refresh_s : float
-        Seconds between two views, at least; the last one is always shown.
+        Minimum number of seconds between two views. The last view is always shown.
     """
 
     def __init__(self, exposure: float | None = None, refresh_s: float = REFRESH_S) -> None:
@@ -69,7 +69,9 @@ class Film:
 def png(image: npt.NDArray[np.floating[Any]], exposure: float | None = None) -> bytes:
     """A scene-linear picture as PNG."""
     pixels = tonemap.to_srgb8(np.asarray(image), exposure)
-    return tonemap.encode(pixels, max_width=1280, effort=1)  # seen at once, and kept by nobody
+    return tonemap.encode(
+        pixels, max_width=1280, effort=1
+    )  # shown once, so fast to make rather than small
 
 
 class Sliders:
@@ -79,15 +81,19 @@ class Sliders:
     ----------
     widgets : dict of str to the slider
     milliseconds : list of float
-        What each picture took, rendering, encoding and all.
+        Time per picture, with rendering and encoding.
     text : str
-        What is written below the picture.
+        Text below the picture.
     """
 
     def __init__(
-        self, render: Callable[..., tuple[Any, str]], values: Mapping[str, Sequence[Any]],
-        first: Mapping[str, Any], exposure: float | None, live: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        render: Callable[..., tuple[Any, str]],
+        values: Mapping[str, Sequence[Any]],
+        first: Mapping[str, Any],
+        exposure: float | None,
+        live: bool = False,
+    ) -> None:
         import ipywidgets
 
         self._render, self.exposure, self._live = render, exposure, live
@@ -97,11 +103,13 @@ class Sliders:
         self.text = ""
         self.widgets: dict[str, Any] = {
             name: ipywidgets.SelectionSlider(
-                options=list(options), value=first.get(name, options[0]), description=name,
+                options=list(options),
+                value=first.get(name, options[0]),
+                description=name,
                 continuous_update=live,
             )
             for name, options in values.items()
-        }  # fmt: skip
+        }
         self.picture = ipywidgets.Image(format="png")
         self._label = ipywidgets.HTML()
         self.box = ipywidgets.VBox([*self.widgets.values(), self.picture, self._label])
@@ -110,7 +118,7 @@ class Sliders:
         self.draw()
 
     def draw(self) -> None:
-        """Render with the sliders as they stand."""
+        """Render with the current values of the sliders."""
         began = time.perf_counter()
         image, text = self._render(**{n: w.value for n, w in self.widgets.items()})
         self.picture.value = png(getattr(image, "image", image), self.exposure)
@@ -119,7 +127,7 @@ class Sliders:
         self._label.value = f"{text} ({self.milliseconds[-1]:.0f} ms)"
 
     def settle(self, timeout_s: float | None = None) -> bool:
-        """Wait until the picture is that of the newest move; False where that takes longer."""
+        """Wait until the picture has the newest values; False if that takes longer."""
         with self._changed:
             return self._changed.wait_for(lambda: self._drawn == self._moves, timeout_s)
 
@@ -134,7 +142,7 @@ class Sliders:
                 self._follower.start()
 
     def _follow(self) -> None:
-        """Draw the newest move until there is none; those that came while it drew are left out."""
+        """Draw until the newest values are shown. Values in between are skipped."""
         while True:
             with self._changed:
                 if self._drawn == self._moves:
@@ -154,34 +162,41 @@ class Sliders:
 
 
 def sliders(
-    render: Callable[..., tuple[Any, str]], *, first: Mapping[str, Any] | None = None,
-    exposure: float | None = None, live: bool = False, **values: Sequence[Any],
-) -> Sliders:  # fmt: skip
+    render: Callable[..., tuple[Any, str]],
+    *,
+    first: Mapping[str, Any] | None = None,
+    exposure: float | None = None,
+    live: bool = False,
+    **values: Sequence[Any],
+) -> Sliders:
     """Sliders whose picture `render` makes.
 
     Parameters
     ----------
     render : callable
-        Takes the sliders' values by name; returns a frame (or a picture, scene-linear) and a line.
+        Takes the sliders' values by name; returns a frame (or a scene-linear image) and a line.
     first : mapping, optional
-        Where sliders stand at first.
+        First values of the sliders.
     exposure : float, optional
-        Linear factor; give one, so that pictures can be told apart by more than their exposure.
+        Linear factor. With a fixed one, pictures can be compared.
     live : bool
-        Render while a slider is dragged, in a thread; moves that a newer one has overtaken are left
-        out. For what takes less than half a second.
+        Render in a thread while a slider is dragged; outdated values are skipped. For frames that
+        take less than half a second.
     **values
         The values of each slider.
 
     Raises
     ------
     ValueError
-        No slider, one without values, or a first value that is none of them.
+        There is no slider, or one has no values, or a first value is not among the values.
     """
     require(bool(values), "there must be a slider", values)
     start = dict(first or {})
     for name, options in values.items():
         require(len(options) > 0, f"{name} must have values", options)
-        require(start.get(name, options[0]) in list(options), f"first of {name} must be one of"
-                f" {list(options)}", start.get(name))  # fmt: skip
+        require(
+            start.get(name, options[0]) in list(options),
+            f"first of {name} must be one of {list(options)}",
+            start.get(name),
+        )
     return Sliders(render, values, start, exposure, live)

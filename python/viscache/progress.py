@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
-#: What long calls take: True shows a bar, a callable gets (done, total).
+#: The argument `progress`: True shows a bar, a callable gets (done, total).
 Progress: TypeAlias = bool | Callable[[int, int], None]
 
 

@@ -1,4 +1,4 @@
-"""What made a frame: versions and settings, nothing about whose machine it was."""
+"""What made a frame: versions and settings, but nothing that identifies the machine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _core() -> Any:
 
 
 def embree_version() -> str:
-    """Version of the Embree library in use, "unknown" where the core does not say."""
+    """Version of the Embree library in use, "unknown" if the core does not have it."""
     value = getattr(_core(), "embree_version", None)
     return str(value() if callable(value) else value) if value is not None else "unknown"
 
@@ -41,7 +41,7 @@ def thread_count(threads: int | None = None) -> int:
 
 @cache
 def cpu_model() -> str:
-    """Name of the processor, "unknown" where the system does not say."""
+    """Name of the processor, "unknown" if the system does not tell."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as lines:  # noqa: PTH123
             for line in lines:

@@ -1,4 +1,4 @@
-"""Every query of a frame, written down: both ends, truth, answer, cluster and level, as NetCDF."""
+"""Records of every query of a frame: both ends, truth, answer, cluster and level, as NetCDF."""
 
 from __future__ import annotations
 
@@ -44,19 +44,19 @@ def record_queries(
     """Write every query of a frame's shared lights to a NetCDF file, tile by tile.
 
     The file has one dimension "query" and the variables x and y (query, axis), eye, far, group, v,
-    answer, cluster and level; xarray reads it, and pandas through `to_dataframe`. Samples of each
-    eye point's own are not in it.
+    answer, cluster and level. xarray reads it, and pandas gets it by `to_dataframe`. It does not
+    have samples that belong to one eye point each.
 
     Parameters
     ----------
     conn : Connections
         The frame's questions, from `viscache.connections`.
     visibility : Exact or Aqvc
-        Who answers; `Aqvc` in its default form.
+        The setting that answers; `Aqvc` in its default form.
     path : path
-        Of the file, ".nc"; written whole or not at all.
+        A file ".nc". It is complete or absent.
     max_bytes : int >= 2^16
-        Memory for queries. Where a tile has more, it is asked several times, for some lights each.
+        Memory for queries. A tile that needs more is asked several times, for some lights each.
     use : {"replace", "correct"} or Correct, optional
         As in `viscache.render`.
 
@@ -68,7 +68,7 @@ def record_queries(
     Raises
     ------
     ValueError
-        An oracle that cannot tell who answered; max_bytes below one eye point's lights.
+        The oracle has no clusters, or max_bytes is too small for the lights of one eye point.
 
     Examples
     --------
@@ -81,8 +81,11 @@ def record_queries(
     >>> count > 0, 0 <= wrong < 0.5
     (True, True)
     """
-    require(is_whole(max_bytes) and max_bytes >= 1 << 16,
-            "max_bytes must be a whole number >= 65536", max_bytes)  # fmt: skip
+    require(
+        is_whole(max_bytes) and max_bytes >= 1 << 16,
+        "max_bytes must be a whole number >= 65536",
+        max_bytes,
+    )
     target = Path(path)
     partial = target.with_name(target.name + ".partial")
     try:
@@ -105,15 +108,21 @@ def _write_all(file: Any, conn: Connections, visibility: Any, use: Any, max_byte
     written, clusters, first = 0, 0, 0
     for tile in conn.eyes._tiles or ():
         eyes = EyePoints(
-            tile["positions"], tile["normals"], tile["density"], _origins=tile["origins"],
+            tile["positions"],
+            tile["normals"],
+            tile["density"],
+            _origins=tile["origins"],
             _tiles=(tile,),
-        )  # fmt: skip
+        )
         rows = slice(first, first + len(eyes))
         for group, ends in conn.groups.items():
             wanted = conn.wanted(group)[rows]
             step = max_bytes // (BYTES_PER_QUERY * max(1, len(eyes)))
-            require(step >= 1, f"max_bytes must be >= {BYTES_PER_QUERY * len(eyes)} for a light of"
-                    " this tile", max_bytes)  # fmt: skip
+            require(
+                step >= 1,
+                f"max_bytes must be >= {BYTES_PER_QUERY * len(eyes)} for a light of this tile",
+                max_bytes,
+            )
             seen = truth.block(eyes, ends, wanted)
             offset = clusters
             for begin in range(0, len(ends), step):

@@ -1,4 +1,4 @@
-"""Rendering: one call, every combination of integrator, rays and visibility."""
+"""Rendering: one call for every combination of integrator, rays and visibility."""
 
 from __future__ import annotations
 
@@ -66,55 +66,59 @@ def render(
     scene : Scene, path or str
         A string is a file or a built-in name (`room?triangles=5000`).
     integrator : Direct, Whitted, AmbientOcclusion or Bdpt
-        Or its name with default settings: "direct", "whitted", "ao" or "bdpt". So with the next
-        two.
+        Or its name, for default settings: "direct", "whitted", "ao" or "bdpt". The next two take
+        names too.
     rays : Embree, Bsp or Vlf, optional
-        The ray caster: all rays of the frame go through it. "embree", "bsp" or "vlf".
+        The ray caster that traces all rays of the frame. "embree", "bsp" or "vlf".
     visibility : Exact, Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        Who answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
-        "nee_plus_plus" or "vismap". An object with a method
-        `block(eyes, lamps, wanted)` is an oracle of your own (docs/howto/own-cache.md).
+        The method that answers "does x see y?"; exact by default. "exact", "aqvc", "shadow_map",
+        "nee_plus_plus" or "vismap". An object with a method `block(eyes, lamps, wanted)` is an
+        oracle of your own (docs/howto/own-cache.md).
     use : {"replace", "correct"} or Correct, optional
-        How an approximation is used: in place of visibility (the default, but of VisMaps), or as a
-        control variate whose error is traced for a random share of the queries: unbiased.
-        "correct" is `vc.Correct()`; VisMaps have a control variate of their own.
+        How an approximation is used. "replace": in place of visibility; the default, but not of
+        VisMaps. "correct": as a control variate, which is unbiased; rays for a random share of the
+        queries correct the error. "correct" is `vc.Correct()`, except that VisMaps have their own
+        control variate.
     size : (width, height), optional
         Pixels; the camera's own by default.
     spp : int >= 1
         Eye paths per pixel, box filter. `Bdpt`: pairs of eye and light paths.
     seed : int >= 0
-        Same seed, same bytes, whatever the number of threads.
+        The same seed gives the same bytes for any number of threads.
     threads : int >= 1, optional
         All cores by default.
     camera : str, int or Camera, optional
-        Name or index of one of the scene's cameras; the first by default. A scene without a
-        camera is seen whole from a corner above.
+        Name or index of one of the scene's cameras, or a camera of `vc.look_at`. The first by
+        default. Without a camera, the whole scene is shown from a corner above.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
     keep : AqvcTable, optional
-        Of `Aqvc` with Direct or Whitted: the table whose bits this frame reuses and adds to. The
-        cache then runs in form "pairs" with `scale_free` cells unless that is given.
+        For `Aqvc` with Direct or Whitted: a table whose bits this frame reuses and extends. The
+        cache then has the form "pairs", and `scale_free` cells by default.
     progress : bool or callable
         True shows a bar; a callable gets (done, total).
 
     Returns
     -------
     Frame
-        Layers "color", "emitted", one per light group (of `Bdpt`, whose layers are weighted, also
-        "connection" for those of two surfaces, "camera" for those of light paths with the camera,
-        and all lights that eye paths hit in "emitted"), and of what the camera sees first, mirrors
-        and glass included: "depth" (H, W, 1) distance from the camera, scene units, "normal"
-        (H, W, 3) shading normal turned to the camera, "albedo" (H, W, 3) base colour. These three
-        are means over the samples of the pixel that hit a surface, 0 where none did (normals of an
-        edge are shorter than 1); "coverage" (H, W, 1) is the share of samples that hit. Besides
-        counters ("sha256" is that of the color layer; "lost_throughput" in [0, 1] bounds what the
-        frame's mean lacks behind mirrors and glass, relative to the brightest light behind them),
-        timings, parameters, provenance.
+        Layers of light: "color", "emitted", and one per light group. The layers of `Bdpt` are
+        weighted; it also has "connection" (surface with surface) and "camera" (light paths with the
+        camera), and "emitted" has all lights that eye paths hit.
+
+        Layers of the first hit, mirrors and glass included: "depth" (H, W, 1), distance from the
+        camera in scene units; "normal" (H, W, 3), shading normal towards the camera; "albedo"
+        (H, W, 3), base colour. They are means over the samples of the pixel that hit a surface, or
+        0 without a hit, so normals at edges are shorter than 1. "coverage" (H, W, 1) is the share
+        of samples that hit.
+
+        Counters, timings, parameters and provenance. The counter "sha256" is that of the color
+        layer. "lost_throughput" in [0, 1] bounds the light that is missing behind mirrors and
+        glass, relative to the brightest light behind them.
 
     Raises
     ------
     ValueError
-        A parameter out of range; the message says what must hold.
+        A parameter is out of range; the message says what must hold.
     KeyboardInterrupt
         Within half a second of Ctrl-C.
 
@@ -127,9 +131,21 @@ def render(
     >>> frame = vc.render("slits", "direct", visibility="aqvc", size=(32, 20))
     """
     return render_part(
-        scene, integrator, (0, 1), rays=rays, visibility=visibility, use=use, size=size, spp=spp,
-        seed=seed, threads=threads, camera=camera, env=env, keep=keep, progress=progress,
-    )  # fmt: skip
+        scene,
+        integrator,
+        (0, 1),
+        rays=rays,
+        visibility=visibility,
+        use=use,
+        size=size,
+        spp=spp,
+        seed=seed,
+        threads=threads,
+        camera=camera,
+        env=env,
+        keep=keep,
+        progress=progress,
+    )
 
 
 def render_part(
@@ -149,24 +165,28 @@ def render_part(
     keep: AqvcTable | None = None,
     progress: Progress = False,
 ) -> Frame:
-    """Part i of n of a frame: every n-th tile from number i on; black elsewhere, else as `render`.
+    """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black. As `render`.
 
-    `viscache.tiles` puts parts together. Of a frame in parts, every part makes the lights again.
+    `viscache.tiles` joins parts. Every part traces the virtual lights again.
     """
     scene = sources.opened(scene)
     integrator = cast(Integrator, by_name.setting("integrator", integrator))
     rays = check_rays(rays)
     visibility = cast("Visibility | Written", by_name.setting("visibility", visibility, "exact"))
-    _check_settings(scene, integrator, rays, visibility, use, keep)
+    check_settings(scene, integrator, rays, visibility, use, keep)
     number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
     if keep is not None and isinstance(visibility, Aqvc):
         visibility = visibility.for_kept_table()
     request = Request(
-        integrator=integrator, rays=rays, visibility=visibility, use=use, keep=keep is not None,
+        integrator=integrator,
+        rays=rays,
+        visibility=visibility,
+        use=use,
+        keep=keep is not None,
         parts=parts,
-    )  # fmt: skip
+    )
     check(request)
     if isinstance(integrator, AmbientOcclusion):
         integrator = integrator.within(scene.bounds)
@@ -192,9 +212,14 @@ def render_part(
             table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
             kept = (table, keep.check, keep.repair)
         context = SourceContext(
-            scene=scene._core, caster=caster, spp=spp, seed=seed, batch=batch, kept=kept,
+            scene=scene._core,
+            caster=caster,
+            spp=spp,
+            seed=seed,
+            batch=batch,
+            kept=kept,
             bidirectional=isinstance(integrator, Bdpt),
-        )  # fmt: skip
+        )
         source = oracle_source(visibility, use, context)
         if isinstance(core, _core.BdptSettings):
             result = _core.render_bdpt(
@@ -202,20 +227,35 @@ def render_part(
             )
         elif isinstance(visibility, VisMaps):
             result = render_with_maps(
-                scene, geometry, rays, caster, view, core, frame, visibility, source,
-                replace=use == "replace", progress=report,
-            )  # fmt: skip
+                scene,
+                geometry,
+                rays,
+                caster,
+                view,
+                core,
+                frame,
+                visibility,
+                source,
+                replace=use == "replace",
+                progress=report,
+            )
         else:
             result = _core.render_frame(
-                scene._core, caster, view, core, frame, source,
+                scene._core,
+                caster,
+                view,
+                core,
+                frame,
+                source,
                 batch=_batch_for(scene, integrator, frame),
-                field=_field_for(scene, integrator, frame), progress=report,
-            )  # fmt: skip
+                field=_field_for(scene, integrator, frame),
+                progress=report,
+            )
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu
 
     timings: dict[str, float] = {"total_s": total_s, "cpu_s": cpu_s, "build_s": build_s}
     timings.update(result["timings"])
-    # Shares of the wall time: CPU seconds of the stage over the threads that ran
+    # Wall time of a stage: its CPU seconds over the number of threads
     for stage in ("visibility", "shading"):
         timings[f"{stage}_s"] = timings[f"{stage}_cpu_s"] / result["threads"]
     made = Frame(
@@ -247,22 +287,30 @@ def render_part(
     return made
 
 
-def _check_settings(
+def check_settings(
     scene: Any, integrator: Any, rays: Any, visibility: Any, use: Any, keep: Any
 ) -> None:
-    """Hold every argument to its kind."""
+    """Check the type of every argument."""
     require(isinstance(scene, Scene), "scene must be a Scene", scene)
     known = " or ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Integrator))
     require(isinstance(integrator, get_args(Integrator)), f"integrator must be {known}", integrator)
     known = ", ".join(f"vc.{cls.__name__}(...)" for cls in get_args(Visibility))
-    require(isinstance(visibility, get_args(Visibility)) or is_written(visibility),
-            f"visibility must be {known} or an object with a method block", visibility)  # fmt: skip
+    require(
+        isinstance(visibility, get_args(Visibility)) or is_written(visibility),
+        f"visibility must be {known} or an object with a method block",
+        visibility,
+    )
     check_rays(rays)
-    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-        isinstance(use, Correct) and not isinstance(visibility, VisMaps)
-    )  # fmt: skip
-    require(fits, 'use must be "replace" or "correct", or vc.Correct(...) unless visibility is'
-            " VisMaps", use)  # fmt: skip
+    fits = (
+        use in (None, "replace", "correct")
+        if isinstance(use, str | None)
+        else (isinstance(use, Correct) and not isinstance(visibility, VisMaps))
+    )
+    require(
+        fits,
+        'use must be "replace" or "correct", or vc.Correct(...) unless visibility is VisMaps',
+        use,
+    )
     require(keep is None or isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
 
 
@@ -281,7 +329,7 @@ def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
 def _batch_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.AlignedBatch | None:
-    """The batch that ambient occlusion along shared directions may use."""
+    """The aligned batch for ambient occlusion along shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     n_points = frame.width * frame.height * frame.spp
@@ -293,7 +341,7 @@ def _batch_for(
 def _field_for(
     scene: Scene, integrator: Integrator, frame: _core.FrameSettings
 ) -> _core.vlf.VisibilityField | None:
-    """The field that a frame of shared directions asks for."""
+    """The visibility field for shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     if integrator.engine != "field":
@@ -304,7 +352,7 @@ def _field_for(
 def _sky_batch(
     scene: Scene, geometry: Scene, core: _core.IntegratorSettings, visibility: Exact
 ) -> _core.vlf.AlignedBatch | None:
-    """The batch that a frame's shared directions may use; None where there are none for it."""
+    """The aligned batch for shared directions of lights, or None."""
     kinds = {light["kind"] for light in scene.lights}
     sky = core.environment == _core.EnvironmentSampling.SHARED
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))

@@ -1,4 +1,4 @@
-"""What a scene may be given as: a scene, a file, or a built-in name."""
+"""Scenes as arguments: a scene, a file, or a built-in name."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from viscache import scenes
 from viscache.scene import Scene, load_scene
 from viscache.settings.checks import require
 
-#: Folder of scenes that do not come with viscache.
+#: Environment variable: the folder of scenes that are not part of viscache.
 SCENES_VARIABLE = "VISCACHE_SCENES"
 
 
 def made_by_others(path: str) -> Path | None:
-    """A file below the folder that `$VISCACHE_SCENES` names, where there is one."""
+    """A file in the folder `$VISCACHE_SCENES`; None if it does not exist."""
     folder = os.environ.get(SCENES_VARIABLE)
     file = Path(folder or "") / path
     return file if folder and file.is_file() else None
 
 
 def scene_file(name: str) -> Path | None:
-    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`, where there is one."""
+    """`$VISCACHE_SCENES/name/scene.xml` or `.pbrt`; None if neither exists."""
     return made_by_others(f"{name}/scene.xml") or made_by_others(f"{name}/scene.pbrt")
 
 
 def is_builtin(spec: str) -> bool:
     """Whether a spec names a built-in scene: `room`, `room?triangles=200000&lights=24`.
 
-    A name without a dot or slash before its `?` that is no file either. A folder of the same name
-    does not hide a built-in scene.
+    It does if there is no dot or slash before the `?`, and no file of that name. A folder of the
+    same name does not hide a built-in scene.
     """
     name = spec.partition("?")[0]
     if not name or set("./\\") & set(name) or Path(spec).is_file():

@@ -1,4 +1,4 @@
-"""How frames change over time, and how much of that is a cache's."""
+"""Changes of frames over time, and the part of them that a cache causes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Plane = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Flicker:
-    """Variances over the frames of a sequence, means over pixels; in squares of white."""
+    """Variances over the frames of a sequence, averaged over pixels; white is 1."""
 
     cached: float
     """Of the pictures."""
@@ -30,30 +30,33 @@ class Flicker:
 
     @property
     def above(self) -> float:
-        """Temporal variance above the reference's. Less than 0 where the cache misses motion."""
+        """Temporal variance minus that of the reference. Negative if the cache misses motion."""
         return self.cached - self.exact
 
 
 def flicker(
     frames: Sequence[Frame], references: Sequence[Frame], *, exposure: float | None = None
 ) -> Flicker:
-    """Temporal variance of cached frames beside that of exact ones.
+    """Temporal variance of cached frames and of exact frames.
 
     Parameters
     ----------
     frames, references : sequences of Frame, of one length >= 2
-        The same views in the same order, with a cache and without.
+        The same views in the same order, with a cache and exact.
     exposure : float, optional
-        Times luminance, clipped at 1; by default the first reference's, whose 95th percentile is
-        then white.
+        Factor of the luminance, before it is clipped at 1. By default the 95th percentile of the
+        first reference becomes white.
 
     Returns
     -------
     Flicker
     """
     equal = len(frames) == len(references) >= 2
-    require(equal, "frames and references must be equally many, at least 2",
-            (len(frames), len(references)))  # fmt: skip
+    require(
+        equal,
+        "frames and references must be equally many, at least 2",
+        (len(frames), len(references)),
+    )
     if exposure is None:
         exposure = tonemap.auto_exposure(references[0].image, 95.0)
     cached, exact = ([seen(f, exposure) for f in some] for some in (frames, references))

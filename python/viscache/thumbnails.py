@@ -1,4 +1,4 @@
-"""Small pictures of scenes, which `Scene` shows in notebooks."""
+"""Small pictures of scenes, for `Scene` in notebooks."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from viscache.settings.integrators import Direct
 
 __all__ = ["thumbnail"]
 
-#: Pixels of a thumbnail's longer edge.
+#: Pixels along the longer edge of a thumbnail.
 EDGE_PX = 240
-#: Few samples: a thumbnail is looked at, not measured.
+#: Few samples: a thumbnail is not used for measurements.
 QUICK = Direct(n_area=4, n_environment=4, n_brdf=0)
 
 
 def thumbnail(scene: Scene) -> str:
-    """An element of HTML: the scene in direct light, or its normals where that is black."""
+    """An HTML element: the scene in direct light, or its normals if that is black."""
     view = find_camera(scene, None)
     scale = EDGE_PX / max(view.width, view.height)
     size = (max(1, round(view.width * scale)), max(1, round(view.height * scale)))

@@ -1,8 +1,7 @@
-"""One frame by many hands: its tiles rendered in parts, here or by an executor's workers.
+"""One frame rendered in parts, by this process or by an executor's workers.
 
-A tile depends on nothing but itself and the frame's shared lights, so a frame in parts has the
-bytes of a frame in one piece. Every part makes the shared lights again, which is what many parts
-cost.
+A tile depends only on itself and on the frame's shared lights, so a frame in parts has the same
+bytes as a frame in one piece. The cost of a part is that it traces the shared lights again.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from viscache.workers import Newest
 
 __all__ = ["Part", "cut", "merge", "render", "tile_boxes"]
 
-#: Parts of a frame where nobody renders beside us: as often as the picture is shown.
+#: Parts of a frame without an executor: the number of live views.
 PARTS_HERE = 16
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Part:
-    """Every `parts`-th tile of a frame, from `number` on.
+    """Tiles `number`, `number + parts`, `number + 2 parts`, ... of a frame.
 
     Attributes
     ----------
@@ -69,16 +68,16 @@ def render(
     Parameters
     ----------
     scene : Scene, path or str
-        With an executor, a scene that has a spec is loaded by every worker itself, once; another
-        one travels with its arrays.
+        With an executor, every worker loads a scene that has a spec once. Other scenes are sent
+        with their arrays.
     integrator : Direct, Whitted or AmbientOcclusion (its directions not shared)
     executor : concurrent.futures.Executor, optional
-        Renders the parts; without it, this process does.
+        Renders the parts; this process by default.
     parts : int >= 1, optional
         Twice as many as workers by default.
     show : callable, optional
-        Gets what there is of the frame, the number of finished parts and that of all, after each
-        part: a live view.
+        Called after each part with the unfinished frame, the number of finished parts and the
+        number of parts: a live view.
     size : (width, height), optional
         Pixels; the camera's own by default, as everywhere.
     **options
@@ -87,12 +86,12 @@ def render(
     Returns
     -------
     Frame
-        Counters are those of one piece; timings are sums over the parts.
+        Counters are the same as of a frame in one piece; timings are sums over parts.
 
     Raises
     ------
     ValueError
-        As `viscache.render`; a frame whose tiles depend on each other, or on a cache that lasts.
+        As `viscache.render`; or tiles depend on each other, or on a cache of several frames.
     """
     n = parts or (PARTS_HERE if executor is None else workers.window(executor))
     require(is_whole(n) and 1 <= n <= 1 << 16, "parts must be in [1, 65536]", n)
@@ -110,12 +109,12 @@ def render(
 
 
 def merge(parts: list[Part], *, partial: bool = False) -> Frame:
-    """The frame of its parts, put together in their order, whatever order they came in.
+    """Join parts to a frame. Their order does not matter.
 
     Raises
     ------
     ValueError
-        A part is missing (unless `partial`) or there twice.
+        A part is missing (unless `partial`) or was given twice.
     """
     require(bool(parts), "parts must hold at least one", parts)
     ordered = sorted(parts, key=lambda part: part.number)
@@ -164,9 +163,12 @@ def _parts_here(
 
 
 def _parts_there(
-    executor: Executor, scene: Any, integrator: Any, tasks: list[tuple[int, int]],
+    executor: Executor,
+    scene: Any,
+    integrator: Any,
+    tasks: list[tuple[int, int]],
     options: dict[str, Any],
-) -> Iterator[Part]:  # fmt: skip
+) -> Iterator[Part]:
     flying: list[Future[Part]] = []
     try:
         for task in tasks:
@@ -187,13 +189,13 @@ def render_in_worker(
     task: tuple[int, int],
     options: dict[str, Any],
 ) -> Part:
-    """One part; the worker keeps its newest scene."""
+    """Render one part. The worker keeps the newest scene."""
     opened = _SCENE.get(scene, lambda: sources.opened(scene))
     return cut(render_part(opened, integrator, task, **options), *task)
 
 
 def cut(frame: Frame, number: int, parts: int) -> Part:
-    """A part's tiles out of a frame that is black elsewhere."""
+    """The tiles of a part, cut out of a frame."""
     size = frame.size
     boxes = tile_boxes(size, int(frame.parameters["tile_edge_px"]), number, parts)
     cuts = [
@@ -219,7 +221,7 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
     counters["vpls"] = first.counters["vpls"]
     rays = counters["rays"]
     counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
-    if sums:  # tile by tile, as one piece adds them
+    if sums:  # tile by tile, in the order of a frame in one piece
         width, height = parts[0].size
         lost, false_hits = 0.0, 0.0
         for of_tile in sums:
@@ -232,15 +234,19 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
             timings[name] = timings.get(name, 0.0) + seconds
     parameters = {k: v for k, v in first.parameters.items() if k != "part"}
     made = Frame(
-        layers=layers, counters=counters, timings=timings, parameters=parameters,
-        provenance=first.provenance, warnings=first.warnings,
-    )  # fmt: skip
+        layers=layers,
+        counters=counters,
+        timings=timings,
+        parameters=parameters,
+        provenance=first.provenance,
+        warnings=first.warnings,
+    )
     made.counters["sha256"] = made.sha256
     return made
 
 
 def _add(total: dict[str, Any], more: dict[str, Any]) -> None:
-    """Add counts to counts, group by group and level by level."""
+    """Add counters, group by group and level by level."""
     for name, value in more.items():
         if isinstance(value, dict):
             _add(total.setdefault(name, {}), value)

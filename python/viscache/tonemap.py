@@ -1,4 +1,4 @@
-"""From scene-linear pictures to 8-bit pictures for people to look at."""
+"""From scene-linear images to 8-bit images for display."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def srgb_curve(linear: FloatImage) -> npt.NDArray[np.float64]:
 def auto_exposure(image: FloatImage, percentile: float = 99.0) -> float:
     """The factor that brings this percentile of the luminance to 1.
 
-    Where that percentile is 0 the brightest pixel is brought to 1; a black picture gets 1.
-    Non-finite pixels are left out.
+    If that percentile is 0, the factor brings the brightest pixel to 1. It is 1 for a black image.
+    Non-finite pixels do not count.
     """
     values = luminance(image)
     values = values[np.isfinite(values)]
@@ -45,9 +45,9 @@ def auto_exposure(image: FloatImage, percentile: float = 99.0) -> float:
 
 
 def display_exposure(image: FloatImage) -> float:
-    """The factor to look at a picture with: `auto_exposure`, more where most of it would be dark.
+    """The exposure for display: `auto_exposure`, or more if most of the image would be dark.
 
-    A room around a bright window gets up to 8 times more, until its median luminance is 0.1.
+    It is raised up to 8 times, until the median luminance is 0.1: for rooms with bright windows.
     """
     values = luminance(image)
     lit = values[np.isfinite(values) & (values > 0)]
@@ -65,12 +65,12 @@ def to_srgb8(image: FloatImage, exposure: float | None = None) -> npt.NDArray[np
     image : (H, W, C) float
         Scene-linear; C = 1 (grey) or >= 3 (R, G, B first).
     exposure : float, optional
-        Factor before the curve; `display_exposure(image)` when None.
+        Factor before the curve; `display_exposure(image)` by default.
 
     Returns
     -------
     (H, W, 3) uint8
-        NaN pixels are magenta, so that nobody takes them for black.
+        NaN pixels are magenta.
     """
     pixels = np.asarray(image)
     if pixels.ndim != 3 or pixels.shape[2] in (0, 2):
@@ -91,8 +91,8 @@ def difference8(
 ) -> npt.NDArray[np.uint8]:
     """The signed difference a - b around mid grey: 128 + 127·gain·(a - b)·exposure.
 
-    Brighter than grey = a is brighter than the reference b. The exposure is `display_exposure(b)`
-    when None. Shape (H, W, 3) uint8.
+    Where a is brighter than the reference b, the result is brighter than grey. The exposure is
+    `display_exposure(b)` by default. The shape is (H, W, 3) uint8.
     """
     delta = np.asarray(a, dtype=np.float64) - np.asarray(b, dtype=np.float64)
     if delta.shape[2] == 1:
@@ -111,7 +111,7 @@ def encode(
 ) -> bytes:
     """PNG or JPEG bytes of an (H, W, 3) uint8 picture, made no wider than `max_width`.
 
-    `effort` in [0, 9] is zlib's, of a PNG: 1 takes a third of the time of 6, for more bytes.
+    `effort` in [0, 9] is zlib's level for PNG: 1 takes a third of the time of 6 and more bytes.
     """
     from PIL import Image
 

@@ -1,4 +1,4 @@
-"""Scenes that travel to other processes: by their spec where that gives the same scene again."""
+"""Pickling of scenes: by their spec if it gives the same scene again, else by their arrays."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from viscache.workers import Newest
 
 __all__ = ["reduced"]
 
-#: A process that is sent one scene many times makes it once.
+#: The newest scene, so that a process makes a scene once if it is sent many times.
 _NEWEST = Newest()
-#: Whether the spec of a scene gives a scene of the same content, found out when it travels first.
+#: Whether the spec gives a scene of the same content; tested when a scene is first pickled.
 _REOPENS: WeakKeyDictionary[Scene, bool] = WeakKeyDictionary()
 
 

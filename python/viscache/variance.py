@@ -1,4 +1,4 @@
-"""Variance of one renderer over that of another, from independent renders."""
+"""Ratio of the variances of two renderers, from independent renders."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ __all__ = ["VarianceRatio", "variance_ratio"]
 Images = Sequence[npt.NDArray[np.floating[Any]]]
 Planes = npt.NDArray[np.float64]
 
-#: Resamplings of the renders.
+#: Number of bootstrap samples.
 BOOTSTRAP = 2000
-#: Share of the pixels, those with the largest variances, that `trimmed` leaves out.
+#: Share of pixels with the largest variances that `trimmed` excludes.
 TRIMMED_SHARE = 1e-3
 
 
@@ -46,7 +46,7 @@ class VarianceRatio:
 
     @property
     def gains(self) -> list[float]:
-        """Baseline over ours: least, as measured, most; 10¹² where nothing is left."""
+        """Baseline over ours: lower end, value, upper end; 10¹² if our variance is 0."""
         return [1 / max(left, 1e-12) for left in (self.high, self.ratio, self.low)]
 
 
@@ -60,21 +60,21 @@ def variance_ratio(
     ours, baseline : sequences of at least 2 (H, W, 3) float images
         Renders with different seeds, of the same size.
     pixels : (H, W) bool, optional
-        Only these.
+        Only these pixels.
     seed : int
-        Of the bootstrap.
+        Seed of the bootstrap.
 
     Raises
     ------
     ValueError
-        Fewer than two renders, other sizes, values that are not finite, or a baseline without
+        Fewer than two renders, different sizes, values that are not finite, or a baseline without
         variance.
 
     Notes
     -----
-    The variance of a pixel is that over renders, with ddof = 1: no reference is needed, and none
-    adds noise. The interval takes renders with replacement, of both sides apart, and leaves out
-    draws of equal baselines. It is too narrow for few renders: eight or more are sensible.
+    The variance of a pixel is the variance over renders (ddof = 1), so no reference is needed. The
+    interval is a bootstrap: it draws renders of each side with replacement, and skips draws
+    without variance of the baseline. It is too narrow for less than eight renders.
     """
     a, b = _planes(ours, "ours", pixels), _planes(baseline, "baseline", pixels)
     require(a.shape[1] == b.shape[1], "renders must have the same pixels", (a.shape[1], b.shape[1]))
@@ -109,8 +109,11 @@ def _planes(images: Images, name: str, pixels: npt.NDArray[np.bool_] | None) -> 
     require(len(shapes) == 1, f"{name} must have one size", sorted(shapes))
     planes = np.stack([luminance(np.asarray(image)) for image in images])
     if pixels is not None:
-        require(pixels.shape == planes.shape[1:], "pixels must have the size of the renders",
-                pixels.shape)  # fmt: skip
+        require(
+            pixels.shape == planes.shape[1:],
+            "pixels must have the size of the renders",
+            pixels.shape,
+        )
         require(bool(pixels.any()), "pixels must hold one pixel at least", 0)
         chosen: Planes = planes[:, pixels]
     else:
@@ -128,7 +131,7 @@ def _resampled_sums(planes: Planes, rng: np.random.Generator) -> Planes:
     centred = planes - planes.mean(axis=0)
     gram = centred @ centred.T
     drawn = rng.integers(0, n, (BOOTSTRAP, n))
-    drawn[:, 1] += (drawn == drawn[:, :1]).all(axis=1)  # one render alone does not vary: take two
+    drawn[:, 1] += (drawn == drawn[:, :1]).all(axis=1)  # one render has no variance: take two
     weights = np.stack([(drawn % n == k).sum(axis=1) for k in range(n)], axis=1).astype(float)
     sums: Planes = weights @ np.diag(gram) - ((weights @ gram) * weights).sum(axis=1) / n
     # Unbiased with weights: renders drawn twice count for less

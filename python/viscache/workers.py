@@ -1,4 +1,4 @@
-"""Executors for tasks, and what a worker keeps from one task to the next."""
+"""Executors, and what a worker keeps from task to task."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import Any
 
 __all__ = ["dask_executor", "process_pool", "window"]
 
-#: Tasks under way where an executor does not say how many workers it has.
+#: Number of submitted tasks if an executor does not tell its number of workers.
 UNKNOWN_WINDOW = 32
-#: How long a dask scheduler may take to answer.
+#: Timeout for a dask scheduler.
 DASK_TIMEOUT = "20s"
 
 
 def window(executor: Executor) -> int:
-    """How many tasks to keep under way: two per worker, so that none waits for its next one."""
+    """Number of tasks to submit at a time: two per worker, so that no worker waits."""
     client = getattr(executor, "_client", None)  # of dask; workers come and go
     if client is not None:
         return 2 * max(1, int(sum(client.ncores().values())))
@@ -29,10 +29,10 @@ def window(executor: Executor) -> int:
 
 
 def process_pool(workers: int) -> AbstractContextManager[Executor | None]:
-    """A pool of processes that end with this one; None for one worker, this process itself."""
+    """A pool of processes that end with this process; None for one worker."""
     if workers == 1:
         return nullcontext()
-    # spawn: a forked child would inherit Embree's and our threads in an unknown state
+    # spawn: a forked process would inherit threads of Embree and viscache in an unknown state
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(workers, mp_context=context, initializer=end_with_parent)
 
@@ -41,12 +41,12 @@ def process_pool(workers: int) -> AbstractContextManager[Executor | None]:
 def dask_executor(address: str) -> Iterator[Executor]:
     """The workers of a dask scheduler.
 
-    A task whose worker dies is done again by another one; three deaths over one task are an error.
+    If a worker dies, another worker repeats its task. If three die with one task, it is an error.
 
     Raises
     ------
     ValueError
-        dask.distributed is absent, or nothing answers at the address.
+        dask.distributed is not installed, or there is no scheduler at the address.
     """
     try:
         distributed: Any = importlib.import_module("dask.distributed")
@@ -59,12 +59,12 @@ def dask_executor(address: str) -> Iterator[Executor]:
     except (OSError, ValueError) as error:
         raise ValueError(f"no dask scheduler answers at {address}: {error}") from error
     with client:
-        # Tasks are keyed by our store, not by a hash of their arguments
+        # The store keys tasks, so dask must not key them by their arguments
         yield client.get_executor(pure=False)
 
 
 def end_with_parent() -> None:
-    """In a worker: end at once when the process that made it has ended, killed or not."""
+    """End this worker as soon as its parent process ends or is killed."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_leave_after, args=(parent.join,), daemon=True).start()
@@ -76,16 +76,16 @@ def _leave_after(wait: Callable[[], None]) -> None:
 
 
 class Newest:
-    """The newest thing made, so that a worker makes it once and not once per task."""
+    """Keeps the newest object, so that a worker makes it once and not once per task."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._kept: tuple[Any, Any] | None = None
 
     def get(self, key: Any, make: Callable[[], Any]) -> Any:
-        """What was made for this key last, else what `make` makes now."""
+        """The kept object if it has this key, else a new one."""
         with self._lock:
             if self._kept is None or self._kept[0] != key:
-                self._kept = None  # before the next one takes memory
+                self._kept = None  # free its memory first
                 self._kept = (key, make())
             return self._kept[1]

@@ -360,14 +360,14 @@ def test_a_store_repeats_nothing_and_takes_over_rows(
 ) -> None:
     monkeypatch.setattr(work, "ROWS_PER_BLOCK", 100)
     done = count_work(monkeypatch)
-    assert_same(measured, measure(SCENE, **SMALL, store=tmp_path))
+    assert_same(measured, measure(SCENE, **SMALL, directory=tmp_path))
     assert done == {"rows": 3, "pairs": 1}
-    again = measure(SCENE, **SMALL, store=tmp_path)
+    again = measure(SCENE, **SMALL, directory=tmp_path)
     assert done == {"rows": 3, "pairs": 1} and again.attrs["n_rays"] == measured.attrs["n_rays"]
     assert_same(measured, again)
-    measure(SCENE, **SMALL | {"d_max": 2.0}, store=tmp_path)
+    measure(SCENE, **SMALL | {"d_max": 2.0}, directory=tmp_path)
     assert done == {"rows": 3, "pairs": 2}
-    measure(SCENE, **SMALL, seed=1, store=tmp_path)
+    measure(SCENE, **SMALL, seed=1, directory=tmp_path)
     assert done == {"rows": 6, "pairs": 3}
 
 
@@ -380,7 +380,7 @@ def report(done, total):
     if done == {stop}:
         {end}
 measure({scene!r}, n_points=300, map_size=16, d_edges=16, theta_edges_deg=18, threads=2,
-        store=sys.argv[1], progress=report)
+        directory=sys.argv[1], progress=report)
 """
 
 
@@ -397,7 +397,7 @@ def test_a_run_that_was_killed_goes_on_where_it_stopped(
     monkeypatch.setattr(work, "PAIRS_PER_BLOCK", 1000)
     total = len(work.pair_blocks(np.sort(np.arange(300, dtype=np.int32) % 16)))
     done = count_work(monkeypatch)
-    assert_same(measured, measure(SCENE, **SMALL, store=tmp_path))
+    assert_same(measured, measure(SCENE, **SMALL, directory=tmp_path))
     assert done == {"rows": 3 - rows, "pairs": total - pairs}
 
 
@@ -407,7 +407,7 @@ def test_ctrl_c_keeps_finished_blocks(tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        measure(SCENE, **SMALL, store=tmp_path, progress=stop)
+        measure(SCENE, **SMALL, directory=tmp_path, progress=stop)
     assert len(blocks_of(tmp_path, "rows-*-*.npz")) == 1
 
 
@@ -419,11 +419,11 @@ def test_progress_counts_every_block_once(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_store_of_other_rows_is_refused(tmp_path: Path) -> None:
-    measure(SCENE, **SMALL, store=tmp_path)
+    measure(SCENE, **SMALL, directory=tmp_path)
     (rows,) = blocks_of(tmp_path, "rows.npy")
     np.save(rows, np.zeros((3, 8), np.uint64))
     with pytest.raises(ValueError, match="must hold uint64 rows of shape"):
-        measure(SCENE, **SMALL, store=tmp_path)
+        measure(SCENE, **SMALL, directory=tmp_path)
 
 
 def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
@@ -441,7 +441,7 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
 
 def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
     """Rows within rounding of an edge may differ; the store keeps engines apart."""
-    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "store": tmp_path}
+    common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}
     plain = measure("room?triangles=3000", **common)
     batch = measure("room?triangles=3000", engine="batch", **common)
     assert plain.attrs["engine"] == "embree" and plain.attrs["batch_rays"] == 0

@@ -165,7 +165,7 @@ def test_a_correlation_is_the_same_when_a_worker_is_killed(
     killed: list[int] = []
     killer = threading.Thread(target=lambda: killed.append(cluster.kill_within_a_task(run, 3)))
     killer.start()
-    there = measure(SCENE, store=tmp_path / "rows", executor=run, **arguments)
+    there = measure(SCENE, directory=tmp_path / "rows", executor=run, **arguments)
     killer.join()
     assert killed and len({pid for _, pid in run.lines()}) == 2
     assert set(here.variables) == set(there.variables)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import viscache as vc
-from viscache.settings.spelling import nearest, spelled
+from viscache.settings.spelling import nearest, renamed, spelled
 
 #: Made by the library, from C++ or by hand without keywords: nothing to misspell.
 NOT_CONSTRUCTED = (tuple, dict, BaseException)
@@ -129,3 +129,25 @@ def test_what_is_decorated_still_raises_its_own_errors() -> None:
 def test_settings_show_what_differs(settings: Any, shown: str) -> None:
     assert repr(settings) == shown
     assert eval(shown, vars(vc)) == settings
+
+
+def test_an_older_name_works_and_warns() -> None:
+    @renamed(store="directory")
+    @spelled
+    def kept(*, directory: str = "none") -> str:
+        return directory
+
+    assert kept(directory="a") == "a" and kept() == "none"
+    with pytest.warns(DeprecationWarning, match="kept: store is now called directory"):
+        assert kept(store="b") == "b"
+    with pytest.raises(TypeError, match="directory must be given once, got store too"):
+        kept(store="b", directory="a")
+    with pytest.raises(TypeError, match="did you mean 'directory'"):
+        kept(direktory="a")
+    assert list(inspect.signature(kept).parameters) == ["directory"]
+
+
+def test_what_keeps_work_is_called_directory() -> None:
+    for function in (vc.sweep, vc.correlation.measure, vc.correlation.correlate):
+        parameters = inspect.signature(function).parameters
+        assert "directory" in parameters and "store" not in parameters

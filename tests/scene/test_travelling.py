@@ -165,3 +165,41 @@ def test_what_goes_wrong_in_the_thumbnail_is_said_in_its_place(
     monkeypatch.setattr(vc.Scene, "_picture", staticmethod(fails))
     text = vc.scenes.slits()._repr_html_()
     assert "no picture: too &lt;large&gt;" in text and "triangles" in text
+
+
+def test_cameras_travel() -> None:
+    made = vc.look_at((1.5, 1.2, 2.5), (0.1, 0.2, 0.0), up=(0.1, 1.0, 0.3), fov_deg=33)
+    made.name, made.width, made.height, made.fov_is_horizontal = "side", 48, 32, True
+    back = pickle.loads(pickle.dumps(made))
+    for name in ("name", "origin", "right", "up", "forward", "width", "height"):
+        assert getattr(back, name) == getattr(made, name), name
+    assert (back.fov_rad, back.fov_is_horizontal) == (made.fov_rad, True)
+    scene = vc.scenes.cube_on_plane()
+    frames = [vc.render(scene, "direct", camera=c, size=SIZE) for c in (made, back)]
+    assert frames[0].sha256 == frames[1].sha256
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        there = pool.submit(vc.render, scene, "direct", camera=made, size=SIZE).result()
+    assert there.sha256 == frames[0].sha256
+
+
+def test_a_camera_of_nonsense_is_refused_when_it_arrives() -> None:
+    made = vc.look_at((1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+    name, origin, _, up, forward, *rest = made.__getstate__()
+    broken = type(made).__new__(type(made))  # type: ignore[call-arg]
+    with pytest.raises((ValueError, vc.SceneError), match="must be finite and differ"):
+        broken.__setstate__((name, origin, [0.0, 0.0, 0.0], up, forward, *rest))
+
+
+def test_a_sweep_takes_a_camera_of_ones_own(tmp_path: Path) -> None:
+    over, given = {"c_e": [4]}, {"size": SIZE, "metrics": ["rel_l1"], "directory": tmp_path}
+    near, far = (vc.look_at((d, d, d), (0.0, 0.0, 0.0)) for d in (2.0, 4.0))
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        vc.sweep("cube_on_plane", "direct", over=over, camera=near, executor=pool, **given)
+    frames = tmp_path / "frames"
+    assert len(list(frames.iterdir())) == 2
+    vc.sweep("cube_on_plane", "direct", over=over, camera=near, **given)
+    assert len(list(frames.iterdir())) == 2
+    vc.sweep("cube_on_plane", "direct", over=over, camera=far, **given)
+    assert len(list(frames.iterdir())) == 4
+    kept = {vc.Frame.load(p).sha256 for p in frames.iterdir()}
+    assert vc.render("cube_on_plane", "direct", camera=near, size=SIZE).sha256 in kept

@@ -110,7 +110,7 @@ def run(arguments: argparse.Namespace) -> int:
             domain=arguments.domain,
             normals=arguments.normals,
             engine=arguments.engine,
-            store=arguments.store,
+            directory=arguments.store,
             executor=executor,
             threads=threads,
             progress=sys.stderr.isatty(),

@@ -1,8 +1,9 @@
-"""`viscache tune SCENE --error 0.01`."""
+"""`viscache tune SCENE --error 0.01`, or `--target "rel_l1<=0.01"`."""
 
 from __future__ import annotations
 
 import argparse
+import re
 
 from viscache import sources
 from viscache.commands.shared import at_least_one, print_json, print_table, size
@@ -12,13 +13,32 @@ from viscache.sweeps.tune import tune
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
-    parser.add_argument(
+    wanted = parser.add_mutually_exclusive_group()
+    wanted.add_argument(
         "--error",
         type=float,
         default=0.01,
         metavar="REL_L1",
-        help="that is wanted against exact visibility (default: 0.01)",
+        help="wanted error against exact visibility (default: 0.01)",
     )
+    wanted.add_argument(
+        "--target", type=target, dest="error", metavar='"rel_l1<=0.01"', help="the same, in full"
+    )
+    parser.add_argument(
+        "--visibility",
+        default="aqvc",
+        choices=[name for name in by_name.NAMES["visibility"] if name != "exact"],
+        help="the cache (default: aqvc)",
+    )
+    parser.add_argument("--parameter", metavar="NAME", help="the number to search: c_e of aqvc")
+    parser.add_argument(
+        "--between",
+        nargs=2,
+        type=by_name.literal,
+        metavar=("LOW", "HIGH"),
+        help="where to search; needed but for c_e",
+    )
+    parser.add_argument("--use", choices=["replace", "correct"], help="how the cache is used")
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
     parser.add_argument(
         "--set",
@@ -36,11 +56,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
+def target(text: str) -> float:
+    """The number of "rel_l1<=0.01"."""
+    found = re.fullmatch(r"\s*rel_l1\s*<=\s*([0-9.eE+-]+)\s*", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"must be rel_l1<=NUMBER, got {text!r}")
+    try:
+        return float(found[1])
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"must be rel_l1<=NUMBER, got {text!r}") from error
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Exit status 0: the target is reached; 1: it is not."""
     chosen: dict[by_name.Role, object] = {
         "integrator": by_name.make("integrator", arguments.integrator),
-        "visibility": by_name.make("visibility", "aqvc"),
+        "visibility": by_name.make("visibility", arguments.visibility),
         "rays": by_name.make("rays", "embree"),
     }
     made = by_name.assign(chosen, arguments.set)
@@ -49,6 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
         made["integrator"],
         rel_l1=arguments.error,
         visibility=made["visibility"],
+        parameter=arguments.parameter,
+        between=arguments.between,
+        use=arguments.use,
         size=arguments.size,
         spp=arguments.spp,
         seed=arguments.seed,
@@ -60,10 +94,11 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(found.as_dict())
     else:
         low, high = found.interval
+        light_cells = {} if found.c_l is None else {"c_l": found.c_l}
         print_table(
             {
-                "c_e": found.c_e,
-                "c_l": found.as_dict()["c_l"],
+                found.parameter: found.value,
+                **light_cells,
                 "rel_l1": found.rel_l1,
                 "95 % interval": f"{low:.4g} … {high:.4g}",
                 "target": found.target,

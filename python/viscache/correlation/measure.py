@@ -45,7 +45,7 @@ from viscache.progress import Progress, progress_bar
 from viscache.provenance import VERSION
 from viscache.scene.cameras import find_camera
 from viscache.settings.checks import require
-from viscache.settings.spelling import spelled
+from viscache.settings.spelling import renamed, spelled
 from viscache.sweeps.store import content_key
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 __all__ = ["correlate", "measure", "phi"]
 
 
+@renamed(store="directory")
 @spelled
 def measure(
     scene: Any,
@@ -77,7 +78,7 @@ def measure(
     t_max: float = np.inf,
     engine: RowEngine = "embree",
     spatial: bool = True,
-    store: str | os.PathLike[str] | None = None,
+    directory: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
     threads: int | None = None,
     progress: Progress = False,
@@ -133,7 +134,7 @@ def measure(
         number of rays that the batch traced.
     spatial : bool
         Also compute the mean ρ of every point with its neighbourhood.
-    store : path, optional
+    directory : path, optional
         Folder for finished blocks. An interrupted run resumes from it and repeats nothing.
     executor : concurrent.futures.Executor, optional
         Computes the blocks; this process merges them. Its workers must have access to the folder of
@@ -209,7 +210,7 @@ def measure(
     def here(task: RowsTask) -> Arrays:
         return trace(task, opened, found.positions, found.normals)
 
-    with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
+    with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(
             key,
             geometry,
@@ -257,6 +258,7 @@ def _rows_per_block(engine: RowEngine) -> int | None:
     return BATCH_ROWS_PER_BLOCK if engine in ("auto", "batch") else None
 
 
+@renamed(store="directory")
 @spelled
 def correlate(
     bits: npt.ArrayLike,
@@ -274,7 +276,7 @@ def correlate(
     slice_theta_deg: float = 2.0,
     undefined: Undefined = "skip",
     min_bits: int = 1,
-    store: str | os.PathLike[str] | None = None,
+    directory: str | os.PathLike[str] | None = None,
     executor: Executor | None = None,
     threads: int | None = None,
     progress: Progress = False,
@@ -295,7 +297,7 @@ def correlate(
         pairs are sampled, the points of a group must be in random order.
     pairs, seed, d_edges, theta_edges_deg, d_max, slice_d, slice_theta_deg, undefined, min_bits
         As `measure` takes them.
-    store, executor, threads, progress
+    directory, executor, threads, progress
         As `measure` takes them.
 
     Returns
@@ -327,7 +329,7 @@ def correlate(
     options = pair_options(geometry, bins, count, undefined, min_bits, sampled=sampled)
     rows_digest = digest(rows, geometry.positions, geometry.normals, geometry.group)
     key = content_key({"viscache": VERSION, "rows": rows_digest})
-    with _folder(store, executor) as folder, progress_bar(progress, unit="block") as report:
+    with _folder(directory, executor) as folder, progress_bar(progress, unit="block") as report:
         run = Run(
             key,
             geometry,
@@ -373,11 +375,11 @@ def phi(
 
 @contextmanager
 def _folder(
-    store: str | os.PathLike[str] | None, executor: Executor | None
+    directory: str | os.PathLike[str] | None, executor: Executor | None
 ) -> Iterator[Path | None]:
     """Folder for blocks: the store, a temporary folder for workers, or None."""
-    if store is not None or executor is None:
-        yield None if store is None else Path(store)
+    if directory is not None or executor is None:
+        yield None if directory is None else Path(directory)
         return
     with tempfile.TemporaryDirectory(prefix="viscache-") as folder:
         yield Path(folder)

@@ -213,5 +213,7 @@ _SCENE = Newest()
 
 def _shared_folder(folder: Path | None) -> Path:
     if folder is None or not (folder / "rows.npy").is_file():
-        raise ValueError(f"store must be a folder that the executor's workers see, got {folder}")
+        raise ValueError(
+            f"directory must be a folder that the executor's workers see, got {folder}"
+        )
     return folder

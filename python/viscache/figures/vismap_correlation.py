@@ -104,7 +104,7 @@ def _measured(
         return None
     store = None if quick else folder / "blocks"
     dataset = measure(
-        scene, camera=view.camera, store=store, progress=progress, **(QUICK if quick else FULL)
+        scene, camera=view.camera, directory=store, progress=progress, **(QUICK if quick else FULL)
     )
     if not quick:
         outcome.files.append(folder / f"{view.name}.nc")

@@ -16,17 +16,17 @@ __all__ = ["Correct", "in_words"]
 class Correct:
     """How `use="correct"` draws: Ṽ + (V - Ṽ)/q for a random share q of the queries.
 
-    Every query is answered by the cache, and a share q of them is traced as well; where the ray
-    contradicts, the answer's weight carries the correction. The frame is right in expectation
-    whatever the cache says, with noise where it is wrong. At q = 1 it is the exact frame, byte for
-    byte. `frame.counters` has "corrections", the queries traced as well, and "contradicted", those
-    of them that the cache answered wrongly: an unbiased estimate of its share of wrong answers.
+    The cache answers every query. Rays check a random share q of the answers, and weights correct
+    the wrong ones. So the frame is right in expectation for any cache, with noise where the cache
+    is wrong. At q = 1 it is the exact frame, byte for byte. `frame.counters` has "corrections", the
+    checked answers, and "contradicted", the wrong ones among them. Their ratio is an unbiased
+    estimate of the share of wrong answers.
 
     Parameters
     ----------
     share : float in (0, 1]
-        q, the same for all queries. The draw is keyed by the frame's seed and the places of both
-        ends.
+        q, the same for all queries. The draw depends on the frame's seed and on the positions of
+        both ends.
 
     Examples
     --------

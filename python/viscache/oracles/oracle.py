@@ -27,14 +27,14 @@ MANY_ENDS, TILE_POINTS, TILE_POINTS_FEW_ENDS = 256, 128 * 128, 256 * 256
 
 @dataclass(frozen=True, eq=False)
 class BlockAnswer:
-    """What eye points see of far ends they all share.
+    """Visibility of shared far ends from eye points.
 
     Attributes
     ----------
     bits : (N, ⌈M/64⌉) uint64
-        1 = visible; far end k is bit k % 64 of word k // 64. What was not wanted is 0.
+        1 = visible; far end k is bit k % 64 of word k // 64. Bits that were not wanted are 0.
     weights : (N, M) float32 or None
-        What visible connections count by, of oracles that leave connections out at random.
+        Weights of visible connections, for oracles that skip connections at random.
     counters, timings : dict
         Of this call: "queries", "rays", "ray_reduction", "groups", ...; as of a `Frame`.
     n_ends : int
@@ -55,11 +55,11 @@ class BlockAnswer:
 
     @property
     def clusters(self) -> npt.NDArray[Any]:
-        """One row per query, by row and column: who answered it.
+        """The cluster of every query, sorted by row and column.
 
-        Fields: "row", "column" of the query; "cluster", queries with equal numbers share one
-        answer; "representative", the row whose ray answered; "level" of refinement, 0 = coarsest;
-        "traced", whether the query's own ray was that one.
+        Fields: "row" and "column" of the query; "cluster", where queries with equal numbers share
+        an answer; "representative", the row whose ray gave the answer; "level" of refinement, 0 is
+        the coarsest; "traced", whether the query is its own representative.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class BlockAnswer:
 
 @dataclass(frozen=True, eq=False)
 class PairAnswer:
-    """What eye points see of far ends of their own.
+    """Visibility of far ends that belong to one eye point each.
 
     Attributes
     ----------
@@ -100,10 +100,9 @@ class PairAnswer:
 class Oracle:
     """Answers "does x see y?" for arrays of points, as a visibility setting does; `scene.oracle`.
 
-    Points may come from anywhere, in any order and number: they are sorted along a curve through
-    space and cut into tiles inside, so that memory is bounded by the answer. Every call stands for
-    itself, as a frame does: nothing is remembered from one to the next, and what a method prepares
-    (shadow maps, learned visibilities) is prepared anew.
+    Points may have any source, order and number. The oracle sorts them along a space-filling curve
+    and works in tiles, so memory is bounded by the answer. Calls are independent of each other, as
+    frames are: nothing is kept, and shadow maps or learned visibilities are made for every call.
 
     Attributes
     ----------
@@ -125,27 +124,37 @@ class Oracle:
         visibility = by_name.setting("visibility", visibility)
         own = is_written(visibility)
         known = own or (hasattr(visibility, "source") and not isinstance(visibility, VisMaps))
-        require(known, "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
-                " vc.NeePlusPlus(...) or an object with a method block", visibility)  # fmt: skip
-        fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-            isinstance(use, Correct)
-        )  # fmt: skip
+        require(
+            known,
+            "visibility must be vc.Exact(...), vc.Aqvc(...), vc.ShadowMap(...),"
+            " vc.NeePlusPlus(...) or an object with a method block",
+            visibility,
+        )
+        fits = (
+            use in (None, "replace", "correct")
+            if isinstance(use, str | None)
+            else (isinstance(use, Correct))
+        )
         require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
         for name, value in (("seed", seed), ("spp", spp)):
             require(is_whole(value) and value >= 0, f"{name} must be a whole number >= 0", value)
         good = threads is None or (is_whole(threads) and 1 <= threads <= 1024)
         require(good, "threads must be in [1, 1024]", threads)
         if isinstance(visibility, Aqvc):
-            require(visibility.paper.storage not in ("shared", "paper_tiles"),
-                    'storage must be "table" or "exact" for arrays of points',
-                    visibility.paper.storage)  # fmt: skip
+            require(
+                visibility.paper.storage not in ("shared", "paper_tiles"),
+                'storage must be "table" or "exact" for arrays of points',
+                visibility.paper.storage,
+            )
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
         self._context = SourceContext(
-            scene=scene._core, caster=scene.caster(rays, threads=self._threads), seed=int(seed),
+            scene=scene._core,
+            caster=scene.caster(rays, threads=self._threads),
+            seed=int(seed),
             spp=int(spp),
-        )  # fmt: skip
+        )
 
     def block(
         self,
@@ -156,7 +165,7 @@ class Oracle:
         *,
         clusters: bool | slice = False,
     ) -> BlockAnswer:
-        """Every eye point × every far end.
+        """Visibility of every far end from every eye point.
 
         Parameters
         ----------
@@ -165,10 +174,9 @@ class Oracle:
         wanted : (N, M) bool or (N, ⌈M/64⌉) uint64, optional
             Which connections to answer; all by default.
         contributions : (N, M) float, optional
-            What each connection would carry unoccluded. `Aqvc(by_contribution=True)` spends rays
-            by it.
+            Contribution of each connection before visibility, for `Aqvc(by_contribution=True)`.
         clusters : bool or slice
-            Keep who answered each query (`BlockAnswer.clusters`), of all far ends or of a slice of
+            Keep the cluster of each query (`BlockAnswer.clusters`), for all far ends or a slice of
             them: 32 bytes per query. For Exact and for Aqvc in its default form.
 
         Returns
@@ -200,17 +208,27 @@ class Oracle:
         begin, end, step = kept.indices(len(lamps))
         require(step == 1, "clusters must be a slice without a step", clusters)
         result = _core.ask_block(
-            self._source(), tiles_of(eyes), lamps._arrays(), wanted=_wanted_bits(wanted, shape),
-            contributions=contributions, log=(begin, max(begin, end)), extent=self._extent,
-            most=self._most(lamps), threads=self._threads,
-        )  # fmt: skip
+            self._source(),
+            tiles_of(eyes),
+            lamps._arrays(),
+            wanted=_wanted_bits(wanted, shape),
+            contributions=contributions,
+            log=(begin, max(begin, end)),
+            extent=self._extent,
+            most=self._most(lamps),
+            threads=self._threads,
+        )
         return BlockAnswer(
-            result["bits"], len(lamps), result.get("weights"), result["counters"],
-            result["timings"], result.get("log"),
-        )  # fmt: skip
+            result["bits"],
+            len(lamps),
+            result.get("weights"),
+            result["counters"],
+            result["timings"],
+            result.get("log"),
+        )
 
     def pairs(self, eyes: EyePoints, index: Any, ends: FarEnds) -> PairAnswer:
-        """Connections of which each joins one eye point with one far end.
+        """Visibility of single connections: one eye point and one far end each.
 
         Parameters
         ----------
@@ -231,14 +249,22 @@ class Oracle:
         eyes, ends = self._checked(eyes, ends)
         numbers = np.asarray(index)
         whole = numbers.ndim == 1 and np.issubdtype(numbers.dtype, np.integer)
-        require(whole and len(numbers) == len(ends), f"index must be ({len(ends)},) integers",
-                f"{numbers.dtype} of shape {numbers.shape}")  # fmt: skip
+        require(
+            whole and len(numbers) == len(ends),
+            f"index must be ({len(ends)},) integers",
+            f"{numbers.dtype} of shape {numbers.shape}",
+        )
         inside = bool(np.all((numbers >= 0) & (numbers < len(eyes))))
         require(inside, f"index must be in [0, {len(eyes)})", "values outside")
         result = _core.ask_pairs(
-            self._source(), tiles_of(eyes), numbers.astype(np.uint32), ends._arrays(),
-            extent=self._extent, most=self._most(ends), threads=self._threads,
-        )  # fmt: skip
+            self._source(),
+            tiles_of(eyes),
+            numbers.astype(np.uint32),
+            ends._arrays(),
+            extent=self._extent,
+            most=self._most(ends),
+            threads=self._threads,
+        )
         return PairAnswer(
             result["visible"], result.get("weights"), result["counters"], result["timings"]
         )
@@ -276,7 +302,9 @@ def _wanted_bits(wanted: Any, shape: tuple[int, int]) -> npt.NDArray[np.uint64] 
     if asked.dtype == bool and asked.shape == shape:
         return pack(asked)
     words = (shape[0], -(-shape[1] // 64))
-    require(asked.dtype == np.uint64 and asked.shape == words,
-            f"wanted must be bool of shape {shape} or uint64 of shape {words}",
-            f"{asked.dtype} of shape {asked.shape}")  # fmt: skip
+    require(
+        asked.dtype == np.uint64 and asked.shape == words,
+        f"wanted must be bool of shape {shape} or uint64 of shape {words}",
+        f"{asked.dtype} of shape {asked.shape}",
+    )
     return np.ascontiguousarray(asked)

@@ -1,4 +1,4 @@
-"""The two ends of a connection as arrays: eye points, and what they look at."""
+"""The two ends of connections as arrays: eye points and far ends."""
 
 from __future__ import annotations
 
@@ -20,14 +20,21 @@ __all__ = ["EyePoints", "FarEnds"]
 Array: TypeAlias = npt.NDArray[Any]
 Kind: TypeAlias = Literal["points", "directions", "surfaces", "solid_angle"]
 
-#: Neighbours that say how dense points lie where the caller does not.
+#: Number of neighbours for the density of points, if none is given.
 NEIGHBOURS = 8
-#: Points whose neighbours are sought at a time.
+#: Number of points per search for neighbours.
 QUERY_POINTS = 1 << 14
 #: Light groups by number (`visibility/counters.h`).
 GROUPS = (
-    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
-)  # fmt: skip
+    "point",
+    "directional",
+    "area",
+    "environment",
+    "vpl",
+    "ambient",
+    "connection",
+    "camera",
+)
 GROUP_OF_KIND = {
     "points": "point",
     "directions": "directional",
@@ -63,12 +70,15 @@ def units(values: Any, name: str) -> npt.NDArray[np.float32]:
 
 
 def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
-    """One density per row; a number holds for all."""
+    """One density per row; a number is for all rows."""
     if values is None:
         return None
     given = np.asarray(values, dtype=np.float32)
-    require(given.shape in ((), (count,)), f"density must be a number or have shape ({count},)",
-            given.shape)  # fmt: skip
+    require(
+        given.shape in ((), (count,)),
+        f"density must be a number or have shape ({count},)",
+        given.shape,
+    )
     good = bool(np.all(np.isfinite(given) & (given >= 0)))
     require(good, "density must be finite and >= 0", values)
     return np.ascontiguousarray(np.broadcast_to(given, (count,)))
@@ -77,8 +87,8 @@ def densities(values: Any, count: int) -> npt.NDArray[np.float32] | None:
 def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Points per unit area from the distance r to the k-th nearest neighbour: k/(π r²).
 
-    k is 8, or fewer where there are fewer points. A point without neighbours has density 0: the
-    coarsest cells. Where k points coincide, the largest finite density of the set stands in.
+    k is 8, or less if there are fewer points. A point without neighbours has density 0, which gives
+    the coarsest cells. If k points coincide, they get the largest finite density of the set.
     """
     k = min(NEIGHBOURS, len(positions) - 1)
     if k < 1:
@@ -109,18 +119,18 @@ def neighbour_density(positions: npt.NDArray[np.float32]) -> npt.NDArray[np.floa
 @spelled
 @dataclass(frozen=True, eq=False)
 class EyePoints:
-    """Points on surfaces that ask what they see, from any source.
+    """Points on surfaces, of any source, from which visibility is asked.
 
     Parameters
     ----------
     positions : (N, 3) float
         On the surfaces, scene units, finite.
     normals : (N, 3) float
-        Geometric normals on the side the connections leave from; scaled to length 1. Rays start
-        a few units in the last place off the surface on that side.
+        Geometric normals on the side of the connections; scaled to length 1. Rays start on that
+        side, a few units in the last place above the surface.
     density : float or (N,) float, optional
-        Eye points per unit area at the point, which the quantized cache sizes its cells by. By
-        default from the distance of the 8th nearest neighbour, computed when a cache needs it.
+        Eye points per unit area, which determine the cell sizes of the quantized cache. By default
+        computed from the distance to the 8th nearest neighbour, when a cache needs it.
 
     Raises
     ------
@@ -146,8 +156,11 @@ class EyePoints:
         set_value = object.__setattr__
         set_value(self, "positions", rows3(self.positions, "positions"))
         set_value(self, "normals", units(self.normals, "normals"))
-        require(len(self.normals) == len(self.positions),
-                f"normals must have {len(self.positions)} rows", len(self.normals))  # fmt: skip
+        require(
+            len(self.normals) == len(self.positions),
+            f"normals must have {len(self.positions)} rows",
+            len(self.normals),
+        )
         set_value(self, "density", densities(self.density, len(self.positions)))
 
     def __len__(self) -> int:
@@ -159,9 +172,13 @@ class EyePoints:
         density = None if self.density is None else np.asarray(self.density)[rows]
         origins = None if self._origins is None else self._origins[rows]
         return replace(
-            self, positions=self.positions[rows], normals=self.normals[rows], density=density,
-            _origins=origins, _tiles=None,
-        )  # fmt: skip
+            self,
+            positions=self.positions[rows],
+            normals=self.normals[rows],
+            density=density,
+            _origins=origins,
+            _tiles=None,
+        )
 
     def with_density(self) -> EyePoints:
         """The same points with a density: their own, or the neighbours'."""
@@ -170,7 +187,7 @@ class EyePoints:
         return replace(self, density=neighbour_density(self.positions))
 
     def trace(self, ends: FarEnds, wanted: Any = None) -> npt.NDArray[np.bool_]:
-        """Exact visibility, ray by ray, for oracles written in Python: the frame counts the rays.
+        """Trace rays, for oracles written in Python. The frame counts them.
 
         Parameters
         ----------
@@ -185,7 +202,7 @@ class EyePoints:
         Raises
         ------
         ValueError
-            Points that no frame handed to an oracle; `scene.visible_matrix` takes those.
+            The points are not from a frame. Use `scene.visible_matrix` for other points.
         """
         if self._tracer is None:
             raise ValueError("points must be those that a frame handed to an oracle, got others")
@@ -193,21 +210,25 @@ class EyePoints:
         return unpack(self._tracer(self, ends, asked), len(ends))
 
     def _arrays(self) -> dict[str, Any]:
-        return {"positions": self.positions, "normals": self.normals, "density": self.density,
-                "origins": self._origins}  # fmt: skip
+        return {
+            "positions": self.positions,
+            "normals": self.normals,
+            "density": self.density,
+            "origins": self._origins,
+        }
 
 
 @spelled
 @dataclass(frozen=True, eq=False)
 class FarEnds:
-    """What eye points look at: M points, directions, surface points or directions of a sky.
+    """M far ends of connections: points, directions, surface points or directions of a sky.
 
     Made by `FarEnds.points`, `.directions`, `.surfaces` or `.solid_angle`.
 
     Attributes
     ----------
     kind : {"points", "directions", "surfaces", "solid_angle"}
-        The semantic of the paper's keys (AQVC Sec. 3.5).
+        Determines the keys of the quantized cache (AQVC Sec. 3.5).
     positions : (M, 3) float32
         Positions, or unit directions towards the light.
     normals : (M, 3) float32 or None
@@ -215,7 +236,7 @@ class FarEnds:
     density : (M,) float32 or None
         Light samples per unit area of surfaces, per steradian of a sky.
     t_max : float
-        How far directions look, scene units.
+        Length of rays along directions, scene units.
     group : str
         The light group whose settings hold (c_e_groups, refinement_groups) and whose counters
         count.
@@ -231,8 +252,9 @@ class FarEnds:
 
     def __post_init__(self) -> None:
         set_value = object.__setattr__
-        require(self.kind in GROUP_OF_KIND, f"kind must be one of {', '.join(GROUP_OF_KIND)}",
-                self.kind)  # fmt: skip
+        require(
+            self.kind in GROUP_OF_KIND, f"kind must be one of {', '.join(GROUP_OF_KIND)}", self.kind
+        )
         along = self.kind in ("directions", "solid_angle")
         places = (
             units(self.positions, "directions") if along else rows3(self.positions, "positions")
@@ -241,8 +263,9 @@ class FarEnds:
         require(len(places) > 0, "there must be a far end", 0)
         if self.normals is not None:
             normals = (units if self.kind == "surfaces" else rows3)(self.normals, "normals")
-            require(len(normals) == len(places), f"normals must have {len(places)} rows",
-                    len(normals))  # fmt: skip
+            require(
+                len(normals) == len(places), f"normals must have {len(places)} rows", len(normals)
+            )
             set_value(self, "normals", normals)
         set_value(self, "density", densities(self.density, len(places)))
         require(self.t_max >= 0, "t_max must be >= 0", self.t_max)
@@ -251,14 +274,14 @@ class FarEnds:
 
     @classmethod
     def points(cls, positions: Any, *, group: str = "point") -> FarEnds:
-        """Places that stand free: lamps, probes, virtual lights keyed as points; (M, 3)."""
+        """Points in space, (M, 3): lamps, probes, virtual lights keyed as points."""
         return cls("points", positions, group=group)
 
     @classmethod
     def directions(
         cls, directions: Any, *, t_max: float = float("inf"), group: str = "directional"
     ) -> FarEnds:
-        """Directions towards far lights, (M, 3), and how far rays look along them."""
+        """Directions towards far lights, (M, 3), and the length of rays."""
         return cls("directions", directions, t_max=t_max, group=group)
 
     @classmethod
@@ -270,9 +293,13 @@ class FarEnds:
 
     @classmethod
     def solid_angle(
-        cls, directions: Any, density: Any, *, t_max: float = float("inf"),
+        cls,
+        directions: Any,
+        density: Any,
+        *,
+        t_max: float = float("inf"),
         group: str = "environment",
-    ) -> FarEnds:  # fmt: skip
+    ) -> FarEnds:
         """Directions of a sky, (M, 3), with samples per steradian."""
         return cls("solid_angle", directions, None, density, t_max, group)
 
@@ -287,31 +314,48 @@ class FarEnds:
             return None if values is None else np.asarray(values)[rows]
 
         return replace(
-            self, positions=self.positions[rows], normals=some(self.normals),
-            density=some(self.density), _ends=some(self._ends),
-        )  # fmt: skip
+            self,
+            positions=self.positions[rows],
+            normals=some(self.normals),
+            density=some(self.density),
+            _ends=some(self._ends),
+        )
 
     def _arrays(self) -> dict[str, Any]:
-        return {"kind": self.kind, "group": GROUPS.index(self.group), "positions": self.positions,
-                "normals": self.normals, "ends": self._ends, "density": self.density,
-                "t_max": self.t_max}  # fmt: skip
+        return {
+            "kind": self.kind,
+            "group": GROUPS.index(self.group),
+            "positions": self.positions,
+            "normals": self.normals,
+            "ends": self._ends,
+            "density": self.density,
+            "t_max": self.t_max,
+        }
 
 
 def eyes_of(arrays: dict[str, Any], tracer: Callable[..., Array] | None = None) -> EyePoints:
-    """Eye points as C++ hands them over."""
+    """Eye points from the arrays of C++."""
     return EyePoints(
-        arrays["positions"], arrays["normals"], arrays["density"], _origins=arrays["origins"],
+        arrays["positions"],
+        arrays["normals"],
+        arrays["density"],
+        _origins=arrays["origins"],
         _tracer=tracer,
-    )  # fmt: skip
+    )
 
 
 def ends_of(arrays: dict[str, Any]) -> FarEnds:
-    """Far ends as C++ hands them over."""
+    """Far ends from the arrays of C++."""
     normals = arrays["normals"] if arrays["kind"] == "surfaces" else None
     return FarEnds(
-        arrays["kind"], arrays["positions"], normals, arrays["density"], arrays["t_max"],
-        GROUPS[arrays["group"]], _ends=arrays["ends"],
-    )  # fmt: skip
+        arrays["kind"],
+        arrays["positions"],
+        normals,
+        arrays["density"],
+        arrays["t_max"],
+        GROUPS[arrays["group"]],
+        _ends=arrays["ends"],
+    )
 
 
 def pack(visible: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:

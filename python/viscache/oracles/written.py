@@ -27,19 +27,19 @@ class Written(Protocol):
     -------
     block(eyes, lamps, wanted)
         `eyes` : EyePoints of one tile, `lamps` : FarEnds of one light group, `wanted` : (N, M)
-        bool, the connections that would bring something. Returns what is visible: (N, M) bool, or
-        rows of bits (N, ⌈M/64⌉) uint64, or either with weights (N, M) that visible connections
-        count by. `eyes.trace(lamps, wanted)` traces rays, also of some eyes: `eyes[rows].trace`.
+        bool, the connections that contribute light. Returns visibility as (N, M) bool or as rows of
+        bits (N, ⌈M/64⌉) uint64, or a pair of it and the weights (N, M) of visible connections.
+        `eyes.trace(lamps, wanted)` traces rays, and `eyes[rows].trace` those of some eye points.
     pairs(eyes, index, ends), optional
-        Connection k joins `eyes[index[k]]` with far end k: samples that belong to one eye point
-        each. Returns (K,) bool, or that with weights (K,). Without it these are traced.
+        Samples that belong to one eye point each: connection k joins `eyes[index[k]]` with far end
+        k. Returns (K,) bool, or a pair of it and weights (K,). Without this method, rays answer.
     begin_frame(lights), optional
         Called once per frame with the list of its shared FarEnds.
     begin_tile(eyes), optional
-        Called before the questions about a tile.
+        Called before the queries of a tile.
 
-    Every thread has its own shallow copy of the object, made after `begin_frame`. So a tile may
-    keep what it learns in attributes, which must not change what later tiles are answered.
+    Every thread has a shallow copy of the object, made after `begin_frame`. So a tile may keep
+    values in attributes, but they must not change the answers to later tiles.
     """
 
     def block(self, eyes: EyePoints, lamps: FarEnds, wanted: npt.NDArray[np.bool_]) -> Any:
@@ -74,7 +74,7 @@ class WrittenSource:
         self.visibility = copy.copy(visibility)
 
     def begin_frame(self, lights: list[dict[str, Any]]) -> None:
-        """Tell the oracle of the lights, if it likes."""
+        """Call `begin_frame` of the oracle, if it has one."""
         begin = getattr(self.visibility, "begin_frame", None)
         if begin is not None:
             begin([ends_of(arrays) for arrays in lights])
@@ -92,7 +92,7 @@ class WrittenOracle:
         self.eyes: EyePoints | None = None
 
     def begin_tile(self, arrays: dict[str, Any]) -> None:
-        """The eye points of the questions to come."""
+        """Set the eye points of the next queries."""
         self.eyes = eyes_of(arrays, self._trace)
         begin = getattr(self.visibility, "begin_tile", None)
         if begin is not None:
@@ -111,7 +111,7 @@ class WrittenOracle:
     def pairs(
         self, index: npt.NDArray[np.uint32], ends: dict[str, Any]
     ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.float32] | None]:
-        """Connections of which each belongs to one eye point."""
+        """Connections that belong to one eye point each."""
         assert self.eyes is not None
         ask = getattr(self.visibility, "pairs", None)
         if ask is None:
@@ -119,9 +119,11 @@ class WrittenOracle:
         seen, weights = _parted(ask(self.eyes, index, ends_of(ends)))
         seen = np.asarray(seen)
         name = type(self.visibility).__name__
-        require(seen.dtype == bool and seen.shape == index.shape,
-                f"{name}.pairs must return bool of shape {index.shape}",
-                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        require(
+            seen.dtype == bool and seen.shape == index.shape,
+            f"{name}.pairs must return bool of shape {index.shape}",
+            f"{seen.dtype} of shape {seen.shape}",
+        )
         return seen, _weights(weights, index.shape)
 
     def _bits(self, seen: Any, shape: tuple[int, int]) -> Bits:
@@ -129,9 +131,11 @@ class WrittenOracle:
         if seen.dtype == bool and seen.shape == shape:
             return pack(seen)
         words = (shape[0], -(-shape[1] // 64))
-        require(seen.dtype == np.uint64 and seen.shape == words,
-                f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
-                f"{seen.dtype} of shape {seen.shape}")  # fmt: skip
+        require(
+            seen.dtype == np.uint64 and seen.shape == words,
+            f"{name}.block must return bool of shape {shape} or uint64 of shape {words}",
+            f"{seen.dtype} of shape {seen.shape}",
+        )
         return np.ascontiguousarray(seen)
 
     def _trace(self, eyes: EyePoints, ends: FarEnds, wanted: npt.NDArray[np.bool_] | None) -> Bits:
@@ -141,8 +145,11 @@ class WrittenOracle:
 def _parted(answer: Any) -> tuple[Any, Any]:
     """An answer and its weights."""
     if isinstance(answer, tuple):
-        require(len(answer) == 2, "an answer must be an array or (array, weights)",
-                f"{len(answer)} values")  # fmt: skip
+        require(
+            len(answer) == 2,
+            "an answer must be an array or (array, weights)",
+            f"{len(answer)} values",
+        )
         return answer
     # What `scene.oracle(...).block` returns serves as well
     if hasattr(answer, "bits") and hasattr(answer, "weights"):

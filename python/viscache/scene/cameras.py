@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from viscache import _core
 from viscache.scene.scene import Scene
@@ -57,6 +58,14 @@ def find_camera(scene: Scene, wish: str | int | _core.Camera | None) -> _core.Ca
     names = [c.name for c in cameras]
     require(wish in names, f"camera must be one of {names}", wish)
     return cameras[names.index(wish)]
+
+
+def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
+    """A camera as sweeps record it: JSON-able."""
+    if not isinstance(wish, _core.Camera):
+        return wish
+    names = ("name", "origin", "right", "up", "forward", "fov_rad", "fov_is_horizontal")
+    return {name: getattr(wish, name) for name in names}
 
 
 def frame_size(size: tuple[int, int] | None, camera: _core.Camera) -> tuple[int, int]:

@@ -1,7 +1,7 @@
 """Settings of the quantized visibility cache.
 
-Ranges, defaults and meanings of the parameters stand in `cpp/viscache/aqvc/parameters.h` alone; the
-classes here take them from there.
+`cpp/viscache/aqvc/parameters.h` defines ranges, defaults and meanings of the parameters. The
+classes here read them from there.
 """
 
 from __future__ import annotations
@@ -21,8 +21,15 @@ from viscache.settings.spelling import setting
 __all__ = ["Aqvc", "PaperForm"]
 
 LIGHT_GROUPS = (
-    "point", "directional", "area", "environment", "vpl", "ambient", "connection", "camera",
-)  # fmt: skip
+    "point",
+    "directional",
+    "area",
+    "environment",
+    "vpl",
+    "ambient",
+    "connection",
+    "camera",
+)
 
 ROWS = ParameterRows(_core.aqvc.AqvcParameters)
 #: Parameters on which keys, or what is kept under them, depend.
@@ -33,7 +40,7 @@ BY_GROUP = ("c_e_groups", "refinement_groups")
 #: What the presets change of the defaults (docs/deviations.md tells why).
 PRESETS: dict[str, dict[str, Any]] = {
     "default": {},
-    # Fewer and larger clusters, rays where they count (docs/aqvc.md)
+    # Fewer and larger clusters, more rays for large contributions (docs/aqvc.md)
     "fast": {
         "c_n": 2,
         "c_z": 1.0,
@@ -77,9 +84,9 @@ def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
 @ROWS.documented
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PaperForm:
-    """What the paper's own form of the cache has besides: `Aqvc(paper=PaperForm(...))`.
+    """More parameters, for the paper's form of the cache: `Aqvc(paper=PaperForm(...))`.
 
-    What is given wins over the preset, the rest is the preset's.
+    Given values override those of the preset.
 
     Parameters
     ----------
@@ -122,18 +129,18 @@ class PaperForm:
 class Aqvc:
     """Adaptive quantization visibility caching (Popov, Georgiev, Slusallek, Dachsbacher 2013).
 
-    What is given wins over the preset; the defaults shown are those of the preset "default".
+    Given values override those of the preset. The defaults shown are those of "default".
 
     Parameters
     ----------
     preset : {"default", "fast", "paper", "as_printed"}
-        "fast": fewer, larger cells and C_E by contribution: at one C_E fewer rays and more error.
-        It pays with many lights and in foliage, not with few lamps.
-        "paper": the paper's parameters with our corrections, one query at a time through the hash
-        table. "as_printed": with its slips too (docs/deviations.md).
+        "fast": fewer and larger cells, and C_E by contribution. At the same C_E it has fewer rays
+        and more error. It is better with many lights and in foliage, not with few lamps.
+        "paper": the parameters of the paper with our corrections; queries go through the hash
+        table one by one. "as_printed": without the corrections (docs/deviations.md).
     {parameters}
     paper : PaperForm
-        What the paper's own form has besides.
+        Parameters of the paper's form.
 
     Examples
     --------
@@ -168,8 +175,9 @@ class Aqvc:
             number = isinstance(value, Real) and not isinstance(value, bool)
             require(
                 number and 0 < value < float("inf"),
-                f"c_e_groups[{group!r}] must be > 0 and finite", value,
-            )  # fmt: skip
+                f"c_e_groups[{group!r}] must be > 0 and finite",
+                value,
+            )
         self._check_refinement_groups()
         require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
         _fill(self, PRESETS[self.preset])
@@ -185,9 +193,11 @@ class Aqvc:
         for group, value in given.items():
             known = group in LIGHT_GROUPS
             require(known, f"refinement_groups must name {', '.join(LIGHT_GROUPS)}", group)
-            require(value in ("auto", "on", "off"),
-                    f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
-                    value)  # fmt: skip
+            require(
+                value in ("auto", "on", "off"),
+                f'refinement_groups[{group!r}] must be "auto", "on" or "off"',
+                value,
+            )
 
     def core(self) -> _core.aqvc.AqvcParameters:
         """The C++ struct with the preset and what was given."""
@@ -207,7 +217,7 @@ class Aqvc:
         return _core.AqvcSource(scene, caster, self.core(), spp=spp)
 
     def for_frame_table(self) -> Aqvc:
-        """With what `Bdpt` takes by default: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
+        """With the defaults for `Bdpt`: Eq. 6, no refinement (Sec. 4.2), 256 MiB.
 
         In the default preset also C_R = 2 (docs/deviations.md, A35).
         """
@@ -217,7 +227,7 @@ class Aqvc:
         return self._unless_given(own, {"res_rule": "eq6"})
 
     def for_kept_table(self) -> Aqvc:
-        """With what a table kept over frames needs: one query at a time, scale-free cells."""
+        """With the defaults for a table that is kept: one query at a time, scale-free cells."""
         made = self._unless_given({"scale_free": True}, {"form": "pairs", "storage": "table"})
         form, storage = made.paper.form, made.paper.storage
         require(form == "pairs", 'form must be "pairs" with keep', form)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, TypeAlias
+
+import numpy as np
 
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.not_given import NotGiven
@@ -68,7 +71,7 @@ def make(role: Role, spec: str | Mapping[str, Any]) -> Any:
 
 
 def setting(role: Role, value: Any, default: str | None = None) -> Any:
-    """Settings as a call takes them: a name or a table becomes an object, None the default's."""
+    """Settings from an argument: a name, a table, an object, or None for the default."""
     value = default if value is None else value
     return make(role, value) if isinstance(value, (str, Mapping)) else value
 
@@ -89,9 +92,9 @@ def nested(settings: Any) -> dict[str, Any]:
 
 
 def replaced(settings: Any, values: Mapping[str, Any], what: str) -> Any:
-    """The settings with some values replaced; unknown names are refused with the nearest one.
+    """The settings with some values replaced. An unknown name is an error with the nearest one.
 
-    What settings within these have goes by its bare name, or `paper.hash`, or a table of its own,
+    Parameters of inner settings have three spellings: `hash`, `paper.hash`, or a table
     `paper={"hash": "scheme1"}`.
     """
     within, own = nested(settings), {f.name for f in dataclasses.fields(settings)}
@@ -122,9 +125,19 @@ def described(role: Role, settings: Any) -> dict[str, Any]:
 
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values as JSON would give them back; what it cannot hold as text."""
+    """The values after a round trip through JSON. Arrays become a digest, other objects text."""
     kept = {n: dict(v) if isinstance(v, Mapping) else v for n, v in values.items()}
-    return dict(json.loads(json.dumps(kept, default=str)))
+    return dict(json.loads(json.dumps(kept, default=_text)))
+
+
+def _text(value: Any) -> Any:
+    """Numbers of NumPy as numbers, arrays by their content, anything else as `str` has it."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        content = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return f"array {value.dtype} {value.shape} sha256 {content}"
+    return str(value)
 
 
 def literal(text: str) -> Any:
@@ -143,8 +156,8 @@ def assign(
 ) -> dict[Role, Any]:
     """Apply `name=value` assignments of the command line.
 
-    `visibility.c_e=8`, `integrator.n_vpls=64`, `rays.n_tiles=32` say whose parameter is meant; a
-    bare name must belong to exactly one of the roles in `bare`.
+    A prefix names the role: `visibility.c_e=8`, `integrator.n_vpls=64`, `rays.n_tiles=32`. A name
+    without prefix must belong to exactly one of the roles in `bare`.
     """
     result = dict(settings)
     for assignment in assignments:

@@ -25,10 +25,11 @@ def require(holds: bool, what: str, given: Any) -> None:
 
 
 def check_types(settings: Any) -> None:
-    """Hold every field of a frozen dataclass to its annotation; numbers become plain Python ones.
+    """Check every field of a frozen dataclass by its annotation; numbers become Python numbers.
 
-    Known are int, float (finite), bool, Literal, unions of these with None, and of a number with a
-    Literal; a field of another type is left to its class. Values that nobody gave stay as they are.
+    Checked are int, float (finite), bool, Literal, unions of these with None, and unions of a
+    number with a Literal. The class checks fields of other types. Values that were not given are
+    not checked.
 
     Raises
     ------

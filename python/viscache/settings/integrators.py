@@ -19,7 +19,7 @@ from viscache.settings.vpls import Vpls
 
 __all__ = ["AmbientOcclusion", "Bdpt", "Direct", "Integrator", "Whitted"]
 
-#: Share of the scene's diagonal that ambient occlusion looks by default.
+#: Length of ambient occlusion's rays by default, as a share of the scene's diagonal.
 AUTO_SHARE = 0.1
 
 PMode: TypeAlias = Literal["last_vertex", "footprint"]
@@ -42,19 +42,19 @@ class Direct:
         Samples per eye point of the environment by the BRDF; both are combined by the balance
         heuristic.
     environment : {"mis", "product", "shared"}
-        "product": the environment is sampled by light × reflection, `n_environment` directions per
-        eye point and pass; `n_brdf` has no part in it. `VisMaps` always does that. "shared":
-        `n_environment` directions drawn by radiance once for the frame, the same for all eye
-        points; no `n_brdf`. What they miss shows as bands instead of noise, and whole tiles may ask
-        together: `Aqvc` as level waves, `Exact(sky_engine="auto")` through the aligned batch.
+        "mis": as above. "product": `n_environment` directions per eye point and pass, drawn by
+        light × reflection, without `n_brdf`. `VisMaps` always does this. "shared": `n_environment`
+        directions drawn by radiance once per frame, the same for all eye points, without `n_brdf`.
+        The error then appears as bands instead of noise. Tiles are answered as a whole: by level
+        waves of `Aqvc`, or by the aligned batch of `Exact(sky_engine="auto")`.
     passes : int >= 1
         Independent passes of product samples; the image is their mean, the layer
         "environment_last_pass" the last one alone.
     points : {"even", "independent"}
         Product samples: a randomised (0, 2)-sequence, or independent ones.
     centred : bool
-        Primary rays through the centres of pixels instead of random places: no antialiasing, for
-        comparisons of variance.
+        Primary rays go through the centres of pixels instead of random positions. There is no
+        antialiasing; for comparisons of variance.
     p_mode : {"last_vertex", "footprint"}
         Density of eye points: unfolded camera density, or ray differentials (AQVC Sec. 3.4).
     cosmin : float in (0, 1]
@@ -82,30 +82,29 @@ class Direct:
 class Whitted:
     """Eye paths through mirrors and glass, direct light, and virtual point lights for the rest.
 
-    VPLs (instant radiosity, Keller 1997) are traced from the lights, resampled to `n_vpls` by what
-    they bring to the camera (after Segovia et al. 2006) and carry indirect light only. They reflect
-    diffusely: of a glossy surface the light that its lobe leaves to the diffuse part; what the lobe
-    itself sends on to other surfaces is left out.
+    VPLs (instant radiosity, Keller 1997) are traced from the lights and carry indirect light only.
+    They are resampled to `n_vpls` by their contribution to the camera (after Segovia et al. 2006).
+    They reflect diffusely. On glossy surfaces they carry the diffuse part; light that the glossy
+    lobe reflects to other surfaces is missing.
 
     Parameters
     ----------
     n_vpls : int >= 0
-        Virtual point lights kept (equal picks are merged, so the number used may be smaller).
+        Number of virtual point lights; it may be smaller, because equal ones are merged.
     max_depth : int >= 0
-        Mirror and glass bounces of an eye path. Glass splits paths in two; a branch of less than
-        0.3 % of its sample goes on at random, with the weight that keeps the expectation (noise
-        below 0.2 % of a sample). What max_depth cuts off is counted:
-        `frame.counters["lost_throughput"]`.
+        Mirror and glass bounces of an eye path. Glass splits a path in two. Branches with less than
+        0.3 % of a sample continue by Russian roulette (noise below 0.2 % of a sample).
+        `frame.counters["lost_throughput"]` counts what `max_depth` cuts off.
     vpl_max_depth : int >= 1
         Bounces of a light path.
     vpl_candidates : int >= 1
         Candidates per VPL kept; as many light paths are traced as they take.
     vpl_eye_points : int >= 1
-        Camera points that judge the candidates.
+        Camera points that determine the contribution of candidates.
     vpl_bound : float >= 0
         Bounds the geometry term cos·cos/(d² + (vpl_bound · scene diagonal)²); 0 = unbounded.
     vpls : Vpls, optional
-        Lights of your own, taken as they are; n_vpls and the parameters of tracing have no part.
+        Virtual point lights of your own; `n_vpls` and the parameters of tracing are not used.
     environment : {"mis", "shared"}
         As in `Direct`.
     n_area, n_environment, n_brdf, p_mode, cosmin
@@ -161,18 +160,18 @@ class AmbientOcclusion:
     distribution : {"cosine", "uniform"}
         How directions are drawn; both give the cosine-weighted share.
     max_distance : float > 0, "auto" or None
-        Blockers farther away do not count, in scene units. "auto": a tenth of the diagonal of the
-        scene's bounding box, so that closed rooms are not black; `frame.parameters["integrator"]`
-        has the number. None or inf: no limit.
+        Length of the rays in scene units; farther occluders do not count. "auto": a tenth of the
+        diagonal of the scene's bounding box, so that closed rooms are not black.
+        `frame.parameters["integrator"]` has the number. None or inf: no limit.
     directions : {"own", "shared"}
-        "own": each eye point draws its directions. "shared": all look along the directions of
-        `vlf.directions` on their side (VLF Sec. 7), weighted by solid angle and cosine, which
-        costs several times less; no noise, but what n_samples directions miss, all pixels miss.
-        `n_samples` must be one of vlf.DIRECTION_COUNTS, e.g. 513; `distribution` and the frame's
-        seed have no part in the directions.
+        "own": each eye point draws its directions. "shared": all eye points use the directions of
+        `vlf.directions` on their side (VLF Sec. 7), weighted by solid angle and cosine. This costs
+        several times less and has no noise, but all pixels miss what these directions miss.
+        `n_samples` must be one of vlf.DIRECTION_COUNTS, e.g. 513. `distribution` and the frame's
+        seed are not used.
     engine : {"auto", "batch", "embree", "field"}
-        Who traces shared directions, as in `vlf.trace_aligned`. "auto" leaves the field out: one
-        frame does not repay building it.
+        The engine for shared directions, as in `vlf.trace_aligned`. "auto" does not use the field,
+        because its build takes longer than one frame gains.
     p_mode, cosmin
         As in `Direct`.
     """
@@ -191,8 +190,11 @@ class AmbientOcclusion:
         check_types(self)
         require(1 <= self.n_samples <= 1 << 20, "n_samples must be in [1, 2^20]", self.n_samples)
         near = self.max_distance
-        require(near is None or near == "auto" or near > 0,
-                'max_distance must be > 0, "auto", or None for no limit', near)  # fmt: skip
+        require(
+            near is None or near == "auto" or near > 0,
+            'max_distance must be > 0, "auto", or None for no limit',
+            near,
+        )
         require(
             self.directions == "own" or _core.vlf.is_direction_count(self.n_samples),
             "n_samples must be 1 or 2·4^k + 1 up to 8193, e.g. 513, with shared directions",
@@ -214,9 +216,9 @@ class AmbientOcclusion:
 class Bdpt:
     """Bidirectional path tracing (Veach 1997): all light paths of up to `max_depth` edges.
 
-    Every sample of a pixel traces one path from the camera and one from the lights; every vertex of
-    the one is connected with every vertex of the other, weighted by the balance heuristic over all
-    ways to make the same path. `spp` is the number of such pairs per pixel. Paths end at
+    Every sample of a pixel traces one path from the camera and one from the lights. Every vertex of
+    one path is connected with every vertex of the other, weighted by the balance heuristic over all
+    techniques that sample the same path. `spp` is the number of such pairs per pixel. Paths end at
     `max_depth` or where nothing is reflected; there is no Russian roulette.
 
     Sphere lights are found by connections alone (they are traced tessellated), except where only
@@ -227,9 +229,9 @@ class Bdpt:
     max_depth : int in [1, 64]
         Edges of a path as Mitsuba counts them: 1 = emission seen directly, 2 = direct light.
     camera_connections : {"keyed", "bypass", "off"}
-        Connections of light paths with the camera: through the cache, if there is one, keyed by
-        the camera as a point; a shadow ray each, past any cache; or none, which leaves caustics to
-        chance.
+        Connections of light paths with the camera. "keyed": through the cache, if there is one,
+        with the camera as a point. "bypass": a shadow ray each, without the cache. "off": none, so
+        only eye paths find caustics.
     cosmin : float in (0, 1]
         Floor of the cosine in the cache's densities.
     """

@@ -16,12 +16,13 @@ __all__ = ["NeePlusPlus"]
 @setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NeePlusPlus:
-    """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): shadow rays left out at random.
+    """Next Event Estimation++ (Guo, Eisemann, Eisemann 2020): Russian roulette of shadow rays.
 
-    A small frame with exact rays learns how often points of one voxel see points of another. Then
-    a connection whose voxels see each other with probability p is traced with probability
-    q = max(min_probability, p^exponent); what is seen counts 1/q, the rest counts nothing. The
-    frame is right in expectation and has noise where voxels see each other in part.
+    A small frame with exact rays measures how often points of one voxel see points of another. A
+    connection whose voxels see each other with probability p is traced with probability
+    q = max(min_probability, p^exponent). If it is visible, its weight is 1/q. Connections that are
+    not traced count as occluded. The frame is right in expectation. It has noise where only some
+    points of two voxels see each other.
 
     `frame.counters`: "rays" includes "learning_rays"; "discarded" connections were not traced.
     Not with environment="product".

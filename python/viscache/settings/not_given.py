@@ -1,4 +1,4 @@
-"""Values that nobody gave: they act as the value they hold, and a preset may replace them."""
+"""Marks for values that were not given: they act as their value, and presets replace them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["NotGiven", "not_given", "plain"]
 
 
 class NotGiven:
-    """The base of all values that nobody gave."""
+    """Base class of values that were not given."""
 
     __slots__ = ()
 

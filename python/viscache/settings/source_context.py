@@ -1,4 +1,4 @@
-"""What a visibility setting needs to make the oracles of one frame."""
+"""The frame for which a visibility setting makes oracles."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class SourceContext:
     bidirectional : bool
         The frame joins eye paths with light paths: threads share one table.
     batch : AlignedBatch, optional
-        Who may trace directions that all eye points share.
+        Traces directions that all eye points share.
     kept : (KeptTable, check, repair), optional
-        The table that outlives the frame.
+        The table that is kept from frame to frame.
     """
 
     scene: _core.Scene

@@ -1,4 +1,4 @@
-"""Keywords that nobody knows are refused with the nearest known one; settings show what differs."""
+"""Errors for unknown keywords name the nearest known one; `repr` shows what differs."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import dataclasses
 import difflib
 import functools
 import inspect
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-__all__ = ["nearest", "setting", "spelled"]
+__all__ = ["nearest", "renamed", "setting", "spelled"]
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type[Any])
@@ -31,10 +32,11 @@ def spelled(called: Called) -> Called:
     """
     function = called.__init__ if isinstance(called, type) else called  # type: ignore[misc]
     known = [
-        name for name, parameter in inspect.signature(function).parameters.items()
+        name
+        for name, parameter in inspect.signature(function).parameters.items()
         if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
         and name != "self"
-    ]  # fmt: skip
+    ]
     accepted = frozenset(known)
     public = [name for name in known if not name.startswith("_")]
     whose = called.__name__
@@ -52,6 +54,29 @@ def spelled(called: Called) -> Called:
     return called
 
 
+def renamed(**names: str) -> Callable[[Called], Called]:
+    """Decorate a function whose keywords had older names: `renamed(old="new")`.
+
+    An older name works as before and warns. Signatures and `help` show the new one alone.
+    """
+
+    def decorate(function: Called) -> Called:
+        @functools.wraps(function)
+        def called(*args: Any, **kwargs: Any) -> Any:
+            for old, new in names.items():
+                if old in kwargs:
+                    if new in kwargs:
+                        raise TypeError(f"{new} must be given once, got {old} too")
+                    text = f"{function.__name__}: {old} is now called {new}"
+                    warnings.warn(text, DeprecationWarning, stacklevel=2)
+                    kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return called  # type: ignore[return-value]
+
+    return decorate
+
+
 def setting(cls: Class) -> Class:
     """Decorate a dataclass of settings: `spelled`, and `repr` shows what differs from the preset.
 
@@ -66,7 +91,8 @@ def _what_differs(self: Any) -> str:
     preset = {"preset": given["preset"]} if "preset" in given else {}
     usual, base = type(self)(), type(self)(**preset)
     shown = ", ".join(
-        f"{name}={value!r}" for name, value in given.items()
+        f"{name}={value!r}"
+        for name, value in given.items()
         if value != getattr(usual if name in preset else base, name)
-    )  # fmt: skip
+    )
     return f"{type(self).__qualname__}({shown})"

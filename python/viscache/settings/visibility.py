@@ -1,4 +1,4 @@
-"""Who answers "does x see y?": settings of the visibility oracles."""
+"""Settings of the methods that answer "does x see y?"."""
 
 from __future__ import annotations
 
@@ -28,22 +28,23 @@ __all__ = [
 @setting
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Exact:
-    """One ray per question.
+    """Exact visibility: one ray per query.
 
     Parameters
     ----------
     order : {"auto", "by_light", "by_pixel"}
-        Which rays share a packet: 16 neighbouring eye points towards one light (nearly always the
-        fastest), or one eye point towards 16 lights. By default short trials while rendering find
-        the faster one, together with `coherent`. Never changes an answer.
+        Rays of a packet: from 16 neighbouring eye points to one light (nearly always the fastest),
+        or from one eye point to 16 lights. By default short trials during rendering choose it,
+        together with `coherent`. Answers do not depend on it.
     coherent : bool, optional
-        Embree's traversal flag; by default as the trials find. Never changes an answer.
+        Embree's traversal flag; chosen by the trials by default. Answers do not depend on it.
     sky_engine : {"embree", "batch", "auto"}
-        Who traces directions that all eye points share: directional lights and, with
-        environment="shared", the sky. "batch": per direction, all triangles stream past all points
-        of a tile (VLF Sec. 7). "auto": for each tile, batch or Embree by predicted cost, which
-        depends on tile, scene and instruction set, not on time; `Frame.parameters["engine"]`
-        says how much went where. The two may differ for rays within rounding of an edge.
+        The engine for directions that all eye points share: directional lights and, with
+        environment="shared", the sky. "batch": for each direction, all triangles are tested against
+        all points of a tile (VLF Sec. 7). "auto": the engine with the lower predicted cost, tile by
+        tile. The prediction depends on tile, scene and instruction set, not on measured time;
+        `Frame.parameters["engine"]` has the shares. The engines may differ for rays that meet an
+        edge within rounding.
     """
 
     order: Literal["auto", "by_light", "by_pixel"] = "auto"
@@ -61,9 +62,13 @@ class Exact:
                 context.scene, context.caster, order=order, coherent=self.coherent
             )
         return _core.AlignedSource(
-            context.scene, context.caster, context.batch, choose=self.sky_engine == "auto",
-            order=order, coherent=self.coherent,
-        )  # fmt: skip
+            context.scene,
+            context.caster,
+            context.batch,
+            choose=self.sky_engine == "auto",
+            order=order,
+            coherent=self.coherent,
+        )
 
     def parameters(self) -> dict[str, Any]:
         """Names and values."""
@@ -76,9 +81,9 @@ class ShadowMap:
     """Shadow maps: a plain depth test without a filter, the baseline of AQVC Fig. 8.
 
     Point lights have a cube of six maps, directional lights one map over the scene's bounding
-    sphere; all are traced before the frame with the nearest hits of `rays`. Area, environment and
-    ambient samples have no place a map could be made for: they, and virtual point lights unless
-    `vpls`, are answered by exact rays and counted in `frame.counters["bypassed"]`.
+    sphere. The ray caster `rays` traces them before the frame. Samples of area lights, environments
+    and ambient light have no fixed position for a map. Exact rays answer these, and virtual point
+    lights unless `vpls` is set; `frame.counters["bypassed"]` counts them.
 
     Parameters
     ----------
@@ -90,7 +95,7 @@ class ShadowMap:
         Multiple of the depth that the receiver's tangent plane gains over half a texel both ways.
         1 suffices for planes; less gives acne, more lets light through near contacts.
     vpls : bool
-        Maps for virtual point lights too: six maps each, and the lights are made twice.
+        Maps for virtual point lights too: six maps each. The lights are traced twice.
     max_bytes : int >= 1
         Refuse maps that would take more: 4 bytes per texel, 24·resolution² per point light.
 

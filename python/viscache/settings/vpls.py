@@ -49,8 +49,9 @@ class Vpls:
         require(bool((self.flux >= 0).all()), "flux must be >= 0", "a value below")
         count = len(self.positions)
         same = len(self.normals) == count and len(self.flux) == count
-        require(same, f"normals and flux must have {count} rows",
-                (len(self.normals), len(self.flux)))  # fmt: skip
+        require(
+            same, f"normals and flux must have {count} rows", (len(self.normals), len(self.flux))
+        )
         joined = b"".join(a.tobytes() for a in (self.positions, self.normals, self.flux))
         self.content_hash = hashlib.sha256(joined).hexdigest()[:16]
 

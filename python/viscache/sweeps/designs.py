@@ -1,7 +1,7 @@
-"""Which points a sweep visits: ranges along one parameter, random and Latin-hypercube designs.
+"""The points of a sweep: ranges of one parameter, random and Latin-hypercube designs.
 
-A range stands where a list of values would: `{"log": [2, 32], "n": 9}` is nine values at equal
-ratios. A design draws whole points from ranges and lists; what it returns is `sweep`'s `over`.
+A range replaces a list of values: `{"log": [2, 32], "n": 9}` is nine values at equal ratios. A
+design draws points from ranges and lists; its result is the argument `over` of `sweep`.
 """
 
 from __future__ import annotations
@@ -47,8 +47,9 @@ class Range:
         numbers = all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in ends)
         require(numbers and all(map(math.isfinite, ends)), "a range must have two numbers", ends)
         require(self.low < self.high, "a range must have low < high", ends)
-        require(self.spacing in ("linear", "log"), 'spacing must be "linear" or "log"',
-                self.spacing)  # fmt: skip
+        require(
+            self.spacing in ("linear", "log"), 'spacing must be "linear" or "log"', self.spacing
+        )
         require(self.spacing == "linear" or self.low > 0, "a log range must have low > 0", ends)
         require(isinstance(self.whole, bool), "whole must be true or false", self.whole)
 
@@ -62,13 +63,13 @@ class Range:
         return [int(v) for v in np.rint(values)] if self.whole else [float(v) for v in values]
 
     def steps(self, n: int) -> list[float | int]:
-        """n values with both ends; fewer where rounding makes some equal."""
+        """n values including both ends; fewer if rounding makes some equal."""
         require(is_whole(n) and n >= 2, "n of a range must be a whole number >= 2", n)
         return list(dict.fromkeys(self.at(np.linspace(0.0, 1.0, int(n)))))
 
 
 def values_of(name: str, value: Any) -> Any:
-    """The list that a range `{"log": [2, 32], "n": 9}` stands for; else the value itself."""
+    """The list of values of a range `{"log": [2, 32], "n": 9}`; other values as they are."""
     if not isinstance(value, Mapping):
         return value
     found, n = _parse(name, value)
@@ -138,15 +139,17 @@ def draw(design: Mapping[str, Any], over: Any) -> list[dict[str, Any]]:
 
 
 def _points(
-    over: Mapping[str, Any], n: int, seed: int,
+    over: Mapping[str, Any],
+    n: int,
+    seed: int,
     positions: Callable[[np.random.Generator, int], Floats],
-) -> list[dict[str, Any]]:  # fmt: skip
+) -> list[dict[str, Any]]:
     require(bool(over), "over must name at least one parameter", dict(over))
     require(is_whole(n) and n >= 1, "n of a design must be a whole number >= 1", n)
     require(is_whole(seed) and 0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     columns: dict[str, list[Any]] = {}
     for number, (name, what) in enumerate(over.items()):
-        # A stream of its own for each parameter: another one more leaves these as they are
+        # Each parameter has its own stream, so adding a parameter does not change the others
         rng = np.random.Generator(np.random.Philox(key=[int(seed), number]))
         u = positions(rng, int(n))
         columns[name] = _picked(name, what, u)

@@ -1,4 +1,4 @@
-"""What a sweep will render: every setting named and validated before the first ray."""
+"""The frames of a sweep; all settings are checked before the first ray."""
 
 from __future__ import annotations
 
@@ -11,8 +11,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import Correct, in_words
+from viscache.oracles.written import is_written
 from viscache.provenance import VERSION, cpu_model, provenance
+from viscache.scene.cameras import camera_in_words
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
@@ -24,7 +27,7 @@ RESERVED = ("repeat", "seed", "group", "point", "reference")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Task:
-    """One frame to render; travels to the executor's workers."""
+    """One frame to render; it is sent to workers."""
 
     scene: Any  # a spec, or a Scene
     scene_hash: str
@@ -32,7 +35,7 @@ class Task:
     rays: Any
     visibility: Any
     use: str | Correct | None
-    camera: str | None
+    camera: Any  # a name, an index, or a camera of one's own
     env: Any
     env_hash: str | None
     size: tuple[int, int]
@@ -56,7 +59,7 @@ class Point:
 
 @dataclass(kw_only=True, slots=True)
 class Plan:
-    """Everything a sweep will render, known before the first ray."""
+    """All frames of a sweep, known before the first ray."""
 
     names: list[str]  # of the columns: last parts of the dotted names
     dims: list[str]
@@ -67,6 +70,7 @@ class Plan:
     metrics: list[str] = field(default_factory=list)
     repeats: int = 1
     seed: int = 0
+    code: str | None = None  # digest of an oracle written in Python
 
     def order(self) -> list[str]:
         """Keys, each point's references first."""
@@ -85,12 +89,18 @@ def make_plan(
     converged: Mapping[str, int] | None,
     metrics: list[str],
 ) -> Plan:
-    """The frames of a sweep, every setting validated; renders nothing."""
+    """The frames of a sweep with checked settings; renders nothing."""
     owners, dims, coords, combinations = _grid(over, resolved)
+    visibility = resolved["visibility"]
     plan = Plan(
-        names=[o[1] for o in owners], dims=dims, coords=coords, metrics=metrics, repeats=repeats,
+        names=[o[1] for o in owners],
+        dims=dims,
+        coords=coords,
+        metrics=metrics,
+        repeats=repeats,
         seed=seed,
-    )  # fmt: skip
+        code=code_digest(type(visibility)) if is_written(visibility) else None,
+    )
     second = _converged(converged)
     common = {**common, "env_hash": _env_hash(common["env"])}
     exact = by_name.make("visibility", "exact")
@@ -107,17 +117,28 @@ def make_plan(
             key = _add(plan, scene, changed, common, seed=seed + repeat)
             row = dict(zip(plan.names, values, strict=True))
             plan.points.append(
-                Point(index=(*index, repeat), values=row, repeat=repeat, seed=seed + repeat,
-                      key=key, paired=paired, converged=last)
-            )  # fmt: skip
+                Point(
+                    index=(*index, repeat),
+                    values=row,
+                    repeat=repeat,
+                    seed=seed + repeat,
+                    key=key,
+                    paired=paired,
+                    converged=last,
+                )
+            )
     return plan
 
 
-def _grid(over: Over, resolved: Mapping[str, Any]) -> tuple[
-    list[tuple[by_name.Role, str]], list[str], dict[str, tuple[str, list[Any]]],
+def _grid(
+    over: Over, resolved: Mapping[str, Any]
+) -> tuple[
+    list[tuple[by_name.Role, str]],
+    list[str],
+    dict[str, tuple[str, list[Any]]],
     list[tuple[tuple[int, ...], tuple[Any, ...]]],
-]:  # fmt: skip
-    """(whose parameters, dims, coords, [(index, values)]) of a grid or of a list of points."""
+]:
+    """(owners of the parameters, dims, coords, [(index, values)]) of a grid or list of points."""
     if not over:
         raise ValueError("over must name at least one parameter, got nothing")
     if isinstance(over, Mapping):
@@ -163,9 +184,14 @@ def _values(name: str, values: Any) -> list[Any]:
 
 
 def _add(
-    plan: Plan, scene: Any, chosen: Mapping[str, Any], common: Mapping[str, Any], *, seed: int,
+    plan: Plan,
+    scene: Any,
+    chosen: Mapping[str, Any],
+    common: Mapping[str, Any],
+    *,
+    seed: int,
     spp: int | None = None,
-) -> str:  # fmt: skip
+) -> str:
     """Put a frame on the plan; returns its key."""
     exact = by_name.name_of("visibility", chosen["visibility"]) == "exact"
     roles: dict[str, Any] = {role: chosen[role] for role in by_name.ROLES}
@@ -178,14 +204,21 @@ def _add(
     }
     task = Task(**merged)
     spec: dict[str, Any] = {
-        "scene": str(scene.content_hash), "version": VERSION, "size": list(task.size),
-        "spp": task.spp, "seed": seed, "use": in_words(task.use), "camera": task.camera,
+        "scene": str(scene.content_hash),
+        "version": VERSION,
+        "size": list(task.size),
+        "spp": task.spp,
+        "seed": seed,
+        "use": in_words(task.use),
+        "camera": camera_in_words(task.camera),
         "env": task.env_hash,
-    }  # fmt: skip
+    }
     for role in by_name.ROLES:
         spec[role] = by_name.described(role, chosen[role])
         if hasattr(chosen[role], "resolved"):  # what the preset's defaults are in this version
             spec[role] |= {"resolved": by_name.plain(chosen[role].resolved())}
+    if is_written(chosen["visibility"]):
+        spec["visibility"] |= {"code": plan.code}
     key = content_key(spec)
     plan.tasks[key] = task
     plan.specs[key] = spec
@@ -193,27 +226,45 @@ def _add(
 
 
 def definition_of(
-    plan: Plan, scene: Any, source: Any, resolved: Mapping[str, Any], common: Mapping[str, Any],
+    plan: Plan,
+    scene: Any,
+    source: Any,
+    resolved: Mapping[str, Any],
+    common: Mapping[str, Any],
     converged: Mapping[str, int] | None,
-) -> dict[str, Any]:  # fmt: skip
-    """What the store remembers of a sweep: enough for its tables and its report."""
+) -> dict[str, Any]:
+    """The description of a sweep in its store, for tables and reports."""
     return {
         "scene": _scene_text(scene, source),
         "scene_hash": str(scene.content_hash),
         "triangles": int(getattr(scene, "triangles", 0)),
         **{r: by_name.described(r, resolved[r]) for r in by_name.ROLES},
-        "size": list(common["size"]), "spp": common["spp"], "use": in_words(common["use"]),
-        "camera": common["camera"], "seed": plan.seed, "repeats": plan.repeats,
-        "converged": dict(converged) if converged else None, "metrics": plan.metrics,
-        "names": plan.names, "dims": plan.dims,
+        "size": list(common["size"]),
+        "spp": common["spp"],
+        "use": in_words(common["use"]),
+        "camera": camera_in_words(common["camera"]),
+        "seed": plan.seed,
+        "repeats": plan.repeats,
+        "converged": dict(converged) if converged else None,
+        "metrics": plan.metrics,
+        "names": plan.names,
+        "dims": plan.dims,
         "coords": {name: [dim, values] for name, (dim, values) in plan.coords.items()},
         "points": [
-            {"index": p.index, "values": p.values, "repeat": p.repeat, "seed": p.seed,
-             "key": p.key, "paired": p.paired, "converged": p.converged}
+            {
+                "index": p.index,
+                "values": p.values,
+                "repeat": p.repeat,
+                "seed": p.seed,
+                "key": p.key,
+                "paired": p.paired,
+                "converged": p.converged,
+            }
             for p in plan.points
         ],
-        "provenance": provenance(common["threads"]), "cpu": cpu_model(),
-    }  # fmt: skip
+        "provenance": provenance(common["threads"]),
+        "cpu": cpu_model(),
+    }
 
 
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
@@ -241,7 +292,7 @@ def _converged(converged: Mapping[str, int] | None) -> tuple[int, int] | None:
 
 
 def _scene_text(scene: Any, source: Any) -> str:
-    """What the sweep calls its scene: as it was given, else its spec, else its name."""
+    """The scene in words: as it was given, or its spec, or its name."""
     if isinstance(source, str):
         return source
     return str(getattr(scene, "spec", None) or getattr(scene, "name", "scene"))

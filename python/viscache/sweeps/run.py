@@ -1,4 +1,4 @@
-"""Works through a plan: renders what the store lacks, measures what is complete."""
+"""Runs a plan: renders the frames that the store lacks, and compares complete points."""
 
 from __future__ import annotations
 
@@ -22,28 +22,34 @@ if TYPE_CHECKING:
     from viscache.frame import Frame
 
 
-#: Pictures kept in memory besides those in the store: a few references serve many points.
+#: Number of frames kept in memory, because a few references serve many points.
 RECENT = 6
-#: Seconds between looks at what other processes do.
+#: Seconds between checks for results of other processes.
 POLL_S = 0.05
 
 
 class Run:
-    """Works through a plan.
+    """Runs a plan.
 
     Parameters
     ----------
     apart : bool
-        Render one frame at a time on this machine, whatever the executor and however many
-        processes work at the store, so that timings are undisturbed.
+        Render one frame at a time on this machine, for any executor and any number of processes
+        that use the store, so that frames do not disturb each other's timings.
     references : Store, optional
-        Where finished references are taken from and left for other sweeps.
+        A store of finished references that several sweeps share.
     """
 
     def __init__(
-        self, plan: Plan, store: Store, scene: Any, progress: Progress, *, apart: bool,
+        self,
+        plan: Plan,
+        store: Store,
+        scene: Any,
+        progress: Progress,
+        *,
+        apart: bool,
         references: Store | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.plan, self.store, self.scene = plan, store, scene
         self.progress, self.apart, self.references = progress, apart, references
         self.order = plan.order()
@@ -62,7 +68,7 @@ class Run:
         self.table = TableFile(store, plan.names, plan.metrics)
         self.bar: Any = None
         self.writer = ThreadPoolExecutor(1, thread_name_prefix="sweep-writer")
-        #: Comparisons that are not stored yet: of frames whose pictures are still being written.
+        #: Comparisons of frames whose files are not complete; they are stored later.
         self.ahead: dict[tuple[str, str], dict[str, float | None]] = {}
         #: Wall seconds of this process, and those of frames, wherever they were rendered.
         self.seconds = {"frames": 0.0, "metrics": 0.0, "store": 0.0, "total": 0.0}
@@ -137,7 +143,7 @@ class Run:
                 self.store.release(key)
 
     def _gather(self, flying: dict[Future[Frame], str]) -> None:
-        """Keep what is finished, then raise what failed."""
+        """Keep finished frames, then raise the first error."""
         ready, _ = wait(list(flying), timeout=0.5, return_when=FIRST_COMPLETED)
         failures = []
         for future in ready:
@@ -167,7 +173,7 @@ class Run:
             self.store.release(turn)
 
     def keep(self, key: str, frame: Frame, *, alone: bool) -> None:
-        """Store a frame and measure what waited for it; its picture is written meanwhile."""
+        """Store a frame and compare the points that wait for it, while its file is written."""
         frame.provenance["alone"] = alone
         self._remember(key, frame)
         writing = self.writer.submit(self.store.put, key, self.plan.specs[key], frame)
@@ -182,7 +188,7 @@ class Run:
         self.finished(key)
 
     def _measure_ahead(self, key: str) -> None:
-        """Compare what this frame completes, without storing it: first its picture must be kept."""
+        """Compare points that this frame completes. The results are stored after its file."""
         for number in self.waiting[key]:
             if self.lacks[number] == 1:
                 for pair in _pairs(self.plan.points[number]):
@@ -263,8 +269,11 @@ def _pairs(point: Point) -> list[tuple[str, str]]:
     """What a point compares: (frame, reference)."""
     if point.converged is None:
         return [(point.key, point.paired)]
-    return [(point.key, point.paired), (point.key, point.converged),
-            (point.paired, point.converged)]  # fmt: skip
+    return [
+        (point.key, point.paired),
+        (point.key, point.converged),
+        (point.paired, point.converged),
+    ]
 
 
 def _keys(point: Point) -> list[str]:

@@ -1,9 +1,9 @@
-"""The store of a sweep: SQLite beside the pictures, safe for several processes.
+"""The store of a sweep: SQLite and image files. Several processes may use it at a time.
 
-A directory holds `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`,
-`table.parquet` where pyarrow is installed and, once written, `report.html`. A frame's key is the
-content hash of everything that decides its pixels, so an interrupted sweep repeats nothing, and a
-changed one repeats only what changed.
+A directory has `sweep.sqlite` (write-ahead log), `frames/<key>.exr`, `table.csv`, `table.nc`,
+`table.parquet` if pyarrow is installed, and `report.html` if a report was written. The key of a
+frame is a hash of everything that determines its pixels. So an interrupted sweep repeats no frame,
+and a changed sweep renders only the frames that changed.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from viscache.files import whole_file
 if TYPE_CHECKING:
     from viscache.frame import Frame
 
-#: A claim of another machine is taken over after this long without an answer.
+#: Seconds after which a claim of another machine expires.
 CLAIM_EXPIRES_S = 3600.0
 
-#: Owners at work in this process.
+#: Open stores of this process by owner.
 _OPEN: weakref.WeakValueDictionary[str, Store] = weakref.WeakValueDictionary()
 
 _SCHEMA = """
@@ -76,7 +76,7 @@ class Store:
     Parameters
     ----------
     directory : path, optional
-        Made where it is missing. None keeps everything in memory and ends with the object.
+        Created if it does not exist. None: everything is in memory and lost with the object.
 
     Raises
     ------
@@ -122,14 +122,14 @@ class Store:
         self.close()
 
     def define(self, definition: Mapping[str, Any]) -> None:
-        """Remember what the sweep is about; the newest definition counts."""
+        """Store the description of the sweep; the newest one counts."""
         with self._lock:
             self._db.execute(
                 "INSERT OR REPLACE INTO sweep VALUES (0, ?)", (json.dumps(definition),)
             )
 
     def definition(self) -> dict[str, Any]:
-        """What `define` was given last; ValueError where no sweep ran."""
+        """The newest description; ValueError if there is none."""
         with self._lock:
             row = self._db.execute("SELECT definition FROM sweep").fetchone()
         if row is None:
@@ -145,9 +145,15 @@ class Store:
             return None
         parts = [json.loads(text) for text in row[:5]]
         return Record(
-            key=key, spec=parts[0], counters=parts[1], timings=parts[2], parameters=parts[3],
-            provenance=parts[4], sha256=row[5], file=row[6],
-        )  # fmt: skip
+            key=key,
+            spec=parts[0],
+            counters=parts[1],
+            timings=parts[2],
+            parameters=parts[3],
+            provenance=parts[4],
+            sha256=row[5],
+            file=row[6],
+        )
 
     def frame(self, key: str) -> Frame:
         """The frame of a key; KeyError where it is not finished."""
@@ -161,7 +167,7 @@ class Store:
         return Frame.load(self.directory / record.file)
 
     def put(self, key: str, spec: Mapping[str, Any], frame: Frame) -> None:
-        """Keep a finished frame: first the picture, whole, then its row."""
+        """Store a finished frame: first the complete file, then its row."""
         file = f"frames/{key[:20]}.exr"
         if self.directory is None:
             self._memory[key] = frame
@@ -213,7 +219,7 @@ class Store:
         return True
 
     def forget_pixels(self, key: str) -> None:
-        """Let go of a picture that only memory holds; its record stays."""
+        """Free the pixels of a frame that is only in memory; its record stays."""
         self._memory.pop(key, None)
 
     def compared(self, key: str, reference: str) -> dict[str, float | None]:
@@ -230,9 +236,9 @@ class Store:
             self._db.executemany("INSERT OR REPLACE INTO comparisons VALUES (?, ?, ?, ?)", rows)
 
     def claim(self, key: str) -> bool:
-        """Take a point, so that no other process renders it too; False where one has it.
+        """Claim a frame, so that no other process renders it; False if another process has it.
 
-        The claim of a process that ended without giving it back is taken over.
+        Claims of processes that no longer run are taken over.
         """
         with self._lock, self._db:
             self._db.execute("BEGIN IMMEDIATE")
@@ -245,7 +251,7 @@ class Store:
         return True
 
     def release(self, key: str) -> None:
-        """Give a claim back without a result."""
+        """Release a claim without a result."""
         with self._lock:
             self._db.execute("DELETE FROM claims WHERE key = ? AND owner = ?", (key, self._owner))
 

@@ -1,8 +1,8 @@
 """Sweeps: render over a grid of parameters, measure every frame against its references.
 
-Two references per point. *Paired*: the same integrator, seed and samples with exact visibility, so
-that the difference is the cache's own error. *Converged* (optional): another seed, many samples;
-the total error. Both are rendered once and kept in the store by content hash.
+There are two references per point. *Paired*: the same integrator, seed and samples with exact
+visibility, so the difference is the error of the cache alone. *Converged* (optional): another seed
+and many samples, so the difference is the total error. Both are rendered once and kept.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscache import _core, sources
 from viscache import metrics as _metrics
-from viscache import sources
 from viscache.oracles.correct import Correct
+from viscache.oracles.written import is_written
 from viscache.progress import Progress
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
@@ -58,7 +59,7 @@ def sweep(
     threads: int | None = None,
     rays: Any = None,
     use: str | Correct | None = None,
-    camera: str | None = None,
+    camera: str | int | _core.Camera | None = None,
     env: Any = None,
 ) -> xarray.Dataset:
     """Render every setting of a grid and measure it against its references.
@@ -70,7 +71,7 @@ def sweep(
     integrator : settings or str
         `vc.Whitted(...)` or "whitted".
     visibility : settings or str, optional
-        The one whose parameters are swept; `vc.Aqvc()` by default.
+        The cache whose parameters are swept; `vc.Aqvc()` by default.
     over : mapping of name to values, or a list of points
         A grid `{"c_e": [4, 8], "integrator.n_vpls": [256, 1024]}`, or points
         `[{"c_e": 4, "c_n": 8}, ...]` that all have the same names. A bare name is the visibility's
@@ -84,24 +85,23 @@ def sweep(
     spp : int
         Samples per pixel.
     converged : {"spp": ..., "seed": ...}, optional
-        Asks for the second reference.
+        Renders the second reference.
     metrics : iterable of str
         Names of `viscache.metrics.METRICS`.
     directory : path, optional
-        Where the store lies; an interrupted sweep resumes there and repeats nothing. Without it
-        nothing is kept but the table.
+        Directory of the store. An interrupted sweep resumes there and repeats nothing. Without it
+        only the table is kept.
     executor : concurrent.futures.Executor, optional
-        Any one: of threads, of processes, of dask. Renders frames; this process measures and
-        stores them. A `scene` that has a spec is loaded by every worker itself, once; another one
-        travels with its arrays.
+        Renders frames in threads, processes or dask's workers; this process compares and stores
+        them. Every worker loads a `scene` that has a spec once. Other scenes are sent with their
+        arrays.
     apart : bool, optional
-        Never render two frames side by side on this machine, whatever the executor and however
-        many processes work at the directory: frames that share a machine disturb each other's
-        timings. True by default without an executor, False with one. The table's `alone` says for
-        each point how its frames were rendered.
+        Never render two frames at a time on this machine, for any executor and any number of
+        processes that use the directory, because they would disturb each other's timings. By
+        default True without an executor and False with one. `alone` in the table tells it for
+        each point.
     references : path, optional
-        A directory that many sweeps share: finished references are taken from it and left in it,
-        by content hash.
+        A directory of finished references that several sweeps share.
     progress : bool or callable
         A bar with the time left on standard error, or a function of (done, total).
     threads : int, optional
@@ -126,29 +126,44 @@ def sweep(
     ValueError
         Unknown names (the message has the nearest known one), empty lists, bad values.
     KeyboardInterrupt
-        Ctrl-C; what was finished is kept.
+        Ctrl-C was pressed; finished frames are kept.
     """
     resolved = {
         "integrator": by_name.setting("integrator", integrator),
         "rays": by_name.setting("rays", rays, "embree"),
         "visibility": by_name.setting("visibility", visibility, "aqvc"),
     }
+    cache = resolved["visibility"]
+    require(not is_written(cache) or is_dataclass(cache), "visibility must be a dataclass", cache)
     scene = os.fspath(scene) if isinstance(scene, os.PathLike) else scene
     opened = sources.open_scene(scene) if isinstance(scene, str) else scene
     size = frame_size(size, find_camera(opened, camera)) if size is None else size
     common = {
-        "scene": scene, "use": use, "camera": camera, "env": env, "threads": threads,
-        "size": checked_size(size), "spp": positive("spp", spp),
-    }  # fmt: skip
-    fits = use in (None, "replace", "correct") if isinstance(use, str | None) else (
-        isinstance(use, Correct)
-    )  # fmt: skip
+        "scene": scene,
+        "use": use,
+        "camera": camera,
+        "env": env,
+        "threads": threads,
+        "size": checked_size(size),
+        "spp": positive("spp", spp),
+    }
+    fits = (
+        use in (None, "replace", "correct")
+        if isinstance(use, str | None)
+        else (isinstance(use, Correct))
+    )
     require(fits, 'use must be "replace", "correct" or vc.Correct(...)', use)
     require(0 <= seed < 1 << 63, "seed must be in [0, 2^63)", seed)
     plan = make_plan(
-        opened, resolved, common, over=over, repeats=positive("repeats", repeats), seed=int(seed),
-        converged=converged, metrics=_metrics.check_names(metrics),
-    )  # fmt: skip
+        opened,
+        resolved,
+        common,
+        over=over,
+        repeats=positive("repeats", repeats),
+        seed=int(seed),
+        converged=converged,
+        metrics=_metrics.check_names(metrics),
+    )
     with Store(directory) as store:
         store.define(definition_of(plan, opened, scene, resolved, common, converged))
         with nullcontext() if references is None else Store(references) as shared:
@@ -266,22 +281,49 @@ class SweepFile:
             visibility = {"preset": self.preset, **table}
         env = None if self.env is None else sources.absolute(self.env, self.folder)
         return sweep(
-            sources.absolute(self.scene, self.folder), self.integrator, visibility=visibility,
-            rays=self.rays, use=self.use, over=self.over, repeats=self.repeats, seed=self.seed,
-            size=None if self.size is None else checked_size(self.size), spp=self.spp,
-            converged=self.converged, metrics=self.metrics, directory=directory,
-            executor=executor, apart=apart, references=references, progress=progress,
-            threads=self.threads, camera=self.camera, env=env,
-        )  # fmt: skip
+            sources.absolute(self.scene, self.folder),
+            self.integrator,
+            visibility=visibility,
+            rays=self.rays,
+            use=self.use,
+            over=self.over,
+            repeats=self.repeats,
+            seed=self.seed,
+            size=None if self.size is None else checked_size(self.size),
+            spp=self.spp,
+            converged=self.converged,
+            metrics=self.metrics,
+            directory=directory,
+            executor=executor,
+            apart=apart,
+            references=references,
+            progress=progress,
+            threads=self.threads,
+            camera=self.camera,
+            env=env,
+        )
 
 
 _TYPES: dict[str, tuple[type, ...]] = {
-    "scene": (str,), "integrator": (str, Mapping), "visibility": (str, Mapping),
-    "rays": (str, Mapping), "preset": (str,), "title": (str,), "use": (str,), "camera": (str,),
-    "env": (str,), "size": (list,), "spp": (int,), "repeats": (int,), "seed": (int,),
-    "converged": (Mapping,), "metrics": (list,), "threads": (int,), "over": (Mapping, list),
+    "scene": (str,),
+    "integrator": (str, Mapping),
+    "visibility": (str, Mapping),
+    "rays": (str, Mapping),
+    "preset": (str,),
+    "title": (str,),
+    "use": (str,),
+    "camera": (str,),
+    "env": (str,),
+    "size": (list,),
+    "spp": (int,),
+    "repeats": (int,),
+    "seed": (int,),
+    "converged": (Mapping,),
+    "metrics": (list,),
+    "threads": (int,),
+    "over": (Mapping, list),
     "design": (Mapping,),
-}  # fmt: skip
+}
 
 
 def _check_types(table: Mapping[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""A sweep's settings as plots and reports show them: means, looks, and what nothing beats."""
+"""The settings of a sweep for plots and reports: means, colours, markers, Pareto front."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 #: Okabe and Ito's colours, told apart by colour-blind readers too.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#f0e442")
-#: So many markers are told apart.
+#: Number of different markers.
 MOST_MARKERS = 8
-#: More levels of a parameter than this are not named one by one.
+#: If a parameter has more levels, they have no labels.
 MOST_NAMED = 12
 
 
@@ -78,7 +78,7 @@ def numbers_of(settings: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The points that no other beats in both coordinates (smaller is better), in order."""
+    """The Pareto front, sorted: points that no other point beats in both coordinates."""
     best: list[tuple[float, float]] = []
     for point in sorted(set(points)):
         if not best or point[1] < best[-1][1]:
@@ -87,10 +87,10 @@ def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 
 def looks_of(levels: Sequence[Sequence[Any]]) -> Callable[[Sequence[Any]], tuple[str, int]]:
-    """Colour, and number of the marker, of a setting by the values of its first two parameters.
+    """A function from the values of a setting to its colour and the number of its marker.
 
-    The first sets the colour, the second the marker; a single one sets both. Past eight levels
-    there is one marker: eight are told apart.
+    The first parameter determines the colour, the second the marker; a single one determines both.
+    With more than eight levels there is one marker.
     """
     colors = colors_for(len(levels[0]) if levels else 1)
 
@@ -106,9 +106,9 @@ def looks_of(levels: Sequence[Sequence[Any]]) -> Callable[[Sequence[Any]], tuple
 def first_of_levels(
     settings: Sequence[dict[str, Any]], names: Sequence[str], x: str
 ) -> list[dict[str, Any]]:
-    """With two parameters, the dearest setting of every level of the first.
+    """With two parameters, the most expensive setting of every level of the first parameter.
 
-    The level is written beside it, so that colours are not all that tells levels apart.
+    Plots write the level beside it, so that colours are not the only difference.
     """
     if len(names) < 2:
         return []
@@ -121,7 +121,7 @@ def first_of_levels(
 
 
 def colors_for(levels: int) -> tuple[str, ...]:
-    """At least `levels` colours, all different: `COLORS`, or a scale where they do not suffice."""
+    """At least `levels` colours, all different: `COLORS`, or a scale if there are more levels."""
     if levels <= len(COLORS):
         return COLORS
     import matplotlib

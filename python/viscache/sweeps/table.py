@@ -18,10 +18,17 @@ if TYPE_CHECKING:
     import xarray
 
 UNITS = {
-    "total_s": "s", "visibility_s": "s", "cpu_s": "s", "exact_total_s": "s", "rays": "1",
-    "queries": "1", "ray_reduction": "1", "speedup": "1", "exact_cpu_s": "s",
+    "total_s": "s",
+    "visibility_s": "s",
+    "cpu_s": "s",
+    "exact_total_s": "s",
+    "rays": "1",
+    "queries": "1",
+    "ray_reduction": "1",
+    "speedup": "1",
+    "exact_cpu_s": "s",
     "cpu_speedup": "1",
-}  # fmt: skip
+}
 
 
 def table_rows(store: Store) -> list[dict[str, Any]]:
@@ -52,10 +59,10 @@ def row_of(store: Store, point: Mapping[str, Any], metrics: Sequence[str]) -> di
 
 
 class TableFile:
-    """`table.csv` of a running sweep: rewritten when it opens and ends, longer by a row between.
+    """`table.csv` of a running sweep.
 
-    Rows that are added stand in the order in which they were finished; the rewritten file has them
-    in the order of the plan.
+    The file is rewritten at the beginning and at the end, in the order of the plan. In between,
+    rows are appended as points are finished.
     """
 
     def __init__(self, store: Store, names: Sequence[str], metrics: Sequence[str]) -> None:
@@ -63,7 +70,7 @@ class TableFile:
         self._columns: list[str] = []
 
     def rewrite(self) -> None:
-        """Write all rows anew, whole or not at all."""
+        """Rewrite all rows, atomically."""
         if self._store.directory is None:
             return
         rows = table_rows(self._store)
@@ -124,10 +131,20 @@ def columns_of(
     first = [*names, "repeat", "seed", *metrics]
     seen = dict.fromkeys(column for row in rows for column in row)
     fixed = [
-        *first, "rays", "queries", "ray_reduction", "total_s", "visibility_s", "cpu_s",
-        "exact_total_s", "exact_cpu_s", "exact_rays", "speedup", "cpu_speedup",
+        *first,
+        "rays",
+        "queries",
+        "ray_reduction",
+        "total_s",
+        "visibility_s",
+        "cpu_s",
+        "exact_total_s",
+        "exact_cpu_s",
+        "exact_rays",
+        "speedup",
+        "cpu_speedup",
         "alone",
-    ]  # fmt: skip
+    ]
     late = [c for c in seen if c not in fixed and c not in ("frame", "key")]
     return [*fixed, *late, "frame", "key"]
 
@@ -144,8 +161,9 @@ def to_dataset(names: Sequence[str], store: Store) -> xarray.Dataset:
     dims = [*definition["dims"], "repeat"]
     shape = (*(lengths[d] for d in definition["dims"]), definition["repeats"])
     skipped = {*names, "repeat", "seed", "frame", "key"}
-    columns = [c for c in columns_of(list(rows.values()), names, definition["metrics"])
-               if c not in skipped]  # fmt: skip
+    columns = [
+        c for c in columns_of(list(rows.values()), names, definition["metrics"]) if c not in skipped
+    ]
     groups = list(dict.fromkeys(c.partition("/")[2] for c in columns if "/" in c))
     data: dict[str, Any] = {}
     for column in columns:
@@ -181,8 +199,18 @@ def _coordinate(values: Sequence[Any]) -> Any:
 
 def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
     texts = (
-        "cpu","scene", "scene_hash", "integrator", "rays", "visibility", "size", "spp", "converged",
-             "metrics", "provenance")  # fmt: skip
+        "cpu",
+        "scene",
+        "scene_hash",
+        "integrator",
+        "rays",
+        "visibility",
+        "size",
+        "spp",
+        "converged",
+        "metrics",
+        "provenance",
+    )
     attributes: dict[str, Any] = {
         name: v if isinstance(v := definition[name], (str, int)) else json.dumps(v)
         for name in texts
@@ -193,7 +221,7 @@ def _attributes(definition: Mapping[str, Any], store: Store) -> dict[str, Any]:
 
 
 def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
-    """Write `table.nc` whole; where the sweep lay is left out of the file."""
+    """Write `table.nc` atomically, without the directory of the sweep."""
     kept = dataset.drop_attrs(deep=False).assign_attrs(
         {k: v for k, v in dataset.attrs.items() if k != "directory"}
     )
@@ -202,7 +230,7 @@ def write_netcdf(dataset: xarray.Dataset, path: Path) -> None:
 
 
 def open_dataset(directory: str | os.PathLike[str]) -> xarray.Dataset:
-    """The table of a swept directory as far as it got; ValueError where there is none."""
+    """The table of the finished points in a directory; ValueError if there is no sweep."""
     if not Store.exists(directory):
         raise ValueError(f"{directory} holds no sweep: it has no sweep.sqlite")
     with Store(directory) as store:

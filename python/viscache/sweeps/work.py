@@ -22,10 +22,18 @@ def render_task(task: Task, scene: Any = None) -> Frame:
     opened = _lit(task, scene if scene is not None else _opened(task))
     cpu = time.process_time()
     frame = render_function(
-        opened, task.integrator, rays=task.rays, visibility=task.visibility, use=task.use,
-        size=task.size, spp=task.spp, seed=task.seed, threads=task.threads, camera=task.camera,
-    )  # fmt: skip
-    # A thread of a pool shares the process's clock with its neighbours: no CPU time then.
+        opened,
+        task.integrator,
+        rays=task.rays,
+        visibility=task.visibility,
+        use=task.use,
+        size=task.size,
+        spp=task.spp,
+        seed=task.seed,
+        threads=task.threads,
+        camera=task.camera,
+    )
+    # CPU time is that of the process, so it is unknown for one thread of a pool
     if threading.current_thread() is threading.main_thread():
         frame.timings.setdefault("cpu_s", time.process_time() - cpu)
     return frame

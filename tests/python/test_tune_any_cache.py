@@ -1,0 +1,251 @@
+"""`vc.tune` over any number of any cache: both directions, whole numbers, own oracles, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import viscache as vc
+from viscache import cli
+from viscache.sweeps.search import MOST_PILOTS, Span, best, search
+from viscache.sweeps.tune import Pilot
+
+SIZE = (96, 60)
+WHITTED = vc.Whitted(n_vpls=32)
+
+
+@dataclass(frozen=True)
+class GridCache:
+    """One eye point asks for a whole cell of space."""
+
+    cell: float = 0.25
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        facing = np.argmax(np.abs(eyes.normals), axis=1)
+        key = np.column_stack([np.floor(eyes.positions / self.cell), facing])
+        _, first, cell = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        asked = np.zeros((len(first), len(lamps)), dtype=bool)
+        np.logical_or.at(asked, cell.ravel(), wanted)
+        return eyes[first].trace(lamps, asked)[cell.ravel()]
+
+
+@dataclass(frozen=True)
+class CellsPerUnit(GridCache):
+    """The same by a whole number that makes cells smaller."""
+
+    cell: float = 0.0
+    per_unit: int = 4
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return GridCache(cell=1 / self.per_unit).block(eyes, lamps, wanted)
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    return vc.scenes.room(triangles=3000)
+
+
+def error_of(scene: vc.Scene, found: Any, integrator: Any = WHITTED, seed: int = 7) -> float:
+    exact = vc.render(scene, integrator, size=SIZE, seed=seed)
+    frame = vc.render(
+        scene, integrator, size=SIZE, seed=seed, visibility=found.visibility, use=found.use
+    )
+    return float(vc.metrics.compare(frame, exact, metrics=["rel_l1"])["rel_l1"])
+
+
+POWERS = st.one_of(st.floats(0.4, 2.0), st.floats(-2.0, -0.4))
+
+
+@given(
+    power=POWERS, where=st.floats(0.05, 0.95), low=st.floats(0.01, 10), decades=st.floats(0.3, 3)
+)
+def test_the_search_finds_rising_and_falling_powers(
+    power: float, where: float, low: float, decades: float
+) -> None:
+    span = Span(low=low, high=low * 10**decades)
+    wanted = span.along(span.low, span.high, where)
+    tried = search(lambda v: Pilot(v, 0.02 * (v / wanted) ** power, 1.0), 0.02, span)
+    assert best(tried, 0.02).rel_l1 == pytest.approx(0.02, rel=0.05)
+    assert len(tried) <= MOST_PILOTS
+    assert all(span.low <= p.value <= span.high for p in tried)
+
+
+@given(
+    low=st.integers(-5, 40),
+    steps=st.integers(1, 60),
+    where=st.floats(0.0, 1.0),
+    falls=st.booleans(),
+)
+def test_whole_numbers_are_tried_once_and_stay_in_range(
+    low: int, steps: int, where: float, falls: bool
+) -> None:
+    span = Span(low=low, high=low + steps, whole=True)
+    wanted = low + where * steps
+
+    def error(value: float) -> float:
+        away = (wanted - value if falls else value - wanted) / steps
+        return 0.02 * 4**away
+
+    tried = search(lambda v: Pilot(v, error(v), 1.0), 0.02, span)
+    values = [p.value for p in tried]
+    assert all(isinstance(v, int) and span.low <= v <= span.high for v in values)
+    assert len(set(values)) == len(values) <= MOST_PILOTS
+    found = best(tried, 0.02, whole=True)
+    nearest = min(abs(math.log(error(v) / 0.02)) for v in range(low, low + steps + 1))
+    assert abs(math.log(found.rel_l1 / 0.02)) <= nearest + 2 * math.log(4) / steps + 0.04
+
+
+def test_a_range_from_zero_is_walked_in_equal_steps_to_its_ends() -> None:
+    span = Span(low=0, high=3)
+    tried = search(lambda v: Pilot(v, 0.001 * (1 + v), 1.0), 0.5, span)
+    assert [p.value for p in tried] == pytest.approx([1, 2, 2.5, 3])
+    tried = search(lambda v: Pilot(v, 0.5 + v, 1.0), 0.01, span)
+    assert [p.value for p in tried] == pytest.approx([1, 2, 0.5, 0])
+
+
+def test_an_error_that_never_changes_is_looked_at_at_both_ends() -> None:
+    tried = search(lambda v: Pilot(v, 0.1, 1.0), 0.02, Span(low=1, high=64))
+    assert [p.value for p in tried] == pytest.approx([4, 16, 64, 1])
+    late = search(lambda v: Pilot(v, 0.0 if v < 40 else v / 1000, 1.0), 0.05, Span(low=1, high=64))
+    assert best(late, 0.05).rel_l1 == pytest.approx(0.05, rel=0.05)
+
+
+def test_of_whole_numbers_one_that_reaches_the_target_is_preferred() -> None:
+    pilots = [Pilot(3, 0.004, 1.0), Pilot(4, 0.0132, 1.0)]
+    assert best(pilots, 0.01, whole=True).value == 3
+    assert best(pilots, 0.01).value == 4
+
+
+def test_an_oracle_of_ones_own_is_tuned(room: vc.Scene) -> None:
+    """Its only number needs no name; it does not work in parts of frames, so frames check it."""
+    found = vc.tune(
+        room, WHITTED, rel_l1=0.03, visibility=GridCache(), between=(0.02, 2), size=SIZE
+    )
+    assert (found.parameter, found.samples) == ("cell", 4)
+    assert found.visibility == GridCache(cell=found.value) and 0.02 <= found.value <= 2
+    assert found.reached and 0.03 / 1.3 < error_of(room, found) < 0.03 * 1.3
+    assert found.pilots[0].rel_l1 < found.pilots[-1].rel_l1  # it rises
+    assert repr(found).startswith(f"Tuned(cell={found.value:.3g}, rel_l1=")
+    assert "<th>cell</th>" in found._repr_html_()
+    with pytest.raises(AttributeError, match="cell was searched, not c_e"):
+        _ = found.c_e
+    with pytest.raises(AttributeError, match="cell was searched, not c_e"):
+        _ = found.pilots[0].c_e
+
+
+def test_a_whole_number_whose_error_falls(room: vc.Scene) -> None:
+    found = vc.tune(
+        room, WHITTED, rel_l1=0.03, visibility=CellsPerUnit(), parameter="per_unit",
+        between=(1, 40), size=SIZE,
+    )  # fmt: skip
+    assert isinstance(found.value, int) and found.visibility.per_unit == found.value
+    assert all(isinstance(p.value, int) for p in found.pilots)
+    assert found.pilots[0].rel_l1 > found.pilots[-1].rel_l1
+    assert found.reached and error_of(room, found) < 0.03 * 1.3
+    got = found.as_dict()
+    assert got["per_unit"] == got["value"] == found.value and "c_l" not in got
+    assert json.loads(json.dumps(got))["pilots"][0]["per_unit"] == found.pilots[0].value
+
+
+def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
+    direct = vc.Direct()
+    maps = vc.tune(
+        room, direct, rel_l1=0.03, visibility="shadow_map", parameter="resolution",
+        between=(8, 128), size=SIZE,
+    )  # fmt: skip
+    assert maps.reached and maps.visibility == vc.ShadowMap(resolution=int(maps.value))
+    assert error_of(room, maps, direct) < 0.03 * 1.3
+    share = vc.tune(
+        room, WHITTED, rel_l1=0.03, use=vc.Correct(), parameter="use.share", between=(0.02, 1),
+        size=SIZE,
+    )  # fmt: skip
+    assert isinstance(share.visibility, vc.Aqvc) and share.use == vc.Correct(share=share.value)
+    assert share.pilots[0].rel_l1 > share.pilots[-1].rel_l1
+    assert share.reached
+    word = vc.tune(
+        room, WHITTED, rel_l1=0.03, use="correct", parameter="use.share", between=(0.02, 1),
+        size=SIZE,
+    )  # fmt: skip
+    assert word.pilots == share.pilots
+
+
+def test_other_numbers_of_the_quantized_cache(room: vc.Scene) -> None:
+    found = vc.tune(room, vc.Direct(), rel_l1=0.02, parameter="c_z", between=(0.5, 16), size=SIZE)
+    assert found.visibility.c_z == found.value and found.visibility.c_e == vc.Aqvc().c_e
+    same = vc.tune(room, vc.Direct(), rel_l1=0.05, between=(1, 64), size=SIZE)
+    assert same.parameter == "c_e" and 1 <= same.c_e == same.visibility.c_e <= 64
+
+
+@dataclass(frozen=True)
+class TwoNumbers(GridCache):
+    levels: int = 3
+    name: str = "grid"
+
+
+class NoFields:
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return eyes.trace(lamps, wanted)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (
+            {"visibility": GridCache(), "parameter": "cel"},
+            "no parameter 'cel'; did you mean 'cell'",
+        ),
+        ({"parameter": "c_ee"}, "no parameter 'c_ee'; did you mean 'c_e'"),
+        ({"use": vc.Correct(), "parameter": "share"}, "did you mean 'use.share'"),
+        ({"visibility": GridCache()}, r"between must be \(low, high\), two numbers .* got None"),
+        ({"visibility": TwoNumbers()}, "parameter must be one of cell, levels, got None"),
+        (
+            {"visibility": TwoNumbers(), "parameter": "name"},
+            "parameter must be a number: one of cell, levels, got 'name'",
+        ),
+        ({"visibility": NoFields()}, "must have a parameter that is a number"),
+        ({"visibility": 3}, "visibility must be vc.Exact"),
+        ({"parameter": "preset"}, "parameter must be a number: one of c_e, c_l"),
+        ({"parameter": 3}, "parameter must be a name, got 3"),
+        ({"between": (4, 4)}, "with low < high"),
+        ({"between": (1, math.inf)}, "with low < high"),
+        ({"between": "ab"}, "between must be"),
+        ({"between": (-1, 4)}, "c_e must be"),
+        ({"parameter": "c_n", "between": (1.5, 4)}, "two whole numbers with low < high"),
+        ({"use": "repair"}, "use must be"),
+        (
+            {"use": vc.Correct(), "parameter": "use.share", "between": (0.1, 2)},
+            r"share must be in \(0, 1\]",
+        ),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(arguments: dict[str, Any], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        vc.tune("slits", "direct", **arguments)
+
+
+def test_what_does_not_combine_is_refused_before_a_frame_is_rendered() -> None:
+    product = vc.Direct(environment="product")
+    with pytest.raises(ValueError, match='with environment="product"'):
+        vc.tune("slits", product, visibility=GridCache(), between=(0.1, 1))
+
+
+def test_the_command_searches_any_number(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["tune", "room?triangles=2000", "--integrator", "direct", "--size", "64x40"]
+    maps = ["--visibility", "shadow_map", "--parameter", "resolution", "--between", "8", "128"]
+    assert cli.main([*words, *maps, "--target", "rel_l1<=0.03", "--json"]) == 0
+    got = json.loads(capsys.readouterr().out)
+    assert got["parameter"] == "resolution" and isinstance(got["resolution"], int)
+    assert got["target"] == 0.03 and got["rel_l1"] <= 0.039
+    assert cli.main([*words, *maps, "--error", "0.03"]) == 0
+    assert "resolution" in capsys.readouterr().out
+    assert cli.main([*words, "--visibility", "shadow_map"]) == 2
+    assert "parameter must be one of resolution, bias" in capsys.readouterr().err
+    assert cli.main([*words, "--target", "rmse<=0.03"]) == 2
+    assert "must be rel_l1<=NUMBER" in capsys.readouterr().err
