@@ -273,3 +273,28 @@ def test_a_glb_cut_anywhere_is_refused(tmp_path):
 def test_a_compressed_file_is_named_as_such_before_its_buffers_are_read(tmp_path, name):
     with pytest.raises(core.SceneError, match=f"requires the extension '{name}'.*gltf-transform"):
         load(tmp_path, document(buffers=[{"byteLength": 60}], extensionsRequired=[name]))
+
+
+@pytest.mark.parametrize(
+    ("extension", "specular"),
+    [
+        ({}, [0.996] * 3),
+        ({"specularColorFactor": [0, 0, 0]}, [0, 0, 0]),
+        ({"specularFactor": 0.5, "specularColorFactor": [0.1, 2, 1]}, [0.0498, 0.5, 0.498]),
+    ],
+)
+def test_ior_and_specular_belong_together(tmp_path, extension, specular):
+    # What converters from specular-glossiness write: an index of 1000 and the colour of F0
+    extensions = {"KHR_materials_ior": {"ior": 1000}, "KHR_materials_specular": extension}
+    doc = with_material(pbrMetallicRoughness={"metallicFactor": 0}, extensions=extensions)
+    doc["extensionsUsed"] = list(extensions)
+    scene = load(tmp_path, doc, strict=True)
+    material = scene.materials[scene.meshes[0]["material"]]
+    assert material["specular"] == pytest.approx(specular, abs=1e-3)
+    warned = load(
+        tmp_path,
+        change(
+            doc, "materials.0.extensions.KHR_materials_specular", {"specularTexture": {"index": 0}}
+        ),
+    )
+    assert any("specular image" in text for _, text in warned.warnings)

@@ -107,6 +107,25 @@ double GltfReader::extension_number(const tinygltf::Material& in, const char* ex
     return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
 }
 
+/// Reflectance at normal incidence of what is no metal (KHR_materials_ior, KHR_materials_specular).
+Rgb GltfReader::dielectric_specular(const tinygltf::Material& in, const std::string& where) {
+    const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
+    const auto found = in.extensions.find("KHR_materials_specular");
+    if (found == in.extensions.end() || !found->second.IsObject()) return {f0, f0, f0};
+    Rgb color{1, 1, 1};
+    if (const auto& given = found->second.Get("specularColorFactor");
+        given.IsArray() && given.ArrayLen() == 3) {
+        std::vector<double> values;
+        for (int i = 0; i < 3; ++i)
+            values.push_back(given.Get(i).IsNumber() ? given.Get(i).GetNumberAsDouble() : 1);
+        color = max({0, 0, 0}, rgb(values, {1, 1, 1}));
+    }
+    if (found->second.Has("specularTexture") || found->second.Has("specularColorTexture"))
+        loading_.warn(where, "a specular image is not modelled; its factor is used");
+    const double factor = extension_number(in, "KHR_materials_specular", "specularFactor", 1);
+    return clamp01(color * f0) * std::clamp(float(factor), 0.f, 1.f);
+}
+
 void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where) {
     if (in.alphaMode == "OPAQUE") return;
     const auto& pbr = in.pbrMetallicRoughness;
@@ -153,10 +172,9 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
             if (const auto image = decoded(pbr.baseColorTexture.index, true, where))
                 metal = base * mean_of(*image).color;
     }
-    const float f0 = dielectric_f0(float(extension_number(in, "KHR_materials_ior", "ior", 1.5)));
     m.kind = MaterialKind::kGlossy;
     m.base_color = base * float(1 - metallic);
-    m.specular = clamp01(Rgb{f0, f0, f0} * float(1 - metallic) + metal * float(metallic));
+    m.specular = clamp01(dielectric_specular(in, where) * float(1 - metallic) + metal * float(metallic));
     m.roughness = clamp_roughness(float(roughness * roughness));
     if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
     alpha(m, in, where);

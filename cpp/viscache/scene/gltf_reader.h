@@ -57,6 +57,7 @@ private:
     viscache::Material surface(const tinygltf::Material& in, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
     Rgb emission(const tinygltf::Material& in, const std::string& where);
+    Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
     double extension_number(const tinygltf::Material& in, const char* extension, const char* name,
                             double fallback);
     int image_source(int texture, const std::string& where) const;
