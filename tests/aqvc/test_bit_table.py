@@ -46,7 +46,14 @@ def test_one_bit_digests_work_and_are_never_empty():
 
 def test_sizes_are_primes():
     """κ mod a prime: low bits of κ do not decide alone."""
-    assert [_testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [1, 1, 2, 3, 97, 1048573]
+    assert [_testing.largest_prime(n) for n in (0, 1, 2, 4, 100, 2**20)] == [
+        1,
+        1,
+        2,
+        3,
+        97,
+        1048573,
+    ]
 
 
 def test_occupancy_follows_the_number_of_writes():

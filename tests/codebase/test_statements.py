@@ -7,7 +7,7 @@ import pytest
 from codebase.repository import sources
 
 #: Folders that are free of statements joined by commas.
-FOLDERS = ["cpp/bindings"]
+FOLDERS = ["cpp", "tests/cpp"]
 
 #: Comments, strings, characters and preprocessor lines.
 QUIET = re.compile(
@@ -78,7 +78,7 @@ def test_no_statement_is_joined_by_commas() -> None:
     files = {
         path: source
         for folder in FOLDERS
-        for path, source in sources(".h", ".cpp", under=folder).items()
+        for path, source in sources(".h", ".cpp", ".inc", under=folder).items()
     }
     assert sum(len(statements(source)) for source in files.values()) > 500
     found = {path: lines for path, source in files.items() if (lines := joined(source))}

@@ -43,7 +43,7 @@ class BspCaster(viscache._core.RayCaster):
         ...
     def count_steps(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> dict:
         """
-        Nodes and leaves visited and triangles tested for the nearest hits, over all rays.
+        Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all rays.
         """
     def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
         ...
