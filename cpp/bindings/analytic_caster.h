@@ -1,5 +1,5 @@
 #pragma once
-// Spheres and boxes as a ray caster: ground truth for tests of the oracles that depends on nothing else.
+// A ray caster for spheres and boxes. It gives tests of oracles a ground truth that needs no scene.
 #include <cmath>
 #include <vector>
 
@@ -24,7 +24,11 @@ public:
             hits[i] = {};
             for (uint32_t k = 0; k < boxes_.size() + spheres_.size(); ++k) {
                 const double t = hit(k, rays[i]);
-                if (t < hits[i].t) hits[i].t = float(t), hits[i].mesh = k, hits[i].triangle = 0;
+                if (t < hits[i].t) {
+                    hits[i].t = float(t);
+                    hits[i].mesh = k;
+                    hits[i].triangle = 0;
+                }
             }
         }
     }
@@ -60,7 +64,8 @@ private:
                 continue;
             }
             const double t0 = (lo - o) / d, t1 = (hi - o) / d;
-            enter = std::max(enter, std::min(t0, t1)), leave = std::min(leave, std::max(t0, t1));
+            enter = std::max(enter, std::min(t0, t1));
+            leave = std::min(leave, std::max(t0, t1));
         }
         if (enter > leave) return kInfinity;
         for (double t : {enter, leave})

@@ -1,5 +1,5 @@
 #pragma once
-// numpy ↔ C++: arrays checked with errors that name the argument.
+// Conversions between NumPy arrays and C++. Errors name the argument.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -21,14 +21,14 @@ inline std::string shape_text(const py::array& a) {
     return s + (a.ndim() == 1 ? ",)" : ")");
 }
 
-/// Refuses anything but (N, columns); the error names the argument and the shape given.
+/// Throws unless the shape is (N, columns). The error names the argument and its shape.
 inline void require_rows(const py::array& a, py::ssize_t columns, const char* name) {
     if (a.ndim() != 2 || a.shape(1) != columns)
         throw py::value_error(std::string(name) + " must have shape (N, " + std::to_string(columns) +
                               "), got " + shape_text(a));
 }
 
-/// Rows of an (N, 3) array, without a copy; valid while the array lives.
+/// Rows of an (N, 3) array, not copied. They are valid as long as the array.
 inline const Vec3* rows3(const FloatArray& a, const char* name) {
     require_rows(a, 3, name);
     return reinterpret_cast<const Vec3*>(a.data());

@@ -1,4 +1,4 @@
-// Parameters of the quantized cache, by their table.
+// Parameters of the quantized cache, bound row by row from their table.
 #include <pybind11/stl.h>
 
 #include <map>
@@ -8,10 +8,10 @@
 
 namespace viscache::bindings {
 
-void bind_aqvc_keys(py::module_& m);
-void bind_aqvc_levels(py::module_& m);
-void bind_aqvc_run(py::module_& m);
-void bind_aqvc_samples(py::module_& m);
+void bind_aqvc_keys(py::module_& a, py::module_& t);
+void bind_aqvc_levels(py::module_& a);
+void bind_aqvc_run(py::module_& t);
+void bind_aqvc_samples(py::module_& t);
 
 namespace {
 
@@ -78,10 +78,11 @@ void bind_aqvc(py::module_& m) {
         },
         py::arg("group"), py::kw_only(), py::arg("spp") = 1, py::arg("lift") = 1.0,
         "C_E of every level of a light group, coarse to fine.");
-    bind_aqvc_keys(a);
+    py::module_ t = m.def_submodule("_testing");
+    bind_aqvc_keys(a, t);
     bind_aqvc_levels(a);
-    bind_aqvc_run(a);
-    bind_aqvc_samples(a);
+    bind_aqvc_run(t);
+    bind_aqvc_samples(t);
 }
 
 }  // namespace viscache::bindings

@@ -1,4 +1,4 @@
-// The numbered equations of the quantized cache, vectorised, for tests.
+// The numbered equations of the quantized cache, vectorised. Most serve tests.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -26,8 +26,8 @@ HashScheme scheme_named(const std::string& name) {
     throw py::value_error("scheme must be scheme2, scheme1 or scheme1_mixed, got " + name);
 }
 
-/// (N, 15) keys of connections with the resolutions given for both ends, and the cells' continuous
-/// coordinates.
+/// Keys (N, 15) of connections, and the continuous coordinates of their cells. The caller gives the
+/// resolutions of both ends.
 py::tuple full_keys(const AqvcParameters& p, std::array<float, 3> center, double radius,
                     const FloatArray& points, const FloatArray& normals, const DoubleArray& resolutions,
                     int semantic, const FloatArray& far, const FloatArray& far_normals,
@@ -51,7 +51,9 @@ py::tuple full_keys(const AqvcParameters& p, std::array<float, 3> center, double
         const FullKey key = grid.full_key(placed.cell, far_key);
         std::copy(key.begin(), key.end(), keys.mutable_data(i, 0));
         double* f = place.mutable_data(i, 0);
-        f[0] = placed.fx, f[1] = placed.fy, f[2] = placed.fz;
+        f[0] = placed.fx;
+        f[1] = placed.fy;
+        f[2] = placed.fz;
         valid.mutable_at(i) = anchor.valid && has_far;
     }
     return py::make_tuple(keys, place, valid,
@@ -63,7 +65,9 @@ py::dict order(std::vector<uint32_t> x, std::vector<uint32_t> y, uint32_t width,
     if (x.size() != y.size()) throw py::value_error("x and y must have equal lengths");
     EyeBlock eyes;
     eyes.position.resize(x.size());
-    eyes.order_x = std::move(x), eyes.order_y = std::move(y), eyes.tile_width = width,
+    eyes.order_x = std::move(x);
+    eyes.order_y = std::move(y);
+    eyes.tile_width = width;
     eyes.tile_height = height;
     TileOrder order;
     OrderMaker().make(eyes, p, order);
@@ -72,8 +76,8 @@ py::dict order(std::vector<uint32_t> x, std::vector<uint32_t> y, uint32_t width,
                     "run_end"_a = run_ends(order, batch));
 }
 
-void bind_table(py::module_& m) {
-    py::class_<BitTable>(m, "BitTable", "The lossy table; misses are -1.")
+void bind_table(py::module_& t) {
+    py::class_<BitTable>(t, "BitTable", "The lossy table. `get` gives -1 for a miss.")
         .def(py::init([](uint64_t slots, int digest_bits, const std::string& scheme) {
                  return BitTable(slots, digest_bits, scheme_named(scheme));
              }),
@@ -105,19 +109,19 @@ void bind_table(py::module_& m) {
 
 }  // namespace
 
-void bind_aqvc_keys(py::module_& m) {
-    m.def("expected_paths", py::vectorize(expected_paths), "AQVC Eq. 2.");
-    m.def("patch_area_product", py::vectorize(patch_area_product), "AQVC Eq. 3.");
-    m.def("patch_area", py::vectorize(patch_area), "AQVC Eq. 5.");
-    m.def("resolution_pair", py::vectorize(resolution_pair), "AQVC Eq. 6 of D_e, D_l, C_E, B_R.");
-    m.def("resolution_eye", py::vectorize(resolution_eye), "AQVC Eq. 7, eye side: D_e, C_E, B_R.");
-    m.def("resolution_light", py::vectorize(resolution_light), "AQVC Eq. 7, light side: D_l, B_R.");
-    m.def("resolution_environment", py::vectorize([](double density, bool printed) {
+void bind_aqvc_keys(py::module_& a, py::module_& t) {
+    t.def("expected_paths", py::vectorize(expected_paths), "AQVC Eq. 2.");
+    t.def("patch_area_product", py::vectorize(patch_area_product), "AQVC Eq. 3.");
+    t.def("patch_area", py::vectorize(patch_area), "AQVC Eq. 5.");
+    t.def("resolution_pair", py::vectorize(resolution_pair), "AQVC Eq. 6 of D_e, D_l, C_E, B_R.");
+    a.def("resolution_eye", py::vectorize(resolution_eye), "AQVC Eq. 7, eye side: D_e, C_E, B_R.");
+    t.def("resolution_light", py::vectorize(resolution_light), "AQVC Eq. 7, light side: D_l, B_R.");
+    t.def("resolution_environment", py::vectorize([](double density, bool printed) {
               return resolution_environment(density,
                                             printed ? EnvironmentRule::kPrinted : EnvironmentRule::kDerived);
           }),
           py::arg("density"), py::arg("printed") = false, "AQVC Eq. 9 of P(ω)·M.");
-    m.def(
+    t.def(
         "ladder",
         [](const DoubleArray& r, double c_r, double c_z) {
             const Ladder ladder(c_r, c_z);
@@ -126,44 +130,47 @@ void bind_aqvc_keys(py::module_& m) {
             py::array_t<int32_t> slot(r.size());
             for (py::ssize_t i = 0; i < r.size(); ++i) {
                 const Rung& rung = ladder.rung(r.data()[i], clamps);
-                resolution.mutable_at(i) = rung.resolution, slot.mutable_at(i) = rung.slot;
+                resolution.mutable_at(i) = rung.resolution;
+                slot.mutable_at(i) = rung.slot;
             }
             return py::make_tuple(
                 resolution, slot,
                 py::dict("low"_a = clamps.low, "high"_a = clamps.high, "nan"_a = clamps.nan));
         },
         py::arg("r"), py::arg("c_r") = 1.2, py::arg("c_z") = 4.0, "AQVC Eq. 8: resolutions, slots, clamps.");
-    m.def("full_keys", &full_keys, py::arg("parameters"), py::arg("center"), py::arg("radius"),
+    a.def("full_keys", &full_keys, py::arg("parameters"), py::arg("center"), py::arg("radius"),
           py::arg("points"), py::arg("normals"), py::arg("resolutions"), py::arg("semantic"), py::arg("far"),
           py::arg("far_normals"), py::arg("far_resolutions"), py::arg("dx") = 0, py::arg("dy") = 0,
           "Keys of AQVC Sec. 3.3 and 3.5.");
-    m.def(
+    t.def(
         "octahedral_square",
         [](const FloatArray& w) {
             py::array_t<double> uv({w.shape(0), py::ssize_t(2)});
             for (py::ssize_t i = 0; i < w.shape(0); ++i) {
                 const auto [u, v] = octahedral_square<double>(rows3(w, "w")[i]);
-                uv.mutable_at(i, 0) = u, uv.mutable_at(i, 1) = v;
+                uv.mutable_at(i, 0) = u;
+                uv.mutable_at(i, 1) = v;
             }
             return uv;
         },
         "Octahedral map of directions to the unit square.");
-    m.def(
+    a.def(
         "hash_keys",
         [](const KeyArray& keys, const std::string& scheme) {
             py::array_t<uint32_t> out({keys.shape(0), py::ssize_t(2)});
             const FullKey* rows = key_rows(keys);
             for (py::ssize_t i = 0; i < keys.shape(0); ++i) {
                 const KeyHash h = hash_key(rows[i], scheme_named(scheme));
-                out.mutable_at(i, 0) = h.kappa, out.mutable_at(i, 1) = h.digest;
+                out.mutable_at(i, 0) = h.kappa;
+                out.mutable_at(i, 1) = h.digest;
             }
             return out;
         },
         py::arg("keys"), py::arg("scheme") = "scheme2", "AQVC Eq. 10: (κ, c).");
-    m.def("largest_prime", &largest_prime);
-    m.def("order", &order, py::arg("x"), py::arg("y"), py::arg("width"), py::arg("height"),
+    t.def("largest_prime", &largest_prime);
+    t.def("order", &order, py::arg("x"), py::arg("y"), py::arg("width"), py::arg("height"),
           py::arg("parameters"), "Processing order of a tile's eye points (AQVC Sec. 4.3).");
-    bind_table(m);
+    bind_table(t);
 }
 
 }  // namespace viscache::bindings

@@ -1,4 +1,4 @@
-// Keys of four levels, one at a time and at once, for tests and `viscache bench aqvc-lookup`.
+// Keys of four levels, hashed one by one or all at once, for tests and `viscache bench aqvc-lookup`.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -9,7 +9,7 @@
 namespace viscache::bindings {
 namespace {
 
-/// κ and digest of every point's cells at four resolutions with one light each, and CPU seconds.
+/// κ and digest of the keys of every point with its light at four resolutions, and the CPU seconds.
 py::tuple level_hashes(const AqvcParameters& p, std::array<float, 3> center, double radius,
                        const FloatArray& points, const FloatArray& normals, const DoubleArray& resolutions,
                        const FloatArray& lights, bool at_once) {
@@ -44,12 +44,13 @@ py::tuple level_hashes(const AqvcParameters& p, std::array<float, 3> center, dou
 
 }  // namespace
 
-void bind_aqvc_levels(py::module_& m) {
-    m.def("level_hashes", &level_hashes, py::arg("parameters"), py::arg("center"), py::arg("radius"),
-          py::arg("points"), py::arg("normals"), py::arg("resolutions"), py::arg("lights"), py::kw_only(),
-          py::arg("at_once"),
-          "κ and digest (N, 4) of points (N, 3) at four resolutions (N, 4) with a point light each, and the "
-          "CPU seconds it took: one key after the other, or four levels at once.");
+void bind_aqvc_levels(py::module_& a) {
+    a.def(
+        "level_hashes", &level_hashes, py::arg("parameters"), py::arg("center"), py::arg("radius"),
+        py::arg("points"), py::arg("normals"), py::arg("resolutions"), py::arg("lights"), py::kw_only(),
+        py::arg("at_once"),
+        "κ and digest (N, 4) of points (N, 3) at four resolutions (N, 4) with one point light each, and the "
+        "CPU seconds. `at_once` hashes four levels together instead of one by one.");
 }
 
 }  // namespace viscache::bindings

@@ -1,10 +1,13 @@
-// Runs oracles over given eye points and lights without a renderer, for tests.
+// The quantized cache over given eye points and lights without a renderer, for tests.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+
+#include <numeric>
 
 #include "analytic_caster.h"
 #include "arrays.h"
 #include "viscache/aqvc/quantized_cache.h"
+#include "viscache/visibility/given_contributions.h"
 
 namespace viscache::bindings {
 namespace {
@@ -19,7 +22,7 @@ EyeBlock eye_block(const py::dict& d, float extent) {
     if (d.contains("order_x")) {
         eyes.order_x = d["order_x"].cast<std::vector<uint32_t>>();
         eyes.order_y = d["order_y"].cast<std::vector<uint32_t>>();
-        eyes.tile_width = d["tile_width"].cast<uint32_t>(),
+        eyes.tile_width = d["tile_width"].cast<uint32_t>();
         eyes.tile_height = d["tile_height"].cast<uint32_t>();
     }
     if (eyes.normal.size() != eyes.size() || eyes.density.size() != eyes.size())
@@ -43,9 +46,15 @@ FarEnds far_ends(const py::dict& d, float extent) {
         v->resize((l.count + 511) / 512 * 512);
     for (size_t k = 0; k < l.count; ++k) {
         const Vec3 end = l.semantic == Semantic::kSurface ? spawn(far[k], normal[k], extent) : far[k];
-        l.x[k] = far[k].x, l.y[k] = far[k].y, l.z[k] = far[k].z;
-        l.nx[k] = normal[k].x, l.ny[k] = normal[k].y, l.nz[k] = normal[k].z;
-        l.tx[k] = end.x, l.ty[k] = end.y, l.tz[k] = end.z;
+        l.x[k] = far[k].x;
+        l.y[k] = far[k].y;
+        l.z[k] = far[k].z;
+        l.nx[k] = normal[k].x;
+        l.ny[k] = normal[k].y;
+        l.nz[k] = normal[k].z;
+        l.tx[k] = end.x;
+        l.ty[k] = end.y;
+        l.tz[k] = end.z;
     }
     return l;
 }
@@ -59,39 +68,17 @@ py::dict counters_dict(const Counters& c) {
                "nil_neighbours"_a = c.nil_neighbours, "evictions"_a = c.evictions, "bypassed"_a = c.bypassed,
                "boundary_queries"_a = c.boundary_queries, "cells"_a = c.cells,
                "expected_false_hits"_a = c.expected_false_hits);
-    d["leftover_rays"] = c.leftover_rays, d["clamped_low"] = c.clamped_low,
+    d["leftover_rays"] = c.leftover_rays;
+    d["clamped_low"] = c.clamped_low;
     d["clamped_high"] = c.clamped_high;
-    d["clamped_nan"] = c.clamped_nan, d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
+    d["clamped_nan"] = c.clamped_nan;
+    d["table_writes"] = c.table_writes;
+    d["table_slots"] = c.table_slots;
     d["rays_per_level"] = std::vector<uint64_t>(c.rays_per_level.begin(), c.rays_per_level.end());
     return d;
 }
 
-/// Contributions as an array of shape (eye points, lights).
-class GivenContributions : public Contributions {
-public:
-    GivenContributions(const FloatArray& f, size_t eyes, size_t lights) : f_(f) {
-        if (f.ndim() != 2 || size_t(f.shape(0)) != eyes || size_t(f.shape(1)) != lights)
-            throw py::value_error("contribution must have shape (eye points, lights), got " + shape_text(f));
-    }
-    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
-        const std::span<const float> f(f_.data(eye), size_t(f_.shape(1)));
-        float sum = 0, positive = 0;
-        for (const float v : f) sum += v, positive += v > 0;
-        const float mean = sum / std::max(positive, 1.f);
-        for (size_t i = 0; i < rows.size(); ++i)
-            for (size_t k = 0; k < f.size(); ++k) {
-                const Word bit = Word{1} << (k % kWordBits);
-                const bool set = shares[i] == kInfinity || f[k] <= shares[i] * mean;
-                Word& word = rows[i][k / kWordBits];
-                word = set ? word | bit : word & ~bit;
-            }
-    }
-
-private:
-    FloatArray f_;
-};
-
-/// A cache over one tile; every call of block and pairs is about it.
+/// A cache over one tile. Every call asks about this tile.
 class TileRun {
 public:
     TileRun(const AnalyticCaster& caster, const py::dict& eyes, const AqvcParameters& p,
@@ -114,9 +101,17 @@ public:
             for (size_t k = 0; k < far.count; ++k)
                 if (wanted.at(i, k)) asked.set(i, k);
         Counters counters;
-        std::optional<GivenContributions> worth;
-        if (contribution) worth.emplace(*contribution, eyes_.size(), far.count);
-        cache_.weigh(worth ? &*worth : nullptr);
+        std::vector<uint32_t> row(eyes_.size());
+        std::iota(row.begin(), row.end(), 0u);
+        std::optional<GivenContributions> given;
+        if (contribution) {
+            const FloatArray& f = *contribution;
+            if (f.ndim() != 2 || size_t(f.shape(0)) != row.size() || size_t(f.shape(1)) != far.count)
+                throw py::value_error("contribution must have shape (eye points, lights), got " +
+                                      shape_text(f));
+            given.emplace(f.data(), far.count, row);
+        }
+        cache_.weigh(given ? &*given : nullptr);
         if (exact)
             exact_block(far, asked, visible);
         else
@@ -150,18 +145,21 @@ public:
         }
         return py::make_tuple(out, counters_dict(counters));
     }
-    /// Samples of each eye point's own: those of one eye point follow each other.
+    /// Every sample belongs to one eye point. The samples of an eye point are adjacent.
     py::tuple samples(const std::vector<uint32_t>& eye, int semantic, int group, const FloatArray& far,
                       const FloatArray& normal, const std::vector<float>& density,
                       const std::vector<float>& light_density) {
         const auto y = vec3s(far, "far"), n = vec3s(normal, "normal");
         LocalSamples s;
-        s.semantic = Semantic(semantic), s.group = group;
+        s.semantic = Semantic(semantic);
+        s.group = group;
         for (size_t i = 0; i < eye.size(); ++i) {
             if (eye[i] >= eyes_.size()) throw py::value_error("eye must be an eye point of the tile");
             s.add(y.at(i), density.at(i), light_density.at(i));
-            if (!s.is_direction())
-                s.normal.push_back(n.at(i)), s.ray_end.push_back(spawn(y[i], n[i], extent_));
+            if (!s.is_direction()) {
+                s.normal.push_back(n.at(i));
+                s.ray_end.push_back(spawn(y[i], n[i], extent_));
+            }
             if (i + 1 == eye.size() || eye[i + 1] != eye[i]) s.close(eye[i]);
         }
         std::vector<Word> visible(words_for(s.size()));
@@ -172,7 +170,7 @@ public:
         return py::make_tuple(out, counters_dict(counters));
     }
     py::tuple sample_order(int group) { return order_of(cache_.sample_order(eyes_, group)); }
-    /// Forgets everything and starts the same tile again.
+    /// Clears the cache and starts the same tile again.
     void begin_tile() { cache_.begin_tile(eyes_); }
     py::tuple pair_order() { return order_of(cache_.pair_order(eyes_)); }
 
@@ -197,7 +195,8 @@ private:
 };
 
 AnalyticCaster analytic_caster(const FloatArray& boxes, const FloatArray& spheres) {
-    require_rows(boxes, 6, "boxes"), require_rows(spheres, 4, "spheres");
+    require_rows(boxes, 6, "boxes");
+    require_rows(spheres, 4, "spheres");
     std::vector<AnalyticCaster::Box> b;
     std::vector<AnalyticCaster::Sphere> s;
     for (py::ssize_t i = 0; i < boxes.shape(0); ++i)
@@ -210,10 +209,10 @@ AnalyticCaster analytic_caster(const FloatArray& boxes, const FloatArray& sphere
 
 }  // namespace
 
-void bind_aqvc_run(py::module_& m) {
-    py::class_<AnalyticCaster>(m, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
+void bind_aqvc_run(py::module_& t) {
+    py::class_<AnalyticCaster>(t, "AnalyticCaster", "Boxes (lo, hi) and spheres (centre, radius).")
         .def(py::init(&analytic_caster), py::arg("boxes"), py::arg("spheres"));
-    py::class_<TileRun>(m, "TileRun", "The quantized cache over one tile of given eye points.")
+    py::class_<TileRun>(t, "TileRun", "The quantized cache over one tile of given eye points.")
         .def(py::init<const AnalyticCaster&, const py::dict&, const AqvcParameters&, std::array<float, 3>,
                       float, float, int>(),
              py::arg("caster"), py::arg("eyes"), py::arg("parameters"), py::kw_only(), py::arg("center"),

@@ -12,7 +12,7 @@ namespace {
 
 using namespace py::literals;
 
-/// Columns of samples given as for `TileRun.samples`; -1: no key, -2: no room.
+/// Column of every sample, given as for `TileRun.samples`. -1: no key; -2: no free column.
 py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, double radius, int semantic,
                       const FloatArray& far, const FloatArray& normal, const std::vector<float>& density,
                       uint32_t limit) {
@@ -21,7 +21,10 @@ py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, doub
     s.semantic = Semantic(semantic);
     for (size_t i = 0; i < y.size(); ++i) {
         s.add(y[i], density.at(i), density.at(i));
-        if (!s.is_direction()) s.normal.push_back(n.at(i)), s.ray_end.push_back(y[i]);
+        if (!s.is_direction()) {
+            s.normal.push_back(n.at(i));
+            s.ray_end.push_back(y[i]);
+        }
     }
     const CellGrid grid(p, vec3(center), radius);
     LightCells cells;
@@ -36,7 +39,11 @@ py::tuple light_cells(const AqvcParameters& p, std::array<float, 3> center, doub
 py::tuple octahedral(const FloatArray& w, const std::optional<std::string>& isa) {
     const auto d = vec3s(w, "w");
     std::vector<float> x, y, z;
-    for (const Vec3& v : d) x.push_back(v.x), y.push_back(v.y), z.push_back(v.z);
+    for (const Vec3& v : d) {
+        x.push_back(v.x);
+        y.push_back(v.y);
+        z.push_back(v.z);
+    }
     py::array_t<double> u(d.size()), v(d.size());
     octahedral_batch(x, y, z, {u.mutable_data(), d.size()}, {v.mutable_data(), d.size()}, isa_of(isa));
     return py::make_tuple(u, v);
@@ -44,12 +51,13 @@ py::tuple octahedral(const FloatArray& w, const std::optional<std::string>& isa)
 
 }  // namespace
 
-void bind_aqvc_samples(py::module_& m) {
-    m.def("light_cells", &light_cells, py::arg("parameters"), py::arg("center"), py::arg("radius"),
+void bind_aqvc_samples(py::module_& t) {
+    t.def("light_cells", &light_cells, py::arg("parameters"), py::arg("center"), py::arg("radius"),
           py::kw_only(), py::arg("semantic"), py::arg("far"), py::arg("normal"), py::arg("density"),
-          py::arg("limit") = 1u << 30, "Columns of samples by light cell, and clamps.");
-    m.def("octahedral_batch", &octahedral, py::arg("w"), py::kw_only(), py::arg("isa") = py::none(),
-          "Octahedral map of many directions by one instruction set.");
+          py::arg("limit") = 1u << 30,
+          "Columns of samples by light cell, and counts of clamped resolutions.");
+    t.def("octahedral_batch", &octahedral, py::arg("w"), py::kw_only(), py::arg("isa") = py::none(),
+          "Octahedral map of many directions, computed with one instruction set.");
 }
 
 }  // namespace viscache::bindings

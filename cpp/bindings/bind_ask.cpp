@@ -1,4 +1,4 @@
-// Caches as modules: arrays of eye points and far ends asked to the oracles of a source.
+// Caches as modules: the oracles of a source answer queries between arrays of eye points and far ends.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -13,7 +13,7 @@ namespace {
 
 using BitRows = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
 
-/// Points in the tiles of a frame where these are given, else along a curve.
+/// The tiles of a frame if they are given, else tiles along a Morton curve.
 EyeTiles tiles_of(const py::object& eyes, float extent, size_t most) {
     if (!py::isinstance<py::list>(eyes))
         return EyeTiles::along_curve(eye_block_from(eyes.cast<py::dict>(), extent), most);

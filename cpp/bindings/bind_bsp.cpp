@@ -7,14 +7,13 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kStepChunk = 1024;  // rays between looks at Ctrl-C
+constexpr size_t kStepChunk = 1024;  // rays between two checks for Ctrl-C
 
 py::dict stats_dict(const BspStats& s) {
-    py::dict d;
-    d["triangles"] = s.triangles, d["degenerate"] = s.degenerate, d["nodes"] = s.nodes;
-    d["leaves"] = s.leaves, d["empty_leaves"] = s.empty_leaves, d["references"] = s.references;
-    d["max_depth"] = s.max_depth, d["depth"] = s.depth, d["bytes"] = s.bytes;
-    return d;
+    using namespace py::literals;
+    return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "nodes"_a = s.nodes,
+                    "leaves"_a = s.leaves, "empty_leaves"_a = s.empty_leaves, "references"_a = s.references,
+                    "max_depth"_a = s.max_depth, "depth"_a = s.depth, "bytes"_a = s.bytes);
 }
 
 std::shared_ptr<BspCaster> build(const std::shared_ptr<Scene>& scene, const BspSettings& settings,
@@ -26,7 +25,8 @@ std::shared_ptr<BspCaster> build(const std::shared_ptr<Scene>& scene, const BspS
 }
 
 py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatArray& d) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
     std::vector<Ray> rays(size_t(o.shape(0)));
@@ -37,7 +37,9 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
             control.check();
             const size_t n = std::min(kStepChunk, rays.size() - first);
             const BspSteps some = caster.count_steps(std::span(rays).subspan(first, n));
-            s.nodes += some.nodes, s.leaves += some.leaves, s.tests += some.tests;
+            s.nodes += some.nodes;
+            s.leaves += some.leaves;
+            s.tests += some.tests;
         }
     });
     return py::dict(py::arg("nodes") = s.nodes, py::arg("leaves") = s.leaves, py::arg("tests") = s.tests);
@@ -46,15 +48,16 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
 }  // namespace
 
 void bind_bsp(py::module_& m) {
-    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::module_ v = m.def_submodule("visibility", "Ray casters and their parts.");
     py::class_<BspSettings> settings(v, "BspSettings", "Settings of the BSP; see viscache.Bsp.");
     bind_rows(settings, kBspRows);
-    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(v, "BspCaster",
-                                                                        "Single rays through a BSP.");
+    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(
+        v, "BspCaster", "Traces single rays through a BSP tree.");
     caster.def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0)
         .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
         .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),
-             "Nodes and leaves visited and triangles tested for the nearest hits, over all rays.");
+             "Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all "
+             "rays.");
     bind_queries(caster);
 }
 

@@ -1,4 +1,4 @@
-// Statistics of pairs of rows of bits.
+// Statistics of pairs of bit rows.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -25,7 +25,7 @@ void require_bits(const WordArray& bits, const char* name) {
         throw py::value_error(std::string(name) + " must have shape (N, words), got " + shape_text(bits));
 }
 
-/// Arguments of a call in the shapes of the core; holds the arrays they look into.
+/// The checked arguments of a call. It keeps the arrays that the rows refer to.
 struct RowsArgument {
     RowsArgument(WordArray bits_, int n_directions, FloatArray position_, FloatArray normal_, IntArray group_,
                  size_t n_groups, const std::string& domain, FloatArray direction_, int min_bits,
@@ -43,12 +43,17 @@ struct RowsArgument {
             if (size != n)
                 throw py::value_error(std::string(name) + " must have one row per row of bits, " +
                                       std::to_string(n) + ", got " + std::to_string(size));
-        rows.bits = bits.data(), rows.words = size_t(bits.shape(1)), rows.n_directions = n_directions;
+        rows.bits = bits.data();
+        rows.words = size_t(bits.shape(1));
+        rows.n_directions = n_directions;
         rows.position = {rows3(position, "positions"), size_t(n)};
         rows.normal = {rows3(normal, "normals"), size_t(n)};
         rows.direction = {rows3(direction, "directions"), size_t(direction.shape(0))};
-        rows.group = {group.data(), size_t(n)}, rows.n_groups = n_groups;
-        rows.domain = domain_of(domain), rows.min_bits = min_bits, rows.one_if_both = one_if_both;
+        rows.group = {group.data(), size_t(n)};
+        rows.n_groups = n_groups;
+        rows.domain = domain_of(domain);
+        rows.min_bits = min_bits;
+        rows.one_if_both = one_if_both;
     }
     WordArray bits;
     FloatArray position, normal, direction;
@@ -64,10 +69,10 @@ py::array_t<int64_t> taken(std::vector<int64_t>& v, const PairTable& t) {
 }
 
 py::dict dict_of(PairTable& t) {
-    py::dict d;
-    d["n"] = taken(t.n, t), d["n_undefined"] = taken(t.n_undefined, t), d["sum_q"] = taken(t.sum_q, t);
-    d["sum_q2_high"] = taken(t.sum_q2_high, t), d["sum_q2_low"] = taken(t.sum_q2_low, t);
-    return d;
+    using namespace py::literals;
+    return py::dict("n"_a = taken(t.n, t), "n_undefined"_a = taken(t.n_undefined, t),
+                    "sum_q"_a = taken(t.sum_q, t), "sum_q2_high"_a = taken(t.sum_q2_high, t),
+                    "sum_q2_low"_a = taken(t.sum_q2_low, t));
 }
 
 PairWork work_of(int threads, const std::optional<std::string>& isa, bool skip_dead = true) {
@@ -118,9 +123,10 @@ py::array_t<float> spatial_map_array(const RowsArgument& a, double d_max, double
     return py::array_t<float>(py::ssize_t(mean.size()), mean.data());
 }
 
-/// Both arrays have rows of the same number of words, at most as many as the kernel takes.
+/// Throws unless the rows of both arrays have equally many words and the kernel takes that many.
 void require_alike(const WordArray& a, const WordArray& b) {
-    require_bits(a, "bits_a"), require_bits(b, "bits_b");
+    require_bits(a, "bits_a");
+    require_bits(b, "bits_b");
     if (a.shape(1) != b.shape(1))
         throw py::value_error("bits_a and bits_b must have rows of the same length, got " + shape_text(a) +
                               " and " + shape_text(b));
@@ -173,7 +179,7 @@ void bind_correlation_pairs(py::module_& m) {
     py::module_ c = m.def_submodule("correlation", "Correlation statistics of visibility.");
     const auto no_isa = py::arg("isa") = py::none();
 
-    py::class_<RowsArgument>(c, "PairRows", "Points, their rows of bits, and the rules of their statistics.")
+    py::class_<RowsArgument>(c, "PairRows", "Points, their bit rows, and the rules of the statistics.")
         .def(py::init<WordArray, int, FloatArray, FloatArray, IntArray, size_t, const std::string&,
                       FloatArray, int, bool>(),
              py::arg("bits"), py::arg("n_directions"), py::arg("positions"), py::arg("normals"),
@@ -185,19 +191,19 @@ void bind_correlation_pairs(py::module_& m) {
           "Sums over the pairs of tiles; see viscache.correlation.pair_statistics.");
     c.def("near_pairs", &near_pairs_dict, py::arg("rows"), py::arg("d_edges"), py::arg("theta_edges_deg"),
           py::arg("threads") = 0, no_isa, py::arg("progress") = py::none(),
-          "Sums over all pairs nearer than the last edge.");
+          "Sums over all pairs that are closer than the last edge of distance.");
     c.def("spatial_map", &spatial_map_array, py::arg("rows"), py::arg("d_max"), py::arg("theta_max_deg"),
           py::arg("threads") = 0, no_isa, py::arg("progress") = py::none(),
-          "Mean rho of every point with its neighbours.");
+          "Mean ρ between every point and its neighbours.");
     c.def("tiles", &tiles_array, py::arg("group"), py::arg("n_groups"), py::arg("tile"),
-          "(K, 7) of every tile: groups a and b, first and last point of a and of b, pairs.");
+          "One row (K, 7) per tile: groups a and b, first and last point of a and of b, number of pairs.");
     c.def("intersections", &intersections_array, py::arg("bits_a"), py::arg("bits_b"), py::arg("threads") = 0,
-          no_isa, "Directions both rows see, (NA, NB).");
+          no_isa, "Number of directions that are visible in both rows, (NA, NB).");
     c.def("total_intersections", &total_intersections_of, py::arg("bits_a"), py::arg("bits_b"),
           py::arg("threads") = 0, no_isa, py::arg("skip_dead") = true,
-          "Sum of the intersections of all pairs of rows.");
+          "Sum of the intersections over all pairs of rows.");
     c.def("and_popcount_add", &and_popcount_add, py::arg("steps"), py::call_guard<py::gil_scoped_release>(),
-          "The bench's yardstick: and, popcount, add of 512 bits, `steps` times.");
+          "Baseline of the bench: and, popcount and add of 512 bits, repeated `steps` times.");
 }
 
 }  // namespace viscache::bindings

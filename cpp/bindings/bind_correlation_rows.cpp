@@ -1,4 +1,4 @@
-// Surface points and their rows of visibility.
+// Surface points and their rows of visibility bits.
 #include <pybind11/stl.h>
 
 #include "checked_rows.h"
@@ -21,13 +21,11 @@ py::array_t<T> array_of(const std::vector<T>& v) {
 }
 
 py::dict points_dict(const SurfacePoints& p) {
-    py::dict d;
-    d["position"] = from_vec3s(p.position), d["normal"] = from_vec3s(p.normal);
-    d["shading_normal"] = from_vec3s(p.shading_normal);
-    d["group"] = array_of(p.group), d["stratum"] = array_of(p.stratum);
-    d["width"] = p.width, d["height"] = p.height;
-    d["bad_normals"] = p.bad_normals, d["misses"] = p.misses;
-    return d;
+    using namespace py::literals;
+    return py::dict("position"_a = from_vec3s(p.position), "normal"_a = from_vec3s(p.normal),
+                    "shading_normal"_a = from_vec3s(p.shading_normal), "group"_a = array_of(p.group),
+                    "stratum"_a = array_of(p.stratum), "width"_a = p.width, "height"_a = p.height,
+                    "bad_normals"_a = p.bad_normals, "misses"_a = p.misses);
 }
 
 py::dict camera_points(const Scene& scene, const RayCaster& caster, const Camera& camera, size_t n,
@@ -46,7 +44,7 @@ py::dict area_points(const Scene& scene, size_t n, uint64_t seed) {
     return points_dict(points);
 }
 
-/// The arguments of a call, checked, and the bits it gives.
+/// The checked arguments of a call, and its result.
 struct RowCall {
     RowInput input;
     py::array_t<uint64_t> bits;
@@ -60,7 +58,7 @@ struct RowCall {
                                   shape_text(positions) + " and " + shape_text(normals));
         bits = py::array_t<uint64_t>({input.position.size(), row_words_for(input.direction.size())});
     }
-    /// work(rows, control) without the interpreter's lock.
+    /// Runs work(rows, control) without the interpreter's lock.
     template <class Work>
     void run(Work work, const py::object& progress) {
         run_interruptible(
@@ -86,7 +84,7 @@ py::tuple visibility_rows(const Scene& scene, const RayCaster& caster, const Flo
     return py::make_tuple(call.bits, rays);
 }
 
-/// (bits, rays, by the batch?, its predicted nanoseconds per ray, Embree's)
+/// (bits, rays, whether the batch traced them, predicted ns per ray of the batch and of Embree)
 py::tuple aligned_rows(const Scene& scene, const AlignedBatch& batch, const RayCaster& caster,
                        const FloatArray& positions, const FloatArray& normals, const FloatArray& directions,
                        float t_max, bool choose, int threads, const std::optional<std::string>& isa,
@@ -114,21 +112,21 @@ void bind_correlation_rows(py::module_& m) {
           "Primary hits: position, normal, shading_normal (N, 3), group, stratum (N,), width, height, "
           "bad_normals, misses.");
     c.def("area_points", &area_points, py::arg("scene"), py::arg("n"), py::arg("seed"),
-          "The same uniform over the area.");
+          "Points with uniform density over the surface area; the same fields.");
     c.def(
         "spatial_groups",
         [](const FloatArray& positions) { return array_of(spatial_groups(usable(positions, "positions"))); },
-        py::arg("positions"), "Sixteen compact blocks of (nearly) equal size: numbers (N,).");
+        py::arg("positions"), "Group numbers (N,): sixteen compact groups of nearly equal size.");
     c.def("visibility_rows", &visibility_rows, py::arg("scene"), py::arg("caster"), py::arg("positions"),
           py::arg("normals"), py::arg("directions"), py::kw_only(), py::arg("t_max") = kInfinity,
           py::arg("order") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(),
-          "Rows of bits (N, words) uint64 and the number of rays.");
+          "Bit rows (N, words) uint64 and the number of rays.");
     c.def("aligned_rows", &aligned_rows, py::arg("scene"), py::arg("batch"), py::arg("caster"),
           py::arg("positions"), py::arg("normals"), py::arg("directions"), py::kw_only(),
           py::arg("t_max") = kInfinity, py::arg("choose") = true, py::arg("threads") = 0,
           py::arg("isa") = py::none(), py::arg("progress") = py::none(),
-          "The same by the batch, or by the cheaper engine; whether it was the batch, and what both were "
-          "predicted to take, ns per ray.");
+          "The same, traced by the batch, or by the faster engine if `choose` is set. Also whether the batch "
+          "traced them, and the predicted ns per ray of the batch and of Embree.");
 }
 
 }  // namespace viscache::bindings

@@ -1,4 +1,4 @@
-// SceneDescription: what loaders and Python say about a scene before it is frozen.
+// SceneDescription: a scene that loaders and Python fill before it is frozen.
 #include <pybind11/native_enum.h>
 
 #include "described.h"
@@ -21,8 +21,11 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
              const std::optional<FloatArray>& normals, const std::optional<FloatArray>& uvs, Float3 emission,
              bool emits_two_sided, bool in_world, const std::string& name) {
     Mesh mesh;
-    mesh.name = name, mesh.material = material, mesh.emission = vec3(emission);
-    mesh.emits_two_sided = emits_two_sided, mesh.in_world = in_world;
+    mesh.name = name;
+    mesh.material = material;
+    mesh.emission = vec3(emission);
+    mesh.emits_two_sided = emits_two_sided;
+    mesh.in_world = in_world;
     mesh.vertices = vec3s(vertices, "vertices");
     require_rows(triangles, 3, "triangles");
     const auto* t = reinterpret_cast<const Vec3u*>(triangles.data());
@@ -44,7 +47,9 @@ int add_image(SceneDescription& d, const FloatArray& pixels) {
 
 void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     Image &image = d.images.at(index), given = image_from(pixels);
-    image.width = given.width, image.height = given.height, image.channels = given.channels;
+    image.width = given.width;
+    image.height = given.height;
+    image.channels = given.channels;
     image.pixels = std::move(given.pixels);
 }
 
@@ -53,7 +58,7 @@ void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
 void bind_description(py::module_& m) {
     py::register_exception<SceneError>(m, "SceneError", PyExc_ValueError);
 
-    py::native_enum<MaterialKind>(m, "MaterialKind", "enum.Enum", "The few materials of viscache.")
+    py::native_enum<MaterialKind>(m, "MaterialKind", "enum.Enum", "Kinds of materials.")
         .value("DIFFUSE", MaterialKind::kDiffuse)
         .value("GLOSSY", MaterialKind::kGlossy)
         .value("MIRROR", MaterialKind::kMirror)
@@ -65,7 +70,7 @@ void bind_description(py::module_& m) {
         "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
         "Vectors are three numbers, lengths are in scene units, light is in linear RGB.")
         .def(py::init<>())
-        .def_readwrite("name", &SceneDescription::name, "Shown with the scene.")
+        .def_readwrite("name", &SceneDescription::name, "Name that is shown with the scene.")
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
              py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
              py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
@@ -94,7 +99,7 @@ void bind_description(py::module_& m) {
                 return int(d.instances.size()) - 1;
             },
             py::arg("meshes"), py::arg("to_world"),
-            "Place meshes (added with in_world=False) once more by an affine (3, 4) or (4, 4) matrix; "
+            "Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; "
             "returns\n"
             "its index.")
         .def(
@@ -130,7 +135,7 @@ void bind_description(py::module_& m) {
             "Add a sphere that emits; radiance in W/(m²·sr).")
         .def("add_image", &add_image, py::arg("pixels"), "Add an image (H, W, C), linear; returns its index.")
         .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
-             "Give the pixels of a pending image.")
+             "Set the pixels of a pending image.")
         .def_property_readonly(
             "images",
             [](const SceneDescription& d) {
@@ -153,13 +158,16 @@ void bind_description(py::module_& m) {
             "scale.")
         .def(
             "clear_environment", [](SceneDescription& d) { d.environment.reset(); },
-            "Leave the environment out.")
+            "Remove the environment.")
         .def(
             "add_camera",
             [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
                int height, bool horizontal, const std::string& name) {
                 Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
-                c.width = width, c.height = height, c.fov_is_horizontal = horizontal, c.name = name;
+                c.width = width;
+                c.height = height;
+                c.fov_is_horizontal = horizontal;
+                c.name = name;
                 d.cameras.push_back(c);
             },
             py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},

@@ -1,4 +1,4 @@
-// Eye points as arrays, for tests and for looking at densities.
+// Eye points of a frame as arrays.
 #include "arrays.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/scene/check.h"
@@ -21,12 +21,12 @@ void bind_eye_paths(py::module_& m) {
                 tracer.trace({0, 0, frame.width, frame.height}, eyes, counters, Control{});
             }
             const EyeBlock& block = eyes.block;
-            py::dict d;
-            d["position"] = from_vec3s(block.position), d["normal"] = from_vec3s(block.normal);
-            d["origin"] = from_vec3s(block.origin), d["throughput"] = from_vec3s(eyes.throughput);
-            d["density"] = py::array_t<float>(py::ssize_t(block.density.size()), block.density.data());
-            d["pixel"] = py::array_t<uint32_t>(py::ssize_t(eyes.pixel.size()), eyes.pixel.data());
-            return d;
+            using namespace py::literals;
+            return py::dict(
+                "position"_a = from_vec3s(block.position), "normal"_a = from_vec3s(block.normal),
+                "origin"_a = from_vec3s(block.origin), "throughput"_a = from_vec3s(eyes.throughput),
+                "density"_a = py::array_t<float>(py::ssize_t(block.density.size()), block.density.data()),
+                "pixel"_a = py::array_t<uint32_t>(py::ssize_t(eyes.pixel.size()), eyes.pixel.data()));
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
         "Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).");

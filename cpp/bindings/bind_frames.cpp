@@ -1,4 +1,4 @@
-// Rendering frames: tiles of eye points, and bidirectional paths. Any source of oracles serves both.
+// Renders frames from tiles of eye points or from bidirectional paths. Both take any source of oracles.
 #include <pybind11/pybind11.h>
 #include <pybind11/typing.h>
 
@@ -15,7 +15,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// Who may trace the shared directions of ambient occlusion; nothing where the integrator has none.
+/// The engines for the shared directions of ambient occlusion. Empty if the integrator has none.
 std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const IntegratorSettings& integrator,
                                               const AlignedBatch* batch, const VisibilityField* field) {
     if (!integrator.ambient || !integrator.ambient_aligned) return std::nullopt;
@@ -29,7 +29,7 @@ std::optional<AlignedEngines> aligned_engines(const RayCaster& caster, const Int
     return AlignedEngines{batch, *embree, field};
 }
 
-/// What Python gave, or nullptr for None.
+/// The C++ object of a Python argument; nullptr for None.
 template <class T>
 const T* pointer(const py::object& given) {
     return given.is_none() ? nullptr : given.cast<const T*>();
@@ -82,7 +82,7 @@ void bind_frames(py::module_& m) {
           py::arg("maps") = py::none(), py::arg("batch") = py::none(), py::arg("field") = py::none(),
           py::arg("progress") = py::none(),
           "A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. "
-          "`batch` and `field`: who may trace shared directions of ambient occlusion.");
+          "`batch` and `field` may trace the shared directions of ambient occlusion.");
     m.def("render_bdpt", &render_paths, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("settings"), py::arg("frame"), py::arg("source"), py::kw_only(),
           py::arg("progress") = py::none(), "A frame of bidirectional paths. `source` serves one frame.");

@@ -1,4 +1,4 @@
-// A table of the quantized cache that outlives frames.
+// A table of the quantized cache that is kept between frames.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -27,7 +27,7 @@ void bind_kept_table(py::module_& m) {
                 }
                 return entries;
             },
-            "Occupied slots in order: slot, digest, visible, current.")
+            "Occupied slots in ascending order: slot, digest, visible, current.")
         .def("next_epoch", &KeptTable::next_epoch)
         .def_property_readonly("epoch", &KeptTable::epoch)
         .def_property_readonly("frames", &KeptTable::frames)

@@ -1,4 +1,4 @@
-// Environment maps and BSDFs, applied to rows.
+// Environment maps and BSDFs, evaluated for rows of arrays.
 #include "described.h"
 #include "rows.h"
 #include "viscache/scene/bsdf.h"
@@ -37,7 +37,7 @@ void bind_environment(py::module_& s) {
             [](const EnvironmentMap& e, const FloatArray& wi) {
                 return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return e.eval(w); });
             },
-            py::arg("wi"), "Radiance from unit vectors (N, 3), (N, 3).")
+            py::arg("wi"), "Radiance (N, 3) that arrives from unit vectors (N, 3).")
         .def(
             "pdf",
             [](const EnvironmentMap& e, const FloatArray& wi) {
@@ -50,7 +50,8 @@ void bind_environment(py::module_& s) {
                 std::vector<Vec3> radiance, wi;
                 const auto pdf = map_rows<Vec2>(u, "u", [&](Vec2 v) {
                     const auto sample = e.sample(v);
-                    wi.push_back(sample.wi), radiance.push_back(sample.radiance);
+                    wi.push_back(sample.wi);
+                    radiance.push_back(sample.radiance);
                     return sample.pdf;
                 });
                 return std::tuple(from_vec3s(wi), from_vec3s(radiance), pdf);
@@ -67,7 +68,7 @@ void bind_environment(py::module_& s) {
 }
 
 void bind_shading_point(py::module_& s, py::module_& t) {
-    py::class_<ShadingPoint>(s, "ShadingPoint", "What reflection needs at a point.")
+    py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta) {
                  return ShadingPoint{
@@ -82,10 +83,10 @@ void bind_shading_point(py::module_& s, py::module_& t) {
         [](const ShadingPoint& sp, const FloatArray& wi) {
             return map_rows<Vec3>(wi, "wi", [&](Vec3 w) { return eval_bsdf(sp, w); });
         },
-        py::arg("sp"), py::arg("wi"), "f without the cosine, (N, 3).");
+        py::arg("sp"), py::arg("wi"), "f without the cosine factor, (N, 3).");
     t.def(
         "diffuse_albedo", [](const ShadingPoint& sp) { return array3(diffuse_albedo(sp)); }, py::arg("sp"),
-        "Albedo of the diffuse part alone for light from wo.");
+        "Albedo of the diffuse part for light from wo.");
     t.def(
         "pdf_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {
@@ -98,7 +99,8 @@ void bind_shading_point(py::module_& s, py::module_& t) {
             std::vector<Vec3> wi, weight;
             const auto pdf = map_rows<Vec3>(u, "u", [&](Vec3 v) {
                 const auto sample = sample_bsdf(sp, v.x, {v.y, v.z});
-                wi.push_back(sample ? sample->wi : Vec3{}), weight.push_back(sample ? sample->weight : Rgb{});
+                wi.push_back(sample ? sample->wi : Vec3{});
+                weight.push_back(sample ? sample->weight : Rgb{});
                 return sample ? sample->pdf : 0.f;
             });
             return std::tuple(from_vec3s(wi), from_vec3s(weight), pdf);

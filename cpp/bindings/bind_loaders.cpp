@@ -64,13 +64,12 @@ void bind_loaders(py::module_& m) {
                 return std::pair(array3(b.lo), array3(b.hi));
             },
             "Lowest and highest corner of the placed meshes and the sphere lights.")
-        .def_property_readonly("meshes", &mesh_list, "Facts of every mesh, as dicts.")
+        .def_property_readonly("meshes", &mesh_list, "A dict per mesh, without its arrays.")
         .def("mesh_arrays", &mesh_arrays, py::arg("index"), "vertices, triangles, normals, uvs of one mesh.")
-        .def_property_readonly("materials", &material_list, "Every material, as dicts.")
-        .def_property_readonly("cameras", &camera_list, "Every camera, as dicts.")
+        .def_property_readonly("materials", &material_list, "A dict per material.")
+        .def_property_readonly("cameras", &camera_list, "A dict per camera.")
         .def_property_readonly(
-            "lights", [](const SceneDescription& d) { return light_dicts(d, d.meshes); },
-            "Every light, as dicts.")
+            "lights", [](const SceneDescription& d) { return light_dicts(d, d.meshes); }, "A dict per light.")
         .def_property_readonly(
             "instances",
             [](const SceneDescription& d) {
@@ -80,7 +79,7 @@ void bind_loaders(py::module_& m) {
                                         py::arg("to_world") = affine_rows(i.to_world)));
                 return out;
             },
-            "Every instance, as dicts.")
+            "A dict per instance.")
         .def(
             "image_pixels",
             [](const SceneDescription& d, size_t index) { return pixels_of(d.images.at(index)); },

@@ -1,4 +1,4 @@
-// Reflection and directions by the batch, by one instruction set; for tests.
+// Batched kernels of reflection and of directions, each with a chosen instruction set; for tests.
 #include <pybind11/stl.h>
 
 #include "isa_argument.h"
@@ -27,7 +27,11 @@ py::tuple reflected(const ShadingPoint& sp, const FloatArray& wi, const IsaName&
     const size_t n = (w.size() + 15) / 16 * 16;
     Arrays d(n), f(n);
     std::vector<float> pdf(n);
-    for (size_t i = 0; i < w.size(); ++i) d.x[i] = w[i].x, d.y[i] = w[i].y, d.z[i] = w[i].z;
+    for (size_t i = 0; i < w.size(); ++i) {
+        d.x[i] = w[i].x;
+        d.y[i] = w[i].y;
+        d.z[i] = w[i].z;
+    }
     reflect_directions(lobe_constants(sp),
                        {d.x.data(), d.y.data(), d.z.data(), f.x.data(), f.y.data(), f.z.data(), pdf.data()},
                        n, isa_of(isa));
@@ -46,7 +50,8 @@ py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int 
                      const std::vector<bool>& seen, const IsaName& isa) {
     const auto y = vec3s(far, "far"), m = vec3s(normal, "normal"), v = vec3s(value, "value");
     SharedLights lights;
-    lights.ends.semantic = Semantic(semantic), lights.bound2 = bound2;
+    lights.ends.semantic = Semantic(semantic);
+    lights.bound2 = bound2;
     for (size_t k = 0; k < y.size(); ++k) lights.add(y[k], m.at(k), y[k], v.at(k), 0);
     lights.pad();
     BitMatrix row(1, y.size());
@@ -64,10 +69,10 @@ void bind_lobes(py::module_& m) {
           py::arg("isa") = py::none(), "f·cos (N, 3) and densities of `sample_bsdf` (N,).");
     t.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
           py::arg("first") = 0, py::arg("n"), py::arg("isa") = py::none(),
-          "Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.");
+          "Directions (n, 3) of a randomised (0,2)-sequence, uniform on the sphere.");
     t.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
           py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
-          py::arg("isa") = py::none(), "Sum of f·g·value over the columns that are seen.");
+          py::arg("isa") = py::none(), "Sum of f·g·value over the visible columns.");
 }
 
 }  // namespace viscache::bindings

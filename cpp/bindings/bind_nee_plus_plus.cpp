@@ -1,4 +1,4 @@
-// Next Event Estimation++: settings, and its map for tests.
+// Next Event Estimation++: its settings, and its voxel map for tests.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
@@ -8,7 +8,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// A map over a box, filled with given connections, for tests.
+/// Fills a voxel map over a box with given connections.
 py::tuple learnt_map(const NeePlusPlusSettings& settings, std::array<float, 3> low, std::array<float, 3> high,
                      const FloatArray& near, const FloatArray& far,
                      const py::array_t<bool, py::array::c_style | py::array::forcecast>& seen,
@@ -47,10 +47,12 @@ void bind_nee_plus_plus(py::module_& m) {
         .def_readwrite("symmetric", &NeePlusPlusSettings::symmetric)
         .def_readwrite("max_bytes", &NeePlusPlusSettings::max_bytes)
         .def("validate", &NeePlusPlusSettings::validate);
-    m.def("learnt_map", &learnt_map, py::arg("settings"), py::arg("low"), py::arg("high"), py::arg("near"),
-          py::arg("far"), py::arg("seen"), py::kw_only(), py::arg("direction") = false,
-          "Cells of both ends (N,), then visibility and probability of each connection once all are counted "
-          "(tests). `far` holds places, or directions towards the light.");
+    py::module_ t = m.def_submodule("_testing");
+    t.def(
+        "learnt_map", &learnt_map, py::arg("settings"), py::arg("low"), py::arg("high"), py::arg("near"),
+        py::arg("far"), py::arg("seen"), py::kw_only(), py::arg("direction") = false,
+        "Cells of both ends (N,), then the visibility and probability of every connection in the filled map. "
+        "`far` holds places, or directions towards the light.");
 }
 
 }  // namespace viscache::bindings

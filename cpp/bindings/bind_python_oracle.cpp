@@ -1,4 +1,4 @@
-// What oracles written in Python are handed.
+// Oracles written in Python, and the tracer that they receive.
 #include "python_oracle.h"
 
 #include "arrays.h"
@@ -7,11 +7,11 @@
 namespace viscache::bindings {
 
 void bind_python_oracle(py::module_& m) {
-    py::class_<PythonTracer, std::shared_ptr<PythonTracer>>(m, "PythonTracer",
-                                                            "Exact rays for an oracle written in Python.")
+    py::class_<PythonTracer, std::shared_ptr<PythonTracer>>(
+        m, "PythonTracer", "Traces exact rays for an oracle written in Python.")
         .def("block", &PythonTracer::block, py::arg("eyes"), py::arg("ends"), py::arg("wanted"))
         .def("pairs", &PythonTracer::pairs, py::arg("eyes"), py::arg("index"), py::arg("ends"));
-    py::class_<PythonSource, OracleSource>(m, "PythonSource", "The oracles of a class written in Python.")
+    py::class_<PythonSource, OracleSource>(m, "PythonSource", "Makes oracles from a class written in Python.")
         .def(py::init([](const Scene& scene, const RayCaster& caster, py::object written) {
                  return std::make_unique<PythonSource>(std::move(written), caster, scene.offset_extent());
              }),

@@ -1,4 +1,4 @@
-// Lighting design: an image under any environment, without rays.
+// Relighting: images under new environments without new rays.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -58,12 +58,14 @@ py::array_t<double> cell_light(const EnvironmentMap& map, int m) {
 void bind_relighting(py::module_& m) {
     py::module_ v = m.attr("vismap");
     v.def("cell_light", &cell_light, py::arg("map"), py::arg("m"),
-          "Radiance × solid angle over the cells of maps, (3, 4^m), in Z order.");
+          "Radiance × solid angle of the cells of a map, (3, 4^m), in Z order.");
     py::class_<Relighting>(v, "Relighting", "See viscache.Relighting.")
-        .def_static("trace", &trace, py::arg("scene"), py::arg("caster"), py::arg("camera"),
-                    py::arg("integrator"), py::arg("frame"), py::arg("cache"), py::arg("d_max"),
-                    py::arg("footprint"), py::arg("progress") = py::none(),
-                    "Everything but the light; d_max and footprint of the pixels' centres, (H·W,).")
+        .def_static(
+            "trace", &trace, py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"),
+            py::arg("frame"), py::arg("cache"), py::arg("d_max"), py::arg("footprint"),
+            py::arg("progress") = py::none(),
+            "Compute all that does not depend on the light. d_max and footprint belong to the centres of "
+            "the pixels, (H·W,).")
         .def("image", &image, py::arg("light"), py::arg("threads") = 0,
              "J of every pixel (H, W, 3) under light (3, 4^m).")
         .def(
@@ -74,7 +76,7 @@ void bind_relighting(py::module_& m) {
                 std::memcpy(out.mutable_data(), cells.data(), cells.size() * sizeof cells[0]);
                 return out;
             },
-            py::arg("pixel"), "What each cell's light is multiplied with in one pixel, (4^m, 3).")
+            py::arg("pixel"), "The factor of every cell's light in one pixel, (4^m, 3).")
         .def_property_readonly("nbytes", &Relighting::nbytes)
         .def_property_readonly("without_record", &Relighting::without_record)
         .def_property_readonly("camera_rays", [](const Relighting& r) { return r.counters().camera_rays; })

@@ -1,4 +1,4 @@
-// What frames are asked to be: settings and cameras.
+// Settings and cameras of frames.
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
@@ -23,13 +23,14 @@ void bind_render(py::module_& m) {
         .value("PRODUCT", EnvironmentSampling::kProduct)
         .value("SHARED", EnvironmentSampling::kShared)
         .finalize();
-    py::native_enum<AmbientEngine>(m, "AmbientEngine", "enum.Enum", "Who traces shared directions.")
+    py::native_enum<AmbientEngine>(m, "AmbientEngine", "enum.Enum",
+                                   "The engine that traces shared directions.")
         .value("AUTO", AmbientEngine::kAuto)
         .value("BATCH", AmbientEngine::kBatch)
         .value("EMBREE", AmbientEngine::kEmbree)
         .value("FIELD", AmbientEngine::kField)
         .finalize();
-    py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Points of the square.")
+    py::native_enum<PointSet>(m, "PointSet", "enum.Enum", "Point sets on the unit square.")
         .value("INDEPENDENT", PointSet::kIndependent)
         .value("ZERO_TWO", PointSet::kZeroTwo)
         .finalize();
@@ -69,7 +70,8 @@ void bind_render(py::module_& m) {
                 for (size_t i = 0; i < p.size(); ++i) vpls->push_back({p[i], n[i], f[i]});
                 s.vpls = vpls;
             },
-            py::arg("positions"), py::arg("normals"), py::arg("flux"), "Takes the caller's own lights.")
+            py::arg("positions"), py::arg("normals"), py::arg("flux"),
+            "Set the virtual point lights of the caller.")
         .def_readwrite("vpl_max_depth", &IntegratorSettings::vpl_max_depth)
         .def_readwrite("vpl_candidates", &IntegratorSettings::vpl_candidates)
         .def_readwrite("vpl_eye_points", &IntegratorSettings::vpl_eye_points)
@@ -86,20 +88,21 @@ void bind_render(py::module_& m) {
         .def_readwrite("part", &FrameSettings::part)
         .def_readwrite("parts", &FrameSettings::parts);
     py::class_<Camera>(m, "Camera", "A pinhole camera; made by `viscache.look_at` or a scene file.")
-        .def_readwrite("name", &Camera::name, "As the file names it.")
-        .def_readwrite("fov_rad", &Camera::fov_y_rad, "Full angle of view, radians.")
+        .def_readwrite("name", &Camera::name, "Its name in the scene file.")
+        .def_readwrite("fov_rad", &Camera::fov_y_rad, "Full angle of view in radians.")
         .def_readwrite("fov_is_horizontal", &Camera::fov_is_horizontal,
-                       "Whether `fov_rad` is across the width instead of the height.")
+                       "Whether `fov_rad` is the horizontal angle.")
         .def_readwrite("width", &Camera::width, "Pixels.")
         .def_readwrite("height", &Camera::height, "Pixels.")
         .def_property_readonly(
-            "origin", [](const Camera& c) { return array3(c.origin); }, "Where it is, scene units.")
+            "origin", [](const Camera& c) { return array3(c.origin); }, "Position in scene units.")
         .def_property_readonly(
-            "forward", [](const Camera& c) { return array3(c.forward); }, "Where it looks, unit.")
+            "forward", [](const Camera& c) { return array3(c.forward); }, "Viewing direction, a unit vector.")
         .def_property_readonly(
-            "right", [](const Camera& c) { return array3(c.right); }, "Right in the picture, unit.")
+            "right", [](const Camera& c) { return array3(c.right); },
+            "Unit vector to the right in the picture.")
         .def_property_readonly(
-            "up", [](const Camera& c) { return array3(c.up); }, "Up in the picture, unit.");
+            "up", [](const Camera& c) { return array3(c.up); }, "Unit vector upwards in the picture.");
     m.def("scene_cameras", [](const Scene& s) { return s.description().cameras; }, py::arg("scene"));
     m.def(
         "look_at",

@@ -1,4 +1,4 @@
-// Ambient occlusion from rows of bits along shared directions.
+// Ambient occlusion from bit rows along shared directions.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -8,7 +8,8 @@
 namespace viscache::bindings {
 
 void bind_render_aligned(py::module_& m) {
-    m.def(
+    py::module_ t = m.def_submodule("_testing");
+    t.def(
         "free_share",
         [](uint32_t n_directions, const FloatArray& normals,
            const py::array_t<uint64_t, py::array::c_style | py::array::forcecast>& rows) {
@@ -24,7 +25,7 @@ void bind_render_aligned(py::module_& m) {
             return out;
         },
         py::arg("n_directions"), py::arg("normals"), py::arg("rows"),
-        "Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).");
+        "Cosine-weighted fraction of the hemisphere that is free by each bit row, (N,).");
 }
 
 }  // namespace viscache::bindings

@@ -15,7 +15,7 @@ namespace {
 
 using KeyArray = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
 
-/// draw(rng) `count` times for every key.
+/// Calls draw(rng) `count` times for every key.
 template <class Value, class Draw>
 py::array_t<Value> draws(const KeyArray& keys, py::ssize_t count, Draw draw) {
     require_rows(keys, 4, "keys");
@@ -44,7 +44,7 @@ void bind_sequences(py::module_& t) {
         [](const KeyArray& keys, py::ssize_t count) {
             return draws<float>(keys, count, [](Rng& rng) { return rng.next(); });
         },
-        py::arg("keys"), py::arg("count"), "The same streams as floats in [0, 1).");
+        py::arg("keys"), py::arg("count"), "The same numbers as floats in [0, 1).");
     t.def(
         "sobol02",
         [](const UintArray& index, uint32_t scramble_x, uint32_t scramble_y) {
@@ -68,7 +68,7 @@ void bind_sequences(py::module_& t) {
 }
 
 void bind_distribution(py::module_& t) {
-    py::class_<Distribution1D>(t, "Distribution1D", "Indices with given, piecewise constant probability.")
+    py::class_<Distribution1D>(t, "Distribution1D", "Discrete distribution of indices with given weights.")
         .def(py::init([](const DoubleArray& weights) {
                  if (weights.ndim() != 1)
                      throw py::value_error("weights must have shape (N,), got " + shape_text(weights));
@@ -85,12 +85,13 @@ void bind_distribution(py::module_& t) {
                     if (!(u.data()[i] >= 0 && u.data()[i] < 1))
                         throw py::value_error("u must be in [0, 1), got " + std::to_string(u.data()[i]));
                     const auto pick = d.sample(u.data()[i]);
-                    index.mutable_at(i) = int64_t(pick.index), pmf.mutable_at(i) = pick.pmf;
+                    index.mutable_at(i) = int64_t(pick.index);
+                    pmf.mutable_at(i) = pick.pmf;
                     rest.mutable_at(i) = pick.u;
                 }
                 return std::tuple(index, pmf, rest);
             },
-            py::arg("u"), "Index, its probability and the stretched rest of u, each (N,).")
+            py::arg("u"), "Index, its probability, and u rescaled to [0, 1) inside its interval, each (N,).")
         .def(
             "pmf",
             [](const Distribution1D& d, size_t index) {
@@ -124,7 +125,7 @@ void bind_octahedral(py::module_& s, py::module_& t) {
 }
 
 void bind_directions(py::module_& s) {
-    py::native_enum<PatternKind>(s, "PatternKind", "enum.Enum", "Where in its cell a direction lies.")
+    py::native_enum<PatternKind>(s, "PatternKind", "enum.Enum", "Position of a direction inside its cell.")
         .value("CENTRES", PatternKind::kCentres)
         .value("JITTERED", PatternKind::kJittered)
         .value("LLOYD", PatternKind::kLloyd)

@@ -10,9 +10,9 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kSortChunk = 1 << 16;  // sorting gains with the size of a chunk
+constexpr size_t kSortChunk = 1 << 16;  // sorting pays more in larger chunks
 
-/// Any hits by Embree, block by block in the way that is fastest.
+/// Any hits by Embree; every block is traced in the way that is fastest for it.
 py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                            const py::object& t_max, int threads) {
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -25,12 +25,12 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
     threads = resolve_threads(threads);
     std::vector<BlockTracer> tracers(size_t(threads), BlockTracer(caster, rays, out));
     std::atomic<bool> usable{true};
-    // Several chunks a thread, so that the first ones can teach the rest
+    // Several chunks per thread: later chunks use what was measured on the first ones
     const size_t chunk = std::clamp(n / (6 * size_t(threads)), kChunk, kSortChunk);
     in_chunks(
         n, threads,
         [&](size_t first, size_t last, int worker) {
-            // Checked chunk by chunk, while the rays are in the cache
+            // Rays are checked chunk by chunk while they are in the processor's cache
             if (!all_usable({origins + first, last - first}) ||
                 !all_usable({directions + first, last - first}))
                 usable = false;
@@ -38,14 +38,18 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, cons
                 tracers[size_t(worker)].block(first, last - first);
         },
         chunk);
-    if (!usable) require_usable(o, "origins"), require_usable(d, "directions");
+    if (!usable) {
+        require_usable(o, "origins");
+        require_usable(d, "directions");
+    }
     return result;
 }
 
-/// One plan for all rays: the bare loop.
+/// One fixed way for all rays, without any choice.
 py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                 float t_max, int width, bool coherent, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
     const size_t n = size_t(o.shape(0));
@@ -61,10 +65,11 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
     return result;
 }
 
-/// One ray a call; distances only.
+/// One call of Embree per ray. Gives distances only.
 py::array_t<float> bare_intersect(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
                                   int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -117,7 +122,7 @@ void bind_scene(py::module_& m) {
              py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
              py::arg("width"), py::kw_only(), py::arg("coherent") = false, py::arg("threads") = 0,
-             "Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.")
+             "Baseline of `viscache bench rays`: a loop with one packet width and no checks.")
         .def("bare_intersect", &bare_intersect, py::arg("origins"), py::arg("directions"), py::kw_only(),
              py::arg("threads") = 0,
              "Distances of nearest hits by one call of Embree per ray: the baseline of single-ray tracers.")

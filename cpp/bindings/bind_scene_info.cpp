@@ -1,4 +1,4 @@
-// What a frozen scene holds, as plain Python objects.
+// The contents of a frozen scene as plain Python objects.
 #include <fstream>
 
 #include "described.h"
@@ -15,11 +15,11 @@ py::dict mesh_dict(const Scene& scene, size_t index) {
         throw py::index_error("mesh must be in [0, " + std::to_string(scene.described_meshes()) + "), got " +
                               std::to_string(index));
     const Mesh& mesh = scene.meshes()[index];
-    py::dict d;
-    d["name"] = mesh.name, d["vertices"] = from_vec3s(mesh.vertices);
-    d["triangles"] = from_triangles(mesh.triangles), d["normals"] = from_vec3s(mesh.normals);
-    d["material"] = mesh.material, d["emission"] = array3(mesh.emission), d["in_world"] = mesh.in_world;
-    return d;
+    using namespace py::literals;
+    return py::dict("name"_a = mesh.name, "vertices"_a = from_vec3s(mesh.vertices),
+                    "triangles"_a = from_triangles(mesh.triangles), "normals"_a = from_vec3s(mesh.normals),
+                    "material"_a = mesh.material, "emission"_a = array3(mesh.emission),
+                    "in_world"_a = mesh.in_world);
 }
 
 }  // namespace
@@ -63,10 +63,11 @@ void bind_scene_info(py::module_& m) {
         "description_of",
         [](const Scene& s) {
             SceneDescription d = s.description();
-            d.meshes.resize(s.described_meshes()), d.materials.resize(s.described_materials());
+            d.meshes.resize(s.described_meshes());
+            d.materials.resize(s.described_materials());
             return d;
         },
-        py::arg("scene"), "A copy that can be changed.");
+        py::arg("scene"), "A description of the scene that can be changed.");
     m.def(
         "read_image",
         [](const std::string& path) {
@@ -78,7 +79,7 @@ void bind_scene_info(py::module_& m) {
         py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
     m.def("scene_offset_extent", &Scene::offset_extent, py::arg("scene"),
-          "The length that offsets of ray origins are relative to.");
+          "The length that scales the offsets of ray origins.");
     m.def(
         "scene_sphere",
         [](const Scene& s) {

@@ -1,4 +1,4 @@
-// Shadow maps: settings, and the look-ups of one light for tests.
+// Shadow maps: their settings, and look-ups of one light for tests.
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
@@ -9,7 +9,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// The look-ups of one light in its map, for tests.
+/// Looks points up in the map of one light.
 py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& settings, Vec3 far, bool direction,
                        const FloatArray& positions, const FloatArray& normals, Vec3 center, float radius,
                        int threads) {
@@ -27,8 +27,12 @@ py::tuple lit_by_light(const RayCaster& caster, const ShadowMapSettings& setting
         Receivers16 r;
         for (size_t i = 0; i < 16; ++i) {
             const size_t at = std::min(first + i, p.size() - 1);
-            r.x[i] = p[at].x, r.y[i] = p[at].y, r.z[i] = p[at].z;
-            r.nx[i] = n[at].x, r.ny[i] = n[at].y, r.nz[i] = n[at].z;
+            r.x[i] = p[at].x;
+            r.y[i] = p[at].y;
+            r.z[i] = p[at].z;
+            r.nx[i] = n[at].x;
+            r.ny[i] = n[at].y;
+            r.nz[i] = n[at].z;
         }
         const uint16_t bits = maps.lit16(light.ends, 0, r);
         for (size_t i = first; i < std::min(first + 16, p.size()); ++i)
@@ -52,7 +56,8 @@ void bind_shadow_map(py::module_& m) {
         .def_readwrite("vpls", &ShadowMapSettings::vpls)
         .def_readwrite("max_bytes", &ShadowMapSettings::max_bytes)
         .def("validate", &ShadowMapSettings::validate);
-    m.def(
+    py::module_ t = m.def_submodule("_testing");
+    t.def(
         "lit_by_light",
         [](const RayCaster& caster, const ShadowMapSettings& settings, std::array<float, 3> far,
            bool direction, const FloatArray& positions, const FloatArray& normals,
@@ -63,8 +68,8 @@ void bind_shadow_map(py::module_& m) {
         py::arg("caster"), py::arg("settings"), py::arg("far"), py::kw_only(), py::arg("direction"),
         py::arg("positions"), py::arg("normals"), py::arg("center"), py::arg("radius"),
         py::arg("threads") = 1,
-        "One light's map asked about points with unit normals: lit (N,), depths (faces, rows, columns). "
-        "`far` is a place, or a unit direction towards the light (tests).");
+        "Points with unit normals looked up in one light's map: lit (N,), depths (faces, rows, columns). "
+        "`far` is a position, or a unit direction towards the light.");
 }
 
 }  // namespace viscache::bindings

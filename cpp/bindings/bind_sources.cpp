@@ -1,4 +1,4 @@
-// What makes the oracles of a frame.
+// Sources of oracles.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -36,7 +36,7 @@ void bind_sources(py::module_& m) {
     py::class_<UnoccludedSource, OracleSource>(m, "UnoccludedSource", "See viscache.Unoccluded.")
         .def(py::init<>());
     py::class_<AlignedSource, OracleSource>(m, "AlignedSource",
-                                            "Exact; shared directions may go through a batch.")
+                                            "Exact rays. A batch may trace shared directions.")
         .def(py::init([](const Scene& s, const RayCaster& c, const AlignedBatch& batch, bool choose,
                          std::optional<PacketOrder> order, std::optional<bool> coherent) {
                  return std::make_unique<AlignedSource>(s, c, batch, choose, order, flag_of(coherent));
@@ -46,7 +46,8 @@ void bind_sources(py::module_& m) {
     py::class_<AqvcSource, OracleSource>(m, "AqvcSource", "See viscache.Aqvc.")
         .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,
              py::arg("parameters"), py::kw_only(), py::arg("spp"), KeepScene(), KeepCaster());
-    py::class_<FrameTableSource, OracleSource>(m, "FrameTableSource", "One table of the frame, see Bdpt.")
+    py::class_<FrameTableSource, OracleSource>(
+        m, "FrameTableSource", "A quantized cache with one table per frame; see viscache.Bdpt.")
         .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,
              py::arg("parameters"), py::kw_only(), py::arg("spp"), KeepScene(), KeepCaster());
     py::class_<KeptTableSource, OracleSource>(m, "KeptTableSource", "See viscache.AqvcTable.")

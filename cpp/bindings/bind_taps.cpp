@@ -1,4 +1,4 @@
-// The renderer's own eye points, far ends and samples, and frames with given answers.
+// The queries of a frame as arrays, and frames from given answers.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -16,7 +16,7 @@ namespace {
 using BitRows = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
 using Bools = py::array_t<bool, py::array::c_style | py::array::forcecast>;
 
-/// All that a frame asks.
+/// All queries of a frame.
 class FrameTaps {
 public:
     FrameTaps(const Scene& scene, const RayCaster& caster, const Camera& camera,
@@ -60,7 +60,7 @@ public:
         for (const auto& [group, there] : groups_) out.append(group);
         return out;
     }
-    /// Eye point, place or direction, normal, density and contribution of each sample of a group.
+    /// Eye point, position or direction, normal, density and contribution of each sample of a group.
     py::dict samples(int group) const {
         const SamplesTap& s = joined(group);
         const py::ssize_t n = py::ssize_t(s.at.size());
@@ -102,7 +102,8 @@ public:
         std::memcpy(out.mutable_data(), source.values().data(), source.values().size() * sizeof(Rgb));
         return out;
     }
-    /// Asks a source all that the frame asks, as the frame does: {"lights": [...], "samples": {group: ...}}.
+    /// The answers of a source to all queries, asked as the frame asks them: {"lights": [...], "samples":
+    /// {group: ...}}.
     py::dict ask(OracleSource& inner) const {
         AnswerSource source(inner);
         FrameResult result;
@@ -118,7 +119,7 @@ public:
         out["samples"] = samples;
         return out;
     }
-    /// Starts the answers of a frame.
+    /// Answers that are still empty.
     GivenAnswers answers() const {
         GivenAnswers out;
         out.first_row = first_row_;
@@ -132,7 +133,7 @@ public:
     }
 
 private:
-    /// Bits and weights of a shared group, tile after tile.
+    /// Bits and weights of a shared group, in the order of the tiles.
     py::dict block_of(const AnswerSource& source, size_t light, size_t columns) const {
         const size_t words = words_for(columns);
         py::array_t<uint64_t> bits({py::ssize_t(rows_), py::ssize_t(words)});
@@ -156,8 +157,8 @@ private:
         out["weights"] = weights;
         return out;
     }
-    /// Answers and weights of a group's samples in the order of the eye points, and the orders they were
-    /// asked in.
+    /// Answers and weights of a group's samples in the order of the eye points, and the order in which every
+    /// tile asked for them.
     py::dict samples_of(const AnswerSource& source, int group) const {
         std::vector<uint8_t> visible;
         std::vector<float> weights;
@@ -183,31 +184,14 @@ private:
         out["run_end"] = run_end;
         return out;
     }
-    /// The samples of a group through all tiles, eye points by their number in the frame.
+    /// Joins the samples of a group from all tiles. Eye points get their numbers in the frame.
     void join(int group) {
         SamplesTap& all = joined_[group];
         for (size_t t = 0; t < source_.tiles().size(); ++t) {
             const auto& samples = source_.tiles()[t].samples;
             const auto found = samples.find(group);
             if (found == samples.end()) continue;
-            const LocalSamples& s = found->second.at;
-            all.at.semantic = s.semantic;
-            all.at.group = group;
-            all.at.t_max = s.t_max;
-            const uint32_t before = uint32_t(all.at.size());
-            for (const uint32_t eye : s.eye) all.at.eye.push_back(uint32_t(first_row_[t]) + eye);
-            for (const uint32_t end : s.end) all.at.end.push_back(before + end);
-            const auto extend = [](auto& to, const auto& from) {
-                to.insert(to.end(), from.begin(), from.end());
-            };
-            extend(all.at.x, s.x);
-            extend(all.at.y, s.y);
-            extend(all.at.z, s.z);
-            extend(all.at.normal, s.normal);
-            extend(all.at.ray_end, s.ray_end);
-            extend(all.at.density, s.density);
-            extend(all.at.light_density, s.light_density);
-            extend(all.contribution, found->second.contribution);
+            all.append(found->second.at, found->second.contribution, uint32_t(first_row_[t]));
         }
     }
 
@@ -223,7 +207,7 @@ private:
     std::map<int, SamplesTap> joined_;
 };
 
-/// Answers for a frame; they hold on to the arrays they look at.
+/// Answers for a frame. They keep the arrays alive that they refer to.
 class Answers {
 public:
     explicit Answers(const FrameTaps& taps) : taps_(taps), given_(taps.answers()) {}
@@ -271,7 +255,7 @@ private:
 }  // namespace
 
 void bind_taps(py::module_& m) {
-    py::class_<FrameTaps>(m, "FrameTaps", "All that a frame asks, see viscache.connections.")
+    py::class_<FrameTaps>(m, "FrameTaps", "All queries of a frame; see viscache.connections.")
         .def(py::init<const Scene&, const RayCaster&, const Camera&, const IntegratorSettings&,
                       const FrameSettings&>(),
              py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
@@ -284,8 +268,8 @@ void bind_taps(py::module_& m) {
         .def("contributions", &FrameTaps::contributions, py::arg("group"), py::arg("begin"), py::arg("end"))
         .def("ask", &FrameTaps::ask, py::arg("source"))
         .def_property_readonly("rows", &FrameTaps::rows);
-    py::class_<GivenSource, OracleSource>(m, "GivenSource", "Answers that were given.");
-    py::class_<Answers>(m, "GivenAnswers", "Answers for one frame.")
+    py::class_<GivenSource, OracleSource>(m, "GivenSource", "Oracles that give stored answers.");
+    py::class_<Answers>(m, "GivenAnswers", "Stored answers for one frame.")
         .def(py::init<const FrameTaps&>(), py::arg("taps"), py::keep_alive<1, 2>())
         .def("block", &Answers::block, py::arg("group"), py::arg("bits"), py::arg("weights"),
              py::arg("columns"))

@@ -1,4 +1,4 @@
-// Triangles of a scene as one list, and single rays against single triangles.
+// The triangles of a scene as one list, and intersections of single rays with single triangles; for tests.
 #include <pybind11/native_enum.h>
 
 #include "arrays.h"
@@ -31,14 +31,15 @@ py::dict flat_dict(const Scene& scene) {
         std::memcpy(corners.mutable_data(), flat.triangles.data(),
                     flat.triangles.size() * sizeof(FlatTriangle));
     py::dict d;
-    d["corners"] = corners, d["degenerate"] = flat.degenerate;
+    d["corners"] = corners;
+    d["degenerate"] = flat.degenerate;
     d["mesh"] = ids_of(flat, [](const TriangleSource& s) { return s.mesh; });
     d["triangle"] = ids_of(flat, [](const TriangleSource& s) { return s.triangle; });
     d["instance"] = ids_of(flat, [](const TriangleSource& s) { return s.instance; });
     return d;
 }
 
-/// Ray i against triangle i; rows (t, u, v), NaN where it misses.
+/// Intersects ray i with triangle i. Rows are (t, u, v), NaN for a miss.
 py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, const FloatArray& b,
                                  const FloatArray& c, const FloatArray& origins, const FloatArray& directions,
                                  float t_min, float t_max) {
@@ -58,14 +59,16 @@ py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, con
                 : intersect_watertight({pa[i], pb[i], pc[i], 0, {}}, ShearedRay(ray), t_max, hit);
         const float nan = std::numeric_limits<float>::quiet_NaN();
         float* row = rows.mutable_data(i, 0);
-        row[0] = found ? hit.t : nan, row[1] = found ? hit.u : nan, row[2] = found ? hit.v : nan;
+        row[0] = found ? hit.t : nan;
+        row[1] = found ? hit.u : nan;
+        row[2] = found ? hit.v : nan;
     }
     return rows;
 }
 
 using NumberArray = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;  // of meshes, triangles
 
-/// Whether alpha masks leave point (u, v) of each triangle solid.
+/// Whether point (u, v) of each triangle is solid by its alpha mask.
 py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const NumberArray& triangles,
                         const FloatArray& uv) {
     const py::ssize_t n = meshes.size();
@@ -89,7 +92,7 @@ py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const Num
 }  // namespace
 
 void bind_triangles(py::module_& m) {
-    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::module_ v = m.def_submodule("visibility", "Ray casters and their parts.");
     py::native_enum<TriangleKernel>(v, "TriangleKernel", "enum.Enum", "Ray against triangle.")
         .value("WATERTIGHT", TriangleKernel::kWatertight)
         .value("WALD", TriangleKernel::kWald)
@@ -98,12 +101,14 @@ void bind_triangles(py::module_& m) {
     t.def("flat_triangles", &flat_dict, py::arg("scene"),
           "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "
           "degenerate ones, left out.");
-    t.def("solid_at", &solid, py::arg("scene"), py::arg("meshes"), py::arg("triangles"), py::arg("uv"),
-          "(N,) bool: do alpha masks leave points of triangles solid, at barycentrics (u, v) of their second "
-          "and third corners?");
+    t.def(
+        "solid_at", &solid, py::arg("scene"), py::arg("meshes"), py::arg("triangles"), py::arg("uv"),
+        "(N,) bool: whether points of triangles are solid by their alpha masks. (u, v) are the barycentrics "
+        "of the second and the third corner.");
     t.def("triangle_hits", &triangle_hits, py::arg("kernel"), py::arg("a"), py::arg("b"), py::arg("c"),
           py::arg("origins"), py::arg("directions"), py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
-          "Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.");
+          "Intersects ray i with triangle (a, b, c)[i]: rows (t, u, v) with t_min < t <= t_max, NaN for a "
+          "miss.");
 }
 
 }  // namespace viscache::bindings

@@ -217,16 +217,17 @@ void bind_vismap_cache(py::module_& m) {
         .def("set_thresholds", &MapCache::set_thresholds, py::arg("w_min"), py::arg("delta_max"))
         .def("bootstrap", &bootstrap_cache, py::arg("scene"), py::arg("caster"), py::arg("points"),
              py::arg("frame") = 0, py::arg("threads") = 0,
-             "Inserts a record at every point; statistics of the records among each other.")
+             "Insert a record at every point; gives what the records predict of each other.")
         .def("insert", &insert, py::arg("scene"), py::arg("caster"), py::arg("points"), py::kw_only(),
              py::arg("frame") = 0, py::arg("threads") = 0, py::arg("progress") = py::none(),
-             "Inserts records where they are needed; counts.")
+             "Insert records where they are needed; gives counts.")
         .def("select", &select_points, py::arg("points"), py::arg("threads") = 0,
-             "What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.")
-        .def("records", &records_dict, "Copies of everything stored, one row per record.")
+             "Records that are blended at every point: ids (N, n_best) or −1, their weights beta, and the "
+             "values of the insertion test.")
+        .def("records", &records_dict, "Copies of all stored records, one row each.")
         .def("add_records", &add_records, py::arg("positions"), py::arg("normals"), py::arg("bits"),
              py::arg("rays"), py::arg("misses"), py::arg("last_used"), py::arg("ambient"),
-             py::arg("nearest_hit"), "Adds records without tracing rays.")
+             py::arg("nearest_hit"), "Insert records that were traced before.")
         .def(
             "mark_used",
             [](MapCache& cache, const Points& points, uint32_t frame, int threads) {
@@ -234,7 +235,7 @@ void bind_vismap_cache(py::module_& m) {
                     [&](Control& control) { mark_used(cache, points, frame, threads, control); });
             },
             py::arg("points"), py::arg("frame"), py::arg("threads") = 0,
-            "Records blended at the points count as used in the frame.")
+            "Mark the records that are blended at the points as used in the frame.")
         .def("tally", &tally, py::arg("rays"), py::arg("misses"), py::arg("used"), py::arg("frame"))
         .def("remove", &remove, py::arg("frame"), "Removes records as the parameters say; counts.")
         .def("reset_tallies", &reset_tallies)

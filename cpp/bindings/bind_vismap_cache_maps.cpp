@@ -1,4 +1,4 @@
-// Parts of the visibility-map cache: maps, weights, the tree.
+// Parts of the visibility-map cache: maps, weights and the tree of records.
 #include <pybind11/stl.h>
 
 #include "arrays.h"
@@ -83,7 +83,7 @@ py::array_t<float> map_differences(const WordArray& a, const WordArray& b, int m
     return out;
 }
 
-/// A kd-tree for tests.
+/// The tree of records with an interface for tests.
 struct TestTree {
     KdTree tree;
     void insert(const FloatArray& positions, uint32_t first_id) {
@@ -107,7 +107,7 @@ struct TestTree {
         }
         return all;
     }
-    /// The same query by query; query q excludes the points whose id is q modulo 3.
+    /// The same with a neighbour list. Query q skips the points whose number equals q modulo 3.
     std::pair<std::vector<std::vector<uint32_t>>, uint64_t> walk(const FloatArray& positions, float radius,
                                                                  int m) {
         std::vector<std::vector<uint32_t>> all;
@@ -126,13 +126,14 @@ struct TestTree {
 
 void bind_maps(py::module_& v, py::module_& t) {
     v.def("morton2", py::vectorize(morton2), py::arg("x"), py::arg("y"), "Z-order numbers of cells.");
-    t.def("gather2", py::vectorize(gather2), py::arg("v"), "The bits on even places.");
+    t.def("gather2", py::vectorize(gather2), py::arg("v"), "The bits at even positions, packed.");
     v.def(
         "record_nbytes", [](int m) { return record_nbytes(checked_m(m)); }, py::arg("m"),
-        "Bytes of a record as the paper counts them.");
-    t.def("hierarchy", &hierarchy_of, py::arg("bits"), py::arg("m"), "Words of the codes above a map.");
+        "Size of a record in bytes by the paper's formula.");
+    t.def("hierarchy", &hierarchy_of, py::arg("bits"), py::arg("m"),
+          "Words of the quadtree codes above a map.");
     t.def("node_codes", &node_codes, py::arg("bits"), py::arg("m"), py::arg("level"),
-          "Codes of a level's nodes, (4^level,).");
+          "Codes of the nodes of a level, (4^level,).");
     v.def("dilated", &dilated, py::arg("bits"), py::arg("m"), py::arg("level"), "V^level of a map.");
     t.def("map_differences", &map_differences, py::arg("a"), py::arg("b"), py::arg("m"),
           py::arg("isa") = py::none(), "δ of rows of maps, (N,).");
@@ -149,7 +150,7 @@ void bind_maps(py::module_& v, py::module_& t) {
         },
         py::arg("bits"), py::arg("m"), py::arg("pattern"), py::arg("normal"), "A of a map.");
     t.def("wilson_lower", py::vectorize(wilson_lower), py::arg("misses"), py::arg("rays"),
-          "Lower end of the 95 % interval of a share.");
+          "Lower bound of the 95 % Wilson interval of misses / rays.");
 }
 
 void bind_weights(py::module_& v, py::module_& t) {
@@ -180,15 +181,15 @@ void bind_vismap_cache_maps(py::module_& m) {
     py::module_ t = m.def_submodule("_testing");
     bind_maps(v, t);
     bind_weights(v, t);
-    py::class_<TestTree>(t, "KdTree", "The records' tree; finds the m nearest within a radius.")
+    py::class_<TestTree>(t, "KdTree", "Tree of records. It finds the m nearest within a radius.")
         .def(py::init<>())
         .def("insert", &TestTree::insert, py::arg("positions"), py::arg("first_id"))
         .def("build", &TestTree::build, py::arg("positions"))
         .def("search", &TestTree::search, py::arg("positions"), py::arg("radius"), py::arg("m"),
              "Ids of every position, nearest first.")
         .def("walk", &TestTree::walk, py::arg("positions"), py::arg("radius"), py::arg("m"),
-             "The same by a neighbour list that excludes ids congruent to the query's number modulo 3, and "
-             "how often the tree was not needed.")
+             "The same with a neighbour list. Query q skips ids congruent to q modulo 3. Also the number of "
+             "queries that the list answered without the tree.")
         .def_property_readonly("rebuilds", [](const TestTree& t) { return t.tree.rebuilds(); })
         .def_property_readonly("depth", [](const TestTree& t) { return t.tree.depth(); })
         .def_property_readonly("oversized_leaves",

@@ -1,4 +1,4 @@
-// Control variates and the estimate at one point, with light and reflection given as tables over the sphere.
+// Control variates, and estimates at one point with tabulated light, reflection and maps; for tests.
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
@@ -16,7 +16,7 @@ void require_eta(double eta) {
     if (!(eta > 0 && eta <= 1)) throw py::value_error("eta must be in (0, 1], got " + std::to_string(eta));
 }
 
-/// A point whose reflection and maps are tables.
+/// A point with tabulated reflection and maps.
 struct BoundPoint {
     std::shared_ptr<const EnvironmentPyramid> light;
     TableReflection b;
@@ -54,7 +54,10 @@ py::dict samples_of(const BoundPoint& p, const DoubleArray& u) {
         if (!(x >= 0 && x < 1 && y >= 0 && y < 1)) throw py::value_error("u must be in [0, 1)");
         const DirectionSample s = p.draw({x, y});
         texel.mutable_at(i) = p.row_major(s.texel);
-        for (int c = 0; c < 3; ++c) f.mutable_at(i, c) = s.f[size_t(c)], g.mutable_at(i, c) = s.g[size_t(c)];
+        for (int c = 0; c < 3; ++c) {
+            f.mutable_at(i, c) = s.f[size_t(c)];
+            g.mutable_at(i, c) = s.g[size_t(c)];
+        }
         z.mutable_at(i) = s.z;
         w.mutable_at(i) = s.w;
         d.mutable_at(i) = s.d;
@@ -63,7 +66,7 @@ py::dict samples_of(const BoundPoint& p, const DoubleArray& u) {
                     py::arg("w") = w, py::arg("d") = d);
 }
 
-/// Independent passes with the given numbers of samples.
+/// Independent passes; each has its own number of samples.
 py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, const std::vector<int>& sizes,
                              int replicates, PointSet set, AlphaMode mode, double value, uint64_t seed,
                              int threads) {
@@ -102,7 +105,7 @@ py::array_t<double> simulate(const BoundPoint& p, const BoolArray& visible, cons
     return out;
 }
 
-/// Cell values along the Morton curve as an image.
+/// Reorders cell values from the Morton curve to an image.
 py::array_t<double> cells(const std::vector<double>& values, int level) {
     const py::ssize_t edge = py::ssize_t{1} << level;
     py::array_t<double> out({edge, edge});
@@ -119,7 +122,7 @@ py::array_t<double> of_texels(const BoundPoint& p, F f) {
 }
 
 void bind_point(py::module_& s) {
-    py::class_<BoundPoint>(s, "PointEstimate", "Light × reflection × maps at one point, all of them tables.")
+    py::class_<BoundPoint>(s, "PointEstimate", "Light × reflection × maps at one point, all given as tables.")
         .def(
             py::init([](std::shared_ptr<EnvironmentPyramid> light, const FloatArray& b, const BoolArray& maps,
                         const FloatArray& beta, const std::vector<BoolArray>& dilated, double eta) {
@@ -127,7 +130,7 @@ void bind_point(py::module_& s) {
             }),
             py::arg("light"), py::arg("b"), py::arg("maps"), py::arg("beta"), py::kw_only(),
             py::arg("dilated") = std::vector<BoolArray>{}, py::arg("eta") = 1.0,
-            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: their two (m < 6) or three dilations.")
+            "b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: two dilations of the maps (m < 6) or three.")
         .def_property_readonly("l_ns", [](const BoundPoint& p) { return p.point.moments().l_ns; })
         .def_property_readonly("guided", [](const BoundPoint& p) { return p.point.guided(); })
         .def_property_readonly(
@@ -180,14 +183,14 @@ void bind_point(py::module_& s) {
                     }
                 throw py::value_error("isa must be one this CPU has, got " + isa);
             },
-            py::arg("isa"), "J, ∫ L·B̃·Ṽ², J per channel, ∫ L·B̃·Ṽ^k by one instruction set.")
+            py::arg("isa"), "J, ∫ L·B̃·Ṽ², J per channel and ∫ L·B̃·Ṽ^k, computed with one instruction set.")
         .def(
             "walk",
             [](const BoundPoint& p) {
                 const WalkIntegrals w = walk_maps(p.point.tree(), p.maps.view);
                 return std::tuple(w.j, w.w2, w.nodes);
             },
-            "J and ∫ L·B̃·Ṽ² by the joint quadtree walk, and the nodes visited.")
+            "J and ∫ L·B̃·Ṽ² by a joint walk of the quadtrees, and the number of visited nodes.")
         .def("sample", &samples_of, py::arg("u"),
              "texel, f, g, z, w and D of the points (N, 2) of the square.")
         .def(
@@ -200,11 +203,12 @@ void bind_point(py::module_& s) {
             py::arg("visible"), py::kw_only(), py::arg("n"), py::arg("passes") = 1, py::arg("replicates") = 1,
             py::arg("set") = PointSet::kIndependent, py::arg("mode") = AlphaMode::kFixed,
             py::arg("alpha") = 1.0, py::arg("seed") = 0, py::arg("threads") = 1,
-            "Estimates (replicates, passes, 3) with the true visibility (R, R) of bool.")
+            "Estimates (replicates, passes, 3); `visible` (R, R) of bool is the true visibility.")
         .def("simulate", &simulate, py::arg("visible"), py::kw_only(), py::arg("sizes"),
              py::arg("replicates") = 1, py::arg("set") = PointSet::kIndependent,
              py::arg("mode") = AlphaMode::kFixed, py::arg("alpha") = 1.0, py::arg("seed") = 0,
-             py::arg("threads") = 1, "The same for passes of these sizes; `alpha` is the first's.");
+             py::arg("threads") = 1,
+             "The same for passes of these sizes. `alpha` belongs to the first pass.");
 }
 
 void bind_equations(py::module_& t) {
@@ -234,7 +238,8 @@ void bind_equations(py::module_& t) {
             for (py::ssize_t i = 0; i < z.shape(0); ++i) sums.add(z.at(i), w.at(i));
             return regressed_alpha(sums, var_w);
         },
-        py::arg("z"), py::arg("w"), py::arg("var_w"), "α from samples (N,), both less the mean of W.");
+        py::arg("z"), py::arg("w"), py::arg("var_w"),
+        "α from samples (N,) of Z and W, both minus the mean of W.");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Points at which a visibility-map cache is looked up: from arrays, or the first hits of a camera's pixels.
+// Query points of a visibility-map cache: from arrays, or the first hits of a camera's pixels.
 #include <pybind11/stl.h>
 
 #include "cache_points.h"
@@ -62,11 +62,11 @@ py::tuple with_counts(PixelPoints found) {
 
 void bind_vismap_points(py::module_& m) {
     py::module_ v = m.def_submodule("vismap");
-    py::class_<Points>(v, "CachePoints", "Points that ask a cache; d_max = 0 where there is no surface.")
+    py::class_<Points>(v, "CachePoints", "Query points of a cache. d_max is 0 for points without a surface.")
         .def(py::init(&points_of), py::arg("positions"), py::arg("normals"), py::arg("d_max"),
              py::arg("footprint"), py::arg("first_row") = 0)
         .def("__len__", [](const Points& p) { return p.size(); })
-        .def("take", &taken, py::arg("indices"), "Some of the points, in this order.")
+        .def("take", &taken, py::arg("indices"), "A selection of the points, in this order.")
         .def_property_readonly(
             "positions",
             [](const Points& p) { return vectors(p.size(), [&](size_t i) { return p[i].position; }); })
@@ -79,7 +79,7 @@ void bind_vismap_points(py::module_& m) {
         .def_property_readonly("footprint", [](const Points& p) {
             return column<float>(p.size(), [&](size_t i) { return p[i].footprint; });
         });
-    py::class_<PixelRules>(v, "PixelRules", "How far records are looked for; see viscache.MapSettings.")
+    py::class_<PixelRules>(v, "PixelRules", "Search radii of records; see viscache.MapSettings.")
         .def(py::init([](float reach, float most_reach, float least_cos) {
                  return PixelRules{reach, most_reach, least_cos};
              }),
@@ -98,7 +98,7 @@ void bind_vismap_points(py::module_& m) {
             }
             return py::array_t<uint32_t>(py::ssize_t(n), order.data());
         },
-        py::arg("positions"), "Rows of the positions along the Morton curve of their bounding box.");
+        py::arg("positions"), "Row numbers of the positions along the Morton curve of their bounding box.");
     v.def(
         "pixel_points",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
@@ -113,7 +113,7 @@ void bind_vismap_points(py::module_& m) {
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("at"), py::arg("rules"), py::arg("threads") = 0,
-        "First hits through one place of every pixel, row-major; misses; bad normals.");
+        "First hits through one position inside every pixel, row-major; misses; bad normals.");
     v.def(
         "sample_points",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height,
@@ -128,7 +128,7 @@ void bind_vismap_points(py::module_& m) {
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("seed"), py::arg("sample"), py::arg("rules"), py::arg("threads") = 0,
-        "The same through the places where render's sample of every pixel lies.");
+        "The same through the position of the sample that `render` takes in every pixel.");
     v.def(
         "startup_points",
         [](const Scene& scene, const RayCaster& caster, const Camera& camera, int width, int height, size_t n,
@@ -144,7 +144,7 @@ void bind_vismap_points(py::module_& m) {
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("width"), py::arg("height"),
         py::arg("n"), py::arg("seed"), py::arg("rules"),
-        "First hits of n rays, stratified over the image; misses; bad normals.");
+        "First hits of n rays stratified over the image; misses; bad normals.");
 }
 
 }  // namespace viscache::bindings

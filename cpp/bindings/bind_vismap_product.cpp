@@ -1,4 +1,4 @@
-// Product importance sampling of the environment for tests, benchmarks and notebooks.
+// Product importance sampling of the environment.
 #include <pybind11/stl.h>
 
 #include "rows.h"
@@ -12,7 +12,7 @@ namespace {
 
 using Pyramid = std::shared_ptr<const EnvironmentPyramid>;
 
-/// A tree that keeps its environment alive.
+/// A product tree that keeps its environment alive.
 struct BoundTree {
     Pyramid light;
     ProductTree tree;
@@ -30,7 +30,7 @@ std::unique_ptr<BoundTree> built(const Pyramid& light, const Reflection& reflect
     return t;
 }
 
-/// f(Morton code) of every texel, row by row.
+/// f(Morton code) for every texel, in rows.
 template <class F>
 py::array_t<double> texels(const BoundTree& t, int channels, F f) {
     const py::ssize_t n = py::ssize_t{1} << t.light->levels();
@@ -79,7 +79,7 @@ void bind_pyramid(py::module_& s) {
                      {reinterpret_cast<const Rgb*>(pixels.data()), size_t(pixels.shape(0) * pixels.shape(1))},
                      int(pixels.shape(0)));
              }),
-             py::arg("pixels"), "From N × N texels of the map, N a power of two, row by row.")
+             py::arg("pixels"), "From N × N texels of the map in rows; N is a power of two.")
         .def_property_readonly("levels", &EnvironmentPyramid::levels)
         .def_property_readonly("total", &EnvironmentPyramid::total, "Integral of luminance over the sphere.")
         .def(
@@ -90,11 +90,12 @@ void bind_pyramid(py::module_& s) {
                                           std::to_string(level));
                 return py::array_t<double>(py::ssize_t{1} << (2 * level), p.sums(level));
             },
-            py::arg("level"), "Sums of the nodes of a level along the Morton curve, (4^level,).");
+            py::arg("level"), "Sums over the nodes of a level along the Morton curve, (4^level,).");
 }
 
 void bind_tree(py::module_& t) {
-    py::class_<BoundTree>(t, "ProductTree", "L·B̃ over the sphere for one point, to draw directions from.")
+    py::class_<BoundTree>(t, "ProductTree",
+                          "L·B̃ over the sphere for one point. Directions are drawn from it.")
         .def_static(
             "of_surface",
             [](const std::shared_ptr<EnvironmentPyramid>& light, const ShadingPoint& sp, int m) {
@@ -107,7 +108,7 @@ void bind_tree(py::module_& t) {
                 return built(light, TableReflection(b), m);
             },
             py::arg("light"), py::arg("b"), py::arg("map_level") = 5,
-            "From B as a table over the map, (N, N, 3).")
+            "From a table of B over the map, (N, N, 3).")
         .def_property_readonly(
             "total", [](const BoundTree& t) { return t.tree.total(); }, "L_ns, the integral of L·B̃.")
         .def_property_readonly("leaves", [](const BoundTree& t) { return t.tree.leaves(); })
@@ -128,7 +129,8 @@ void bind_tree(py::module_& t) {
                 const auto m = t.tree.texel_masses();
                 return texels(t, 1, [&](uint32_t z, double* to) { *to = m[z]; });
             },
-            "Integrals of L·B̃ over the texels, (R, R); over L_ns the probability to be drawn.")
+            "Integrals of L·B̃ over the texels, (R, R). Divided by L_ns they are the probabilities of the "
+            "texels.")
         .def(
             "b_tilde",
             [](const BoundTree& t) {
@@ -141,7 +143,7 @@ void bind_tree(py::module_& t) {
             },
             "B̃ of the texels, (R, R, 3).")
         .def("sample", &draw, py::arg("u"),
-             "Texels drawn by points (N, 2) of the square, row-major numbers (N,), and directions (N, 3).");
+             "Texels drawn with points (N, 2) of the square: row-major numbers (N,) and directions (N, 3).");
 }
 
 }  // namespace
@@ -169,7 +171,7 @@ void bind_vismap_product(py::module_& m) {
             return std::tuple(from_vec3s(d), from_vec3s(b));
         },
         py::arg("shading"), py::arg("level"), py::arg("first"),
-        "Sixteen node centres (16, 3) and B = f·cos there, as the tree sees it (16, 3).");
+        "Sixteen node centres (16, 3), and B = f·cos at them as the tree computes it (16, 3).");
 }
 
 }  // namespace viscache::bindings

@@ -1,4 +1,4 @@
-// Visibility maps with which frames estimate the light of the environment.
+// Visibility maps for the environment light of frames.
 #include "frame_maps.h"
 
 #include <pybind11/stl.h>
@@ -34,7 +34,7 @@ void bind_vismap_render(py::module_& m) {
         .def(py::init(&settings_of), py::kw_only(), py::arg("alpha"), py::arg("alpha_value"),
              py::arg("pilot_alpha"), py::arg("sampling"), py::arg("eta"), py::arg("replace"),
              py::arg("points"));
-    py::class_<FrameMaps>(m, "FrameMaps", "Maps that one frame estimates the environment with.");
+    py::class_<FrameMaps>(m, "FrameMaps", "Visibility maps for the environment light of one frame.");
     m.def(
         "cache_maps",
         [](const VisMapSettings& settings, MapCache& cache, const FrameSettings& frame,
@@ -49,9 +49,10 @@ void bind_vismap_render(py::module_& m) {
         },
         py::arg("settings"), py::arg("cache"), py::arg("frame"), py::arg("d_max"), py::arg("footprint"),
         py::kw_only(), py::arg("count_misses") = false, py::arg("cache_frame") = 0, py::keep_alive<0, 2>(),
-        "The maps of a cache, which must not change while the frame is rendered; d_max and footprint are "
-        "those of the pixels' centres, (H·W,).");
-    m.def(
+        "The maps of a cache, which must not change while the frame is rendered. d_max and footprint belong "
+        "to the centres of the pixels, (H·W,).");
+    py::module_ t = m.def_submodule("_testing");
+    t.def(
         "given_maps",
         [](const VisMapSettings& settings, const BoolArray& bits, const FloatArray& beta,
            const std::vector<BoolArray>& dilated) {
@@ -64,7 +65,7 @@ void bind_vismap_render(py::module_& m) {
                 py::tuple()};
         },
         py::arg("settings"), py::arg("maps"), py::arg("beta"), py::arg("dilated"),
-        "The same blend of maps for all points (tests).");
+        "The same blend of maps for all points.");
 }
 
 }  // namespace viscache::bindings

@@ -11,7 +11,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// (l, 3, 3) rows u, v, w of orthonormal frames.
+/// Orthonormal frames from an array (l, 3, 3) with the rows u, v, w.
 std::span<const Frame3> checked_frames(const FloatArray& a) {
     if (a.ndim() != 3 || a.shape(1) != 3 || a.shape(2) != 3)
         throw py::value_error("frames must have shape (l, 3, 3), got " + shape_text(a));
@@ -26,7 +26,7 @@ std::span<const Frame3> checked_frames(const FloatArray& a) {
     return frames;
 }
 
-/// The arguments of a call, checked; origins have left their surfaces.
+/// The checked arguments of a call. Ray origins are offset from their surfaces.
 struct Call {
     std::vector<Vec3> origin;
     AlignedInput input;
@@ -44,7 +44,7 @@ struct Call {
         input = {origin, n, checked_frames(frames), t_max};
         bits = py::array_t<uint64_t>({p.size(), words_for(input.axes.size())});
     }
-    /// work(rows, control) without the interpreter's lock.
+    /// Runs work(rows, control) without the interpreter's lock.
     template <class Work>
     void run(Work work, const py::object& progress) {
         run_interruptible(
@@ -73,7 +73,7 @@ py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatA
     return py::make_tuple(call.bits, d);
 }
 
-/// (use the batch?, its nanoseconds per ray, Embree's)
+/// (whether the batch is faster, ns per ray of the batch and of Embree)
 std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& scene,
                                         const FloatArray& positions, const FloatArray& normals,
                                         const FloatArray& frames, float t_max, int threads) {
@@ -129,23 +129,24 @@ void bind_vlf_aligned(py::module_& m) {
              py::call_guard<py::gil_scoped_release>())
         .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
              py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0, py::arg("isa") = py::none(),
-             py::arg("progress") = py::none(), "Rows of bits (N, words), 1 = free, and how much work it was.")
+             py::arg("progress") = py::none(), "Bit rows (N, words), 1 = free, and counts of the work.")
         .def("choose", &choose, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
              py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
              "True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.")
         .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
         .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
     v.def("is_hopeless", &is_hopeless, py::arg("triangles"), py::arg("points"),
-          "True if the batch is slower in every scene.");
+          "True if the batch is slower whatever the scene is.");
     v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = py::none(),
           py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("threads") = 0,
-          py::arg("progress") = py::none(), "The same bits by Embree.");
+          py::arg("progress") = py::none(), "The same bits, traced by Embree.");
     v.def("field_rows", &field_rows, py::arg("field"), py::arg("points"), py::arg("normals"),
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
-          py::arg("progress") = py::none(), "The same by look-up in a field of these directions.");
+          py::arg("progress") = py::none(), "The same bits, looked up in a field of these directions.");
     v.def("predict_field_rows", &predict_field_rows, py::arg("scene"), py::arg("settings"),
-          "Predicted cost in a field that is yet to be built: tests per ray, ray_ns, build_s, least bytes.");
+          "Predicted cost in a field that is still to be built: tests per ray, ray_ns, build_s, bytes (at "
+          "least).");
     v.attr("FIELD_RAY_NS") = kFieldRayNs;
 }
 

@@ -31,7 +31,7 @@ py::array_t<float> frames(uint32_t n_directions) {
     return a;
 }
 
-/// Numbers of the directions along and against each axis; -1: none.
+/// Numbers of the direction along each axis and of the one against it; -1: none.
 py::array_t<int64_t> shared_axes(const FloatArray& directions) {
     const auto axes = axes_of(units(directions, "directions"));
     py::array_t<int64_t> numbers({py::ssize_t(axes.size()), py::ssize_t(2)});
@@ -65,7 +65,8 @@ void bind_vlf_directions(py::module_& m) {
         py::arg("n_directions"), "Solid angles (l,), in sr.");
     py::module_ t = m.def_submodule("_testing");
     t.def("shared_axes", &shared_axes, py::arg("directions"),
-          "Which of unit directions go along and against one axis, (A, 2); -1 against: none.");
+          "Pairs of opposite unit directions (A, 2): the one along each axis and the one against it; -1: "
+          "none.");
     v.def("nearest_direction", &nearest_direction, py::arg("directions"), py::arg("n_directions"),
           "Index of the axis nearest to each row.");
 }

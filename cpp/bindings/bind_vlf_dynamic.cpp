@@ -1,4 +1,4 @@
-// Objects that move in a visibility field.
+// A visibility field with moving objects.
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
@@ -106,11 +106,12 @@ uint32_t checked(const DynamicField& field, uint32_t direction) {
 
 void bind_vlf_dynamic(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
-    py::native_enum<UpdateMode>(v, "UpdateMode", "enum.Enum", "How a field adds objects.")
+    py::native_enum<UpdateMode>(v, "UpdateMode", "enum.Enum", "How objects are inserted into a field.")
         .value("OVERLAY", UpdateMode::kOverlay)
         .value("IN_PLACE", UpdateMode::kInPlace)
         .finalize();
-    py::class_<DynamicField, std::shared_ptr<DynamicField>>(v, "DynamicField", "A field over moving objects.")
+    py::class_<DynamicField, std::shared_ptr<DynamicField>>(v, "DynamicField",
+                                                            "A visibility field over moving objects.")
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::arg("mode"), py::kw_only(),
              py::arg("threads") = 0, py::arg("progress") = py::none())
         .def("insert", &insert, py::arg("vertices"), py::arg("triangles"), py::arg("threads") = 0)
@@ -134,11 +135,11 @@ void bind_vlf_dynamic(py::module_& m) {
         .def(
             "listed",
             [](const DynamicField& f, uint32_t d) { return rows_of_pairs(f.listed(checked(f, d))); },
-            py::arg("direction"), "(tile, triangle) of one direction's lists.")
+            py::arg("direction"), "Entries (tile, triangle) of the lists of one direction.")
         .def(
             "listed_anew",
             [](const DynamicField& f, uint32_t d) { return rows_of_pairs(f.listed_anew(checked(f, d))); },
-            py::arg("direction"), "The same of lists built from scratch.");
+            py::arg("direction"), "The same of lists that are built from scratch.");
 }
 
 }  // namespace viscache::bindings

@@ -8,18 +8,11 @@ namespace viscache::bindings {
 namespace {
 
 py::dict stats_dict(const FieldStats& s) {
-    py::dict d;
-    d["triangles"] = s.triangles;
-    d["degenerate"] = s.degenerate;
-    d["subfields"] = s.subfields;
-    d["built"] = s.built;
-    d["evicted"] = s.evicted;
-    d["tiles"] = s.tiles;
-    d["empty_tiles"] = s.empty_tiles;
-    d["leaves"] = s.leaves;
-    d["references"] = s.references;
-    d["bytes"] = s.bytes;
-    return d;
+    using namespace py::literals;
+    return py::dict("triangles"_a = s.triangles, "degenerate"_a = s.degenerate, "subfields"_a = s.subfields,
+                    "built"_a = s.built, "evicted"_a = s.evicted, "tiles"_a = s.tiles,
+                    "empty_tiles"_a = s.empty_tiles, "leaves"_a = s.leaves, "references"_a = s.references,
+                    "bytes"_a = s.bytes);
 }
 
 std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
@@ -45,7 +38,7 @@ py::array_t<T> copied(const std::vector<T>& v) {
     return py::array_t<T>(py::ssize_t(v.size()), v.data());
 }
 
-/// The lists of one direction: leaves of tiles, triangles of leaves, depths of tiles, borders of leaves.
+/// The lists of one direction: leaves and depth range of every tile, triangles and border of every leaf.
 py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     const SubfieldLease f = field.subfield(checked_direction(field, direction));
     std::vector<uint32_t> first_leaf{0}, first_id{0}, ids;
@@ -70,7 +63,7 @@ py::dict subfield_dict(const VisibilityField& field, uint32_t direction) {
     return d;
 }
 
-/// Nearest hits and any hits through the subfields of the given axes, and the numbers of steps.
+/// Nearest hits and any hits through given axes, and the counts of their steps.
 py::tuple trace_by(const VisibilityField& field, const FloatArray& o, const FloatArray& d,
                    const UintArray& directions, const py::object& t_min, const py::object& t_max) {
     require_usable(o, "origins");
@@ -105,17 +98,17 @@ void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
     py::class_<FieldSettings> settings(v, "FieldSettings", "Settings of the field; see viscache.Vlf.");
     bind_rows(settings, kFieldRows);
-    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
-                                                                                   "Rays by look-up.");
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
+        v, "VisibilityField", "Answers rays by look-up.");
     field
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
         .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
-        .def("subfield", &subfield_dict, py::arg("direction"), "Arrays of one direction's lists.")
+        .def("subfield", &subfield_dict, py::arg("direction"), "The lists of one direction as arrays.")
         .def("trace_by", &trace_by, py::arg("origins"), py::arg("directions"), py::arg("axes"),
              py::arg("t_min") = 0.f, py::arg("t_max") = kInfinity,
-             "Through given subfields: t, triangle (N,), any (N,), steps of each kind.");
+             "Traces every ray through a given subfield: t, triangle (N,), any (N,), steps of both kinds.");
     bind_queries(field);
 }
 

@@ -1,4 +1,5 @@
-// Parts of the visibility field: tiles of triangles, tiles and leaves along rays, predicted cost.
+// Parts of the visibility field: tiles of triangles, tiles along rays, leaves of depth ranges; predicted
+// cost.
 #include <pybind11/stl.h>
 
 #include "bind_rows.h"
@@ -12,7 +13,7 @@ namespace viscache::bindings {
 
 namespace {
 
-/// Rows (triangle, x, y) and depth ranges.
+/// Rows (triangle, x, y), and their depth ranges.
 py::tuple cover(const FloatArray& corners, int n_tiles) {
     if (corners.ndim() != 3 || corners.shape(1) != 3 || corners.shape(2) != 3)
         throw py::value_error("triangles must have shape (N, 3, 3), got " + shape_text(corners));
@@ -37,7 +38,7 @@ py::tuple cover(const FloatArray& corners, int n_tiles) {
                           py::array_t<float>({n, py::ssize_t(2)}, depths.data()));
 }
 
-/// Tiles (x, y) and t (in, out) along one ray of canonical space.
+/// The tiles (x, y) along a ray in canonical space, and t where the ray enters and leaves each.
 py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int n_tiles, double t_min,
                double t_max) {
     check_tiles(n_tiles);
@@ -55,7 +56,7 @@ py::tuple walk(const std::array<float, 3>& o, const std::array<float, 3>& d, int
                           py::array_t<double>({n, py::ssize_t(2)}, times.data()));
 }
 
-/// Leaves of depths [low, high], in order.
+/// The leaves of the depths [low, high], in the order of the ray.
 std::vector<int> leaves(float z0, float z1, int count, const std::vector<float>& borders, float low,
                         float high, bool upwards, const std::string& how) {
     if (count < 1 || count > 1 << kMostBspDepthOfTile || (count & (count - 1)) ||
@@ -106,7 +107,8 @@ void bind_vlf_parts(py::module_& m) {
             const FieldTriangles triangles(scene, TriangleKernel::kWatertight, 1);
             return expected_references(triangles.in_ball(), n_tiles);
         },
-        py::arg("scene"), py::arg("n_tiles"), "Entries of one direction's lists by formula, without depth.");
+        py::arg("scene"), py::arg("n_tiles"),
+        "Expected number of entries in the lists of one direction, without splits along the depth.");
     t.def(
         "expected_build_s",
         [](const std::shared_ptr<Scene>& scene, const FieldSettings& settings) {
@@ -115,7 +117,7 @@ void bind_vlf_parts(py::module_& m) {
             const FieldTriangles triangles(scene, settings.kernel, settings.head_room);
             return expected_build_s(triangles, settings);
         },
-        py::arg("scene"), py::arg("settings"), "CPU seconds to build, by rule of thumb.");
+        py::arg("scene"), py::arg("settings"), "Estimated CPU seconds of the build.");
     v.def("predicted_bytes", &predicted, py::arg("scene"), py::arg("settings"), py::arg("threads") = 0,
           "Bytes of a field before it is built.");
 }

@@ -1,4 +1,4 @@
-// Warps of the unit square and microfacets, applied to rows.
+// Warps of the unit square and microfacet distributions, evaluated for rows of arrays.
 #include <pybind11/stl.h>
 
 #include <limits>
@@ -62,9 +62,14 @@ void bind_shapes(py::module_& t) {
             bool outside = true;
             map_rows<Vec2>(u, "u", [&](Vec2 v) {
                 const auto sample = sample_sphere_light(vec3(center), radius, vec3(origin), v);
-                if (!sample) return outside = false, 0.f;
-                p.push_back(sample->p), n.push_back(sample->n);
-                pdf_solid_angle.push_back(sample->pdf_solid_angle), pdf_area.push_back(sample->pdf_area);
+                if (!sample) {
+                    outside = false;
+                    return 0.f;
+                }
+                p.push_back(sample->p);
+                n.push_back(sample->n);
+                pdf_solid_angle.push_back(sample->pdf_solid_angle);
+                pdf_area.push_back(sample->pdf_area);
                 return 0.f;
             });
             if (!outside) return py::none();
@@ -89,7 +94,7 @@ void bind_microfacets(py::module_& t) {
         [](const FloatArray& cos_w, float alpha) {
             return map_rows<float>(cos_w, "cos_w", [&](float c) { return smith_g1(c, alpha); });
         },
-        py::arg("cos_w"), py::arg("alpha"), "Share of the microfacets that a direction sees.");
+        py::arg("cos_w"), py::arg("alpha"), "Fraction of the microfacets that are visible from a direction.");
     t.def("smith_g2", &smith_g2, py::arg("cos_i"), py::arg("cos_o"), py::arg("alpha"), "Separable: G1 · G1.");
     t.def(
         "sample_ggx_vndf",
@@ -109,7 +114,8 @@ void bind_microfacets(py::module_& t) {
         [](Float3 f0, const FloatArray& cosine) {
             return map_rows<float>(cosine, "cosine", [&](float c) { return schlick(vec3(f0), c); });
         },
-        py::arg("f0"), py::arg("cosine"), "Fresnel reflectance from that at normal incidence, (N, 3).");
+        py::arg("f0"), py::arg("cosine"),
+        "Fresnel reflectance (N, 3) from the reflectance at normal incidence.");
     t.def(
         "fresnel_dielectric",
         [](const FloatArray& cos_i, float eta) {

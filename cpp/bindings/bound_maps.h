@@ -1,5 +1,5 @@
 #pragma once
-// Blended maps from arrays of truth values, row by row.
+// Blended maps from arrays of bool.
 #include <cmath>
 
 #include "arrays.h"
@@ -11,11 +11,11 @@ namespace viscache::bindings {
 
 using BoolArray = py::array_t<bool, py::array::c_style | py::array::forcecast>;
 
-/// Words of maps in the core's order, and the view of them that the core takes.
+/// Owns the words of the maps in Z order, and the core's view of them.
 class BoundMaps {
 public:
-    /// `maps` (n, 2^m, 2^m), `beta` (n,) > 0 with sum one, `dilated` empty or maps as blended_maps.h has
-    /// them.
+    /// `maps` has shape (n, 2^m, 2^m). `beta` (n,) is positive and sums to one. `dilated` is empty or holds
+    /// the dilated maps of blended_maps.h.
     BoundMaps(const BoolArray& maps, const FloatArray& beta, const std::vector<BoolArray>& dilated) {
         const py::ssize_t edge = maps.ndim() == 3 ? maps.shape(1) : 0,
                           n = maps.ndim() == 3 ? maps.shape(0) : 0;
@@ -26,7 +26,8 @@ public:
         if (beta.ndim() != 1 || beta.shape(0) != n)
             throw py::value_error("beta must have shape (" + std::to_string(n) + ",), got " +
                                   shape_text(beta));
-        view.count = int(n), words_.reserve(size_t(n) * 5);
+        view.count = int(n);
+        words_.reserve(size_t(n) * 5);
         double sum = 0;
         for (int i = 0; i < view.count; ++i) {
             const float b = view.beta[i] = beta.at(i);

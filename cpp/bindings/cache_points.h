@@ -1,12 +1,12 @@
 #pragma once
-// Points at which a visibility-map cache is looked up, and columns of its records.
+// Query points of a visibility-map cache.
 #include "arrays.h"
 #include "viscache/visibility/query.h"
 #include "viscache/vismap/map_cache.h"
 
 namespace viscache::bindings {
 
-/// A type of its own: a plain vector would become a list.
+/// A class, because pybind11 converts a plain vector to a list.
 struct Points : std::vector<CachePoint> {};
 
 template <class T, class Value>
@@ -23,7 +23,7 @@ py::array_t<float> vectors(size_t n, Value value) {
     return from_vec3s(v);
 }
 
-/// Throws for a point that cannot be looked up; the error names the row.
+/// Throws for points that cannot be looked up. The error names the row.
 inline void check_point(const CachePoint& p, size_t i) {
     const std::string row = ", row " + std::to_string(i);
     if (!is_finite(p.position) || !(max_abs(p.position) <= kMaxCoordinate))

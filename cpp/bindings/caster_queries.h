@@ -1,5 +1,5 @@
 #pragma once
-// Rays of numpy arrays through any ray caster: what the bound classes answer.
+// Traces rays from NumPy arrays through any ray caster: the methods of the bound classes.
 #include "arrays.h"
 #include "interrupt.h"
 #include "viscache/visibility/check_rays.h"
@@ -9,7 +9,7 @@
 namespace viscache::bindings {
 
 constexpr size_t kChunk = 1 << 13;
-constexpr size_t kQuick = 1 << 18;  // calls of fewer rays end before anyone could press Ctrl-C
+constexpr size_t kQuick = 1 << 18;  // calls with fewer rays end too soon for Ctrl-C to matter
 
 inline void require_usable(const FloatArray& a, const char* name) {
     const Vec3* rows = rows3(a, name);
@@ -25,7 +25,7 @@ inline void require_same_rows(const py::array& a, const py::array& b, const char
                               " and " + shape_text(b));
 }
 
-/// t_max: one number for all rays, or one per ray; never NaN.
+/// t_max as an array: one number for all rays, or one per ray. Throws for NaN.
 inline FloatArray distances(const py::object& t_max, size_t n) {
     auto a = FloatArray::ensure(t_max);
     if (!a) PyErr_Clear();
@@ -37,12 +37,12 @@ inline FloatArray distances(const py::object& t_max, size_t n) {
     return a;
 }
 
-/// A ray without direction has nowhere to go: it is empty.
+/// A ray without an end. It is empty if its direction is zero.
 inline Ray endless(Vec3 origin, Vec3 direction) {
     return {origin, 0, direction, direction == Vec3{} ? 0.f : kInfinity};
 }
 
-/// Calls work(first, last, worker) for chunks of [0, n); small calls start no threads they cannot use.
+/// Calls work(first, last, worker) for chunks of [0, n) on several threads.
 template <class Work>
 void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
     const auto chunk = [&](size_t c, int worker) { work(c * size, std::min(n, (c + 1) * size), worker); };
@@ -60,10 +60,11 @@ void in_chunks(size_t n, int threads, Work work, size_t size = kChunk) {
     }
 }
 
-/// Any hits in [0, t_max].
+/// Whether each ray hits anything in [0, t_max].
 inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, const FloatArray& d,
                                   const py::object& t_max, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -85,7 +86,8 @@ inline py::array_t<bool> any_hits(const RayCaster& caster, const FloatArray& o, 
 
 inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray& xs, const FloatArray& ys,
                                        int threads) {
-    require_usable(xs, "x"), require_usable(ys, "y");
+    require_usable(xs, "x");
+    require_usable(ys, "y");
     require_same_rows(xs, ys, "x and y");
     const Vec3 *x = rows3(xs, "x"), *y = rows3(ys, "y");
     const size_t n = size_t(xs.shape(0));
@@ -101,10 +103,11 @@ inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray
     return result;
 }
 
-/// Every point against every target: (N, ceil(M / 64)) words.
+/// Visibility of every target from every point: (N, ceil(M / 64)) words.
 inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray& points,
                                       const FloatArray& targets, int threads, const py::object& progress) {
-    require_usable(points, "points"), require_usable(targets, "targets");
+    require_usable(points, "points");
+    require_usable(targets, "targets");
     const std::span<const Vec3> from(rows3(points, "points"), size_t(points.shape(0)));
     const std::span<const Vec3> to(rows3(targets, "targets"), size_t(targets.shape(0)));
     py::array_t<Word> result({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
@@ -114,10 +117,11 @@ inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray&
     return result;
 }
 
-/// Nearest hits; `caster.scene()` numbers the triangles.
+/// Nearest hits. Triangles have the numbers of `caster.scene()`.
 template <class Caster>
 py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArray& d, int threads) {
-    require_usable(o, "origins"), require_usable(d, "directions");
+    require_usable(o, "origins");
+    require_usable(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
     const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
@@ -140,14 +144,15 @@ py::tuple nearest_hits(const Caster& caster, const FloatArray& o, const FloatArr
                 triangle_out[i] =
                     h.valid() ? int64_t(caster.scene().first_triangle(h.mesh) + h.triangle) : -1;
                 instance_out[i] = h.valid() && h.instance != kNoHit ? int64_t(h.instance) : -1;
-                uv_out[2 * i] = h.valid() ? h.u : nan, uv_out[2 * i + 1] = h.valid() ? h.v : nan;
+                uv_out[2 * i] = h.valid() ? h.u : nan;
+                uv_out[2 * i + 1] = h.valid() ? h.v : nan;
             }
         });
     });
     return py::make_tuple(t, triangle, uv, instance);
 }
 
-/// `visible` and `visible_matrix` on a bound class.
+/// Binds `visible` and `visible_matrix` on a class.
 template <class Class>
 void bind_segments(Class& bound) {
     bound.def("visible", &visible_pairs, py::arg("x"), py::arg("y"), py::arg("threads") = 0)
@@ -155,7 +160,7 @@ void bind_segments(Class& bound) {
              py::arg("progress") = py::none());
 }
 
-/// All on a bound class; `intersect` needs Caster::scene.
+/// Binds all queries on a class. `intersect` needs Caster::scene.
 template <class Class>
 void bind_queries(Class& bound) {
     using Caster = typename Class::type;

@@ -1,5 +1,5 @@
 #pragma once
-// Rows of vectors from outside: usable places, unit vectors.
+// Checks of vectors from outside: usable positions and unit vectors.
 #include <span>
 
 #include "arrays.h"

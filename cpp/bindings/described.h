@@ -1,5 +1,5 @@
 #pragma once
-// Parts of a scene description as plain Python objects, and from them.
+// Parts of a scene description to and from plain Python objects.
 #include <pybind11/stl.h>
 
 #include <cstring>
@@ -24,12 +24,13 @@ inline py::list affine_rows(const Affine& t) {
     return rows;
 }
 
-/// An image of (H, W, 1..4) linear pixels.
+/// An image from an array (H, W, 1..4) of linear pixels.
 inline Image image_from(const FloatArray& pixels) {
     if (pixels.ndim() != 3 || pixels.shape(2) < 1 || pixels.shape(2) > 4)
         throw py::value_error("pixels must have shape (H, W, 1..4), got " + shape_text(pixels));
     Image image;
-    image.height = int(pixels.shape(0)), image.width = int(pixels.shape(1)),
+    image.height = int(pixels.shape(0));
+    image.width = int(pixels.shape(1));
     image.channels = int(pixels.shape(2));
     image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
     return image;
@@ -49,7 +50,7 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("alpha_cutoff") = m.alpha_cutoff);
 }
 
-/// One dict per light: its kind and its values. Of the meshes only `meshes` count.
+/// One dict per light with its kind and its values. Only the meshes in `meshes` are considered.
 inline py::list light_dicts(const SceneDescription& d, std::span<const Mesh> meshes) {
     py::list out;
     for (const PointLight& l : d.point_lights)

@@ -1,4 +1,4 @@
-// A finished frame as Python takes it.
+// A finished frame as Python objects.
 #include "frame_dict.h"
 
 #include <pybind11/stl.h>
@@ -30,29 +30,48 @@ py::dict counters_of(const FrameResult& f) {
     uint64_t occluded = 0;
     for (const auto& g : c.groups) occluded += g.occluded;
     py::dict d;
-    d["queries"] = c.queries(), d["occluded"] = occluded, d["rays"] = c.rays();
+    d["queries"] = c.queries();
+    d["occluded"] = occluded;
+    d["rays"] = c.rays();
     d["ray_reduction"] = c.rays() ? double(c.queries()) / double(c.rays()) : 0.0;
-    d["groups"] = groups, d["camera_rays"] = c.camera_rays, d["light_rays"] = c.light_rays;
+    d["groups"] = groups;
+    d["camera_rays"] = c.camera_rays;
+    d["light_rays"] = c.light_rays;
     d["lost_throughput"] = c.lost_throughput / (double(f.width) * f.height * f.spp);
-    d["rays_per_level"] = levels, d["leftover_rays"] = c.leftover_rays;
-    d["lookups"] = c.lookups, d["hits"] = c.hits;
-    d["neighbour_probes"] = c.neighbour_probes, d["nil_neighbours"] = c.nil_neighbours;
-    d["evictions"] = c.evictions, d["bypassed"] = c.bypassed;
-    d["clamped_low"] = c.clamped_low, d["clamped_high"] = c.clamped_high, d["clamped_nan"] = c.clamped_nan;
-    d["boundary_queries"] = c.boundary_queries, d["cells"] = c.cells;
-    d["table_writes"] = c.table_writes, d["table_slots"] = c.table_slots;
+    d["rays_per_level"] = levels;
+    d["leftover_rays"] = c.leftover_rays;
+    d["lookups"] = c.lookups;
+    d["hits"] = c.hits;
+    d["neighbour_probes"] = c.neighbour_probes;
+    d["nil_neighbours"] = c.nil_neighbours;
+    d["evictions"] = c.evictions;
+    d["bypassed"] = c.bypassed;
+    d["clamped_low"] = c.clamped_low;
+    d["clamped_high"] = c.clamped_high;
+    d["clamped_nan"] = c.clamped_nan;
+    d["boundary_queries"] = c.boundary_queries;
+    d["cells"] = c.cells;
+    d["table_writes"] = c.table_writes;
+    d["table_slots"] = c.table_slots;
     if (c.table_occupied) {
-        d["table_occupied"] = c.table_occupied, d["duplicates"] = c.duplicates;
+        d["table_occupied"] = c.table_occupied;
+        d["duplicates"] = c.duplicates;
         d["occupancy"] = c.table_slots ? double(c.table_occupied) / double(c.table_slots) : 0.0;
     }
-    d["expected_false_hits"] = c.expected_false_hits, d["non_finite"] = c.non_finite, d["vpls"] = f.n_vpls;
+    d["expected_false_hits"] = c.expected_false_hits;
+    d["non_finite"] = c.non_finite;
+    d["vpls"] = f.n_vpls;
     if (c.product_points) {
-        d["product_points"] = c.product_points, d["product_dark"] = c.product_dark;
-        d["product_guided"] = c.product_guided, d["product_without_record"] = c.product_without_record;
-        d["greatest_ratio"] = c.greatest_ratio, d["pilot_rays"] = c.pilot_rays;
+        d["product_points"] = c.product_points;
+        d["product_dark"] = c.product_dark;
+        d["product_guided"] = c.product_guided;
+        d["product_without_record"] = c.product_without_record;
+        d["greatest_ratio"] = c.greatest_ratio;
+        d["pilot_rays"] = c.pilot_rays;
     }
     if (f.forecast) {
-        d["pilot_alpha"] = f.forecast->alpha, d["pilot_variance_ratio"] = f.forecast->variance_ratio;
+        d["pilot_alpha"] = f.forecast->alpha;
+        d["pilot_variance_ratio"] = f.forecast->variance_ratio;
         d["pilot_guided"] = f.forecast->guided;
     }
     return d;
@@ -67,7 +86,7 @@ const char* name_of(AlignedEngine engine) {
     return "";
 }
 
-/// Which engine traced shared directions; empty where there was no choice.
+/// The engine that traced shared directions. Empty if there was no choice.
 py::dict engine_of(const FrameResult& f) {
     py::dict d;
     for (const auto& [name, value] : f.source.engine)
@@ -95,24 +114,32 @@ py::dict account_dict(const FrameResult& f) {
 
 py::dict frame_dict(const FrameResult& f) {
     py::dict layers, out = account_dict(f), timings = out["timings"];
-    layers["color"] = image_of(f, f.color), layers["emitted"] = image_of(f, f.emitted);
+    layers["color"] = image_of(f, f.color);
+    layers["emitted"] = image_of(f, f.emitted);
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
     if (!f.last_pass.empty()) layers["environment_last_pass"] = image_of(f, f.last_pass);
-    layers["depth"] = image_of(f, f.depth), layers["normal"] = image_of(f, f.normal);
-    layers["albedo"] = image_of(f, f.albedo), layers["coverage"] = image_of(f, f.coverage);
+    layers["depth"] = image_of(f, f.depth);
+    layers["normal"] = image_of(f, f.normal);
+    layers["albedo"] = image_of(f, f.albedo);
+    layers["coverage"] = image_of(f, f.coverage);
     timings["lights_s"] = f.lights_s;
     timings["tiles_s"] = f.tiles_s;
-    timings["eye_paths_cpu_s"] = f.stages.eye_paths, timings["contributions_cpu_s"] = f.stages.contributions;
-    timings["visibility_cpu_s"] = f.stages.visibility, timings["shading_cpu_s"] = f.stages.shading;
+    timings["eye_paths_cpu_s"] = f.stages.eye_paths;
+    timings["contributions_cpu_s"] = f.stages.contributions;
+    timings["visibility_cpu_s"] = f.stages.visibility;
+    timings["shading_cpu_s"] = f.stages.shading;
     if (f.counters.product_points) {
-        timings["trees_cpu_s"] = f.product.trees, timings["maps_cpu_s"] = f.product.maps;
-        timings["samples_cpu_s"] = f.product.samples, timings["pilot_s"] = f.pilot_s;
+        timings["trees_cpu_s"] = f.product.trees;
+        timings["maps_cpu_s"] = f.product.maps;
+        timings["samples_cpu_s"] = f.product.samples;
+        timings["pilot_s"] = f.pilot_s;
     }
     if (f.aligned) timings["aligned_s"] = f.aligned_s;
     out["layers"] = layers;
     if (!f.tile_sums.empty()) out["tile_sums"] = f.tile_sums;
-    out["threads"] = f.threads, out["tile_edge_px"] = f.tile_edge_px;
+    out["threads"] = f.threads;
+    out["tile_edge_px"] = f.tile_edge_px;
     return out;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Visibility maps as a frame takes them.
+// Visibility maps for the environment light of a frame.
 #include <pybind11/pybind11.h>
 
 #include <functional>
@@ -11,8 +11,9 @@ namespace viscache::bindings {
 
 struct FrameMaps {
     EnvironmentMaps maps;
-    std::function<void(const RecordTally&)> take_tally;  ///< told how often each record served; may be empty
-    pybind11::tuple arrays;                              ///< what `maps` looks at
+    std::function<void(const RecordTally&)>
+        take_tally;          ///< receives how often each record was used; may be empty
+    pybind11::tuple arrays;  ///< the arrays that `maps` refers to
 };
 
 }  // namespace viscache::bindings

@@ -1,5 +1,5 @@
 #pragma once
-// Long calls: the GIL is released, Ctrl-C and progress are looked after twenty times a second.
+// Long calls: they release the GIL, and handle Ctrl-C and progress twenty times per second.
 #include <pybind11/pybind11.h>
 
 #include <condition_variable>
@@ -11,8 +11,9 @@
 
 namespace viscache::bindings {
 
-/// Runs work(Control&) on another thread. `progress` (None, or called with done and total) and signals are
-/// handled here; an exception of theirs cancels the work, waits for it and is rethrown.
+/// Runs work(Control&) on another thread, while this thread handles signals and calls `progress(done, total)`
+/// unless it is None. If one of them throws, the work is cancelled, and the exception is rethrown after it
+/// has ended.
 template <class Work>
 void run_interruptible(Work work, const pybind11::object& progress = pybind11::none()) {
     namespace py = pybind11;

@@ -1,5 +1,5 @@
 #pragma once
-// The variant of a kernel by its name.
+// The argument that selects the variant of a kernel by name.
 #include <pybind11/pybind11.h>
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace viscache::bindings {
 
-/// The variant in use without a name.
+/// The variant with this name; without a name, the active one.
 inline Isa isa_of(const std::optional<std::string>& name) {
     if (!name) return active_isa();
     for (Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})

@@ -1,4 +1,4 @@
-// The Python module viscache._core: one bind_<folder>.cpp per folder of the core.
+// The Python module viscache._core.
 #include <pybind11/pybind11.h>
 
 namespace py = pybind11;
@@ -46,8 +46,8 @@ void bind_warp(py::module_& m);
 
 PYBIND11_MODULE(_core, m) {
     using namespace viscache::bindings;
-    m.doc() = "C++ core of viscache; use the package viscache, not this module.";
-    m.def_submodule("_testing", "What tests alone ask for: equations and parts of structures.");
+    m.doc() = "C++ core of viscache. Use the package viscache instead of this module.";
+    m.def_submodule("_testing", "Equations and parts of structures that only tests call.");
     bind_aqvc(m);
     bind_correlation_pairs(m);
     bind_description(m);

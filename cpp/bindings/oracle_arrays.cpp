@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kKinds[] = {"points", "directions", "surfaces", "solid_angle"};
 
-/// An optional array of a dict.
+/// An optional entry of a dict as an array.
 std::optional<FloatArray> given(const py::dict& d, const char* name) {
     if (!d.contains(name) || d[name].is_none()) return std::nullopt;
     auto a = FloatArray::ensure(d[name]);
@@ -92,14 +92,12 @@ py::dict eye_block_dict(const EyeBlock& eyes) {
         order.mutable_at(py::ssize_t(i), 0) = eyes.order_x[i];
         order.mutable_at(py::ssize_t(i), 1) = eyes.order_y[i];
     }
-    py::dict d;
-    d["positions"] = from_vec3s(eyes.position);
-    d["normals"] = from_vec3s(eyes.normal);
-    d["origins"] = from_vec3s(eyes.origin);
-    d["density"] = py::array_t<float>(n, eyes.density.data());
-    d["order"] = eyes.order_x.size() == eyes.size() ? py::object(order) : py::object(py::none());
-    d["tile"] = py::make_tuple(eyes.tile_width, eyes.tile_height);
-    return d;
+    using namespace py::literals;
+    return py::dict(
+        "positions"_a = from_vec3s(eyes.position), "normals"_a = from_vec3s(eyes.normal),
+        "origins"_a = from_vec3s(eyes.origin), "density"_a = py::array_t<float>(n, eyes.density.data()),
+        "order"_a = eyes.order_x.size() == eyes.size() ? py::object(order) : py::object(py::none()),
+        "tile"_a = py::make_tuple(eyes.tile_width, eyes.tile_height));
 }
 
 FarEnds far_ends_from(const py::dict& d, float extent) {
@@ -154,15 +152,11 @@ py::dict far_ends_dict(const FarEnds& ends) {
         }
         return a;
     };
-    py::dict d;
-    d["kind"] = kKinds[size_t(ends.semantic)];
-    d["group"] = ends.group;
-    d["t_max"] = ends.t_max;
-    d["positions"] = rows(ends.x, ends.y, ends.z);
-    d["normals"] = rows(ends.nx, ends.ny, ends.nz);
-    d["ends"] = rows(ends.tx, ends.ty, ends.tz);
-    d["density"] = py::array_t<float>(py::ssize_t(ends.count), ends.density.data());
-    return d;
+    using namespace py::literals;
+    return py::dict("kind"_a = kKinds[size_t(ends.semantic)], "group"_a = ends.group, "t_max"_a = ends.t_max,
+                    "positions"_a = rows(ends.x, ends.y, ends.z),
+                    "normals"_a = rows(ends.nx, ends.ny, ends.nz), "ends"_a = rows(ends.tx, ends.ty, ends.tz),
+                    "density"_a = py::array_t<float>(py::ssize_t(ends.count), ends.density.data()));
 }
 
 std::vector<ShadowQuery> queries_from(const FarEnds& ends, std::span<const uint32_t> index) {

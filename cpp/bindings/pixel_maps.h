@@ -1,5 +1,5 @@
 #pragma once
-// A cache's maps for the points seen through a frame's pixels.
+// The maps of a cache for the first hits of the pixels of a frame.
 #include "arrays.h"
 #include "viscache/render/settings.h"
 #include "viscache/vismap/map_cache.h"

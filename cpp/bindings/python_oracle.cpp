@@ -12,7 +12,7 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kEyesPerRun = 4096;  // eye points whose own samples are asked in one call
+constexpr size_t kEyesPerRun = 4096;  // eye points whose samples are asked for in one call
 
 using Index = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
 using Bools = py::array_t<bool, py::array::c_style | py::array::forcecast>;
@@ -34,7 +34,7 @@ void pack_into(const py::object& wanted, BitMatrix& bits) {
             bits.row(r)[k / kWordBits] |= Word(*from++) << (k % kWordBits);
 }
 
-/// The far ends of some connections, which have one semantic, group and length.
+/// The far ends of connections with the same semantic, group and t_max.
 FarEnds ends_of(std::span<const ShadowQuery> queries, std::span<const uint32_t> numbers) {
     FarEnds e;
     const ShadowQuery& first = queries[numbers.front()];
@@ -119,7 +119,7 @@ void PythonOracle::with_python(Ask ask) {
     try {
         ask();
     } catch (const py::error_already_set&) {
-        // The tracer stops in the middle when the frame is cancelled; that is no error of the oracle
+        // A cancelled frame stops the tracer; this is not an error of the oracle
         if (control_ && control_->cancel) throw Cancelled();
         throw;
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Oracles written in Python. A call comes per tile and light group, so the interpreter costs little.
+// Oracles written in Python. There is one call per tile and light group, so the overhead is small.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -8,7 +8,7 @@
 
 namespace viscache::bindings {
 
-/// Exact rays for an oracle written in Python. It serves one thread.
+/// Traces exact rays for an oracle written in Python, on one thread.
 class PythonTracer {
 public:
     PythonTracer(const RayCaster& caster, float extent) : exact_(caster, extent), extent_(extent) {}
@@ -21,7 +21,7 @@ public:
         const pybind11::dict& eyes,
         const pybind11::array_t<uint32_t, pybind11::array::c_style | pybind11::array::forcecast>& index,
         const pybind11::dict& ends);
-    /// Rays since the last call.
+    /// The number of rays since the last call.
     uint64_t take_rays() { return std::exchange(rays_, 0); }
 
 private:
@@ -30,7 +30,7 @@ private:
     uint64_t rays_ = 0;
 };
 
-/// Hands a tile's questions to `viscache.oracles.written.WrittenOracle`.
+/// Passes the queries of a tile to `viscache.oracles.written.WrittenOracle`.
 class PythonOracle final : public VisibilityOracle {
 public:
     PythonOracle(pybind11::object written, std::shared_ptr<PythonTracer> tracer)
@@ -47,7 +47,7 @@ public:
     std::span<const float> pair_weights() const override { return pair_weights_; }
 
 private:
-    /// Calls `ask` with the interpreter's lock; its exceptions end the frame with their traceback.
+    /// Calls `ask` with the interpreter's lock. An exception ends the frame and keeps its traceback.
     template <class Ask>
     void with_python(Ask ask);
 

@@ -1,19 +1,19 @@
 #pragma once
-// Functions of one row applied to every row of an array.
+// Functions of one row, applied to every row of an array.
 #include <cstring>
 
 #include "arrays.h"
 
 namespace viscache::bindings {
 
-/// Shape of n values of a type: float → (n,), Vec2 → (n, 2), Vec3 → (n, 3).
+/// An array for n values: (n,) for float, (n, 2) for Vec2, (n, 3) for Vec3.
 template <class Value>
 py::array_t<float> rows_of(py::ssize_t n) {
     if constexpr (sizeof(Value) == sizeof(float)) return py::array_t<float>(n);
     return py::array_t<float>({n, py::ssize_t(sizeof(Value) / sizeof(float))});
 }
 
-/// f(row) of every row; `Row` is float for (N,), Vec2 for (N, 2) or Vec3 for (N, 3). The error names the
+/// f(row) for every row. `Row` is float for (N,), Vec2 for (N, 2) or Vec3 for (N, 3). The error names the
 /// argument.
 template <class Row, class F>
 py::array_t<float> map_rows(const FloatArray& a, const char* name, F f) {

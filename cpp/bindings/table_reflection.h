@@ -1,5 +1,5 @@
 #pragma once
-// Reflection given as a table over the equal-area map: worlds whose sums tests can do exactly.
+// Reflection given as a table over the equal-area map. Tests can compute its sums exactly.
 #include <bit>
 
 #include "arrays.h"
@@ -10,7 +10,7 @@ namespace viscache::bindings {
 
 class TableReflection final : public Reflection {
 public:
-    /// `table` has shape (N, N, 3), N a power of two in [32, 4096], finite values >= 0, row by row.
+    /// `table` has shape (N, N, 3) with N a power of two in [32, 4096]; its values are finite and >= 0.
     explicit TableReflection(const FloatArray& table) {
         const py::ssize_t n = table.ndim() == 3 ? table.shape(0) : 0;
         if (n < 32 || n > 4096 || !std::has_single_bit(size_t(n)) || table.shape(1) != n ||
@@ -18,24 +18,28 @@ public:
             throw py::value_error("b must have shape (N, N, 3), N a power of two in [32, 4096], got " +
                                   shape_text(table));
         const int last = std::countr_zero(size_t(n));
-        mean_.resize(size_t(last) + 1), most_.resize(size_t(last) + 1);
+        mean_.resize(size_t(last) + 1);
+        most_.resize(size_t(last) + 1);
         for (int l = last; l >= 0; --l) {
             const size_t count = size_t{1} << (2 * l);
-            mean_[size_t(l)].resize(count), most_[size_t(l)].resize(count);
+            mean_[size_t(l)].resize(count);
+            most_[size_t(l)].resize(count);
             for (uint32_t z = 0; z < count; ++z) l == last ? read(table, z) : gather(size_t(l), z);
         }
     }
     void sample(int level, uint32_t first, RgbBlock& out) const override {
         for (uint32_t i = 0; i < 16; ++i) {
             const Rgb c = at(mean_, level, first + i);
-            out.r[i] = c.x, out.g[i] = c.y, out.b[i] = c.z;
+            out.r[i] = c.x;
+            out.g[i] = c.y;
+            out.b[i] = c.z;
         }
     }
     void touched(int level, uint32_t first, std::span<uint8_t> touched) const override {
         for (uint32_t i = 0; i < touched.size(); ++i) touched[i] = at(most_, level, first + i) > 0;
     }
     bool black() const override { return !(most_[0][0] > 0); }
-    /// B of a texel of a finer or equally fine map, by its Morton code.
+    /// B at a texel, given by its Morton code, of a map that is at least as fine.
     Rgb value(int level, uint32_t texel) const { return at(mean_, level, texel); }
     int level() const { return int(mean_.size()) - 1; }
 
@@ -55,9 +59,12 @@ private:
     void gather(size_t l, uint32_t z) {
         Rgb sum;
         float most = 0;
-        for (uint32_t k = 4 * z; k < 4 * z + 4; ++k)
-            sum += mean_[l + 1][k], most = std::max(most, most_[l + 1][k]);
-        mean_[l][z] = sum * 0.25f, most_[l][z] = most;
+        for (uint32_t k = 4 * z; k < 4 * z + 4; ++k) {
+            sum += mean_[l + 1][k];
+            most = std::max(most, most_[l + 1][k]);
+        }
+        mean_[l][z] = sum * 0.25f;
+        most_[l][z] = most;
     }
 
     std::vector<std::vector<Rgb>> mean_;

@@ -7,11 +7,12 @@ from reference import aqvc as reference
 from viscache import _core
 
 aqvc = _core.aqvc
+_testing = _core._testing
 
 
 def make(width, height, branches=1, **options):
     y, x = np.divmod(np.tile(np.arange(width * height), branches), width)
-    order = aqvc.order(x.tolist(), y.tolist(), width, height, aqvc.AqvcParameters(**options))
+    order = _testing.order(x.tolist(), y.tolist(), width, height, aqvc.AqvcParameters(**options))
     return x, y, order
 
 
@@ -60,7 +61,7 @@ def test_runs_never_straddle_a_segment():
 @pytest.mark.extreme
 def test_positions_outside_the_tile_fall_back_to_the_given_order():
     """Bad positions are no reason to fail."""
-    o = aqvc.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
+    o = _testing.order([0, 9], [0, 0], 2, 2, aqvc.AqvcParameters())
     assert o["eye"] == [0, 1]
-    empty = aqvc.order([], [], 0, 0, aqvc.AqvcParameters())
+    empty = _testing.order([], [], 0, 0, aqvc.AqvcParameters())
     assert empty["eye"] == [] and empty["run_end"] == []

@@ -28,7 +28,7 @@ def caster(scale: float = 1.0, shift: tuple[float, float, float] = (0, 0, 0)):
     boxes = BOXES * np.float32(scale) + np.concatenate([move, move])
     spheres = SPHERES * np.float32(scale)
     spheres[:, :3] += move
-    return _core.aqvc.AnalyticCaster(boxes, spheres)
+    return _core._testing.AnalyticCaster(boxes, spheres)
 
 
 def first_hits(origin, direction):
@@ -139,7 +139,7 @@ def tile_run(
 ):
     """A cache over the eye points with the given parameters."""
     center = tuple(float(c * scale + s) for c, s in zip(CENTER, shift, strict=True))
-    return _core.aqvc.TileRun(
+    return _core._testing.TileRun(
         caster(scale, shift),
         eyes,
         _core.aqvc.AqvcParameters(**options),

@@ -47,7 +47,7 @@ def look_up(
     **settings: Any,
 ) -> tuple[npt.NDArray[np.bool_], Floats]:
     """Whether each point is lit, and the depths."""
-    return _core.lit_by_light(
+    return _core._testing.lit_by_light(
         scene.caster(),
         vc.ShadowMap(**settings).core(),
         far,

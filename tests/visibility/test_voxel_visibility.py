@@ -26,7 +26,7 @@ def learn(
     **settings: Any,
 ) -> tuple[npt.NDArray[Any], ...]:
     """Cells of both ends, visibility and probability."""
-    return _core.learnt_map(
+    return _core._testing.learnt_map(
         vc.NeePlusPlus(**settings).core(),
         low,
         high,

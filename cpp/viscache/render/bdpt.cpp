@@ -4,6 +4,7 @@
 
 #include "viscache/math/wall_clock.h"
 #include "viscache/render/connections.h"
+#include "viscache/render/frame_start.h"
 #include "viscache/render/stage_clock.h"
 #include "viscache/scene/check.h"
 
@@ -150,27 +151,6 @@ SampleTile item_at(size_t number, const std::vector<Tile>& tiles) {
     return {tiles[number % tiles.size() * step % tiles.size()], uint32_t(number / tiles.size())};
 }
 
-/// What a source can ask about a bidirectional frame. There are no shared lights.
-class PathsStart final : public FrameStart {
-public:
-    PathsStart(const BdptContext& context, const Camera& camera, FrameResult& out)
-        : c_(context), camera_(camera), out_(out) {}
-    std::span<const FarEnds* const> lights() const override { return {}; }
-    int threads() const override { return c_.frame.threads; }
-    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
-        const FrameResult asked = render_bdpt(c_.scene, c_.caster, camera_, c_.settings,
-                                              small_frame(c_.frame, pixels), source, control);
-        out_.take_small(asked);
-        control.done = 0;
-        return asked.counters;
-    }
-
-private:
-    const BdptContext& c_;
-    const Camera& camera_;
-    FrameResult& out_;
-};
-
 }  // namespace
 
 FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camera& camera,
@@ -189,7 +169,10 @@ FrameResult render_bdpt(const Scene& scene, const RayCaster& caster, const Camer
     std::vector<std::unique_ptr<ItemWorker>> workers(size_t(out.threads));
     std::vector<ItemResult> results(kItemsPerRound);
     out.lights_s = wall_seconds() - start;
-    PathsStart begin(context, camera, out);
+    const auto render = [&](const FrameSettings& small, OracleSource& asked, Control& c) {
+        return render_bdpt(scene, caster, camera, settings, small, asked, c);
+    };
+    RenderedStart begin(frame, {}, out, render);  // no light is shared
     source.prepare(begin, control);
     out.prepare_s = wall_seconds() - start - out.lights_s;
     control.total = items;

@@ -2,6 +2,7 @@
 
 #include "viscache/math/morton.h"
 #include "viscache/math/wall_clock.h"
+#include "viscache/render/frame_start.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/shared_sky.h"
@@ -349,46 +350,7 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleS
     out.pilot_s = wall_seconds() - start;
 }
 
-/// What a source can ask about a frame of tiles.
-class TilesStart final : public FrameStart {
-public:
-    TilesStart(const FrameContext& context, const Camera& camera, FrameResult& out)
-        : c_(context), camera_(camera), out_(out) {
-        for (const SharedLights& s : c_.shared) lights_.push_back(&s.ends);
-    }
-    std::span<const FarEnds* const> lights() const override { return lights_; }
-    int threads() const override { return c_.frame.threads; }
-    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
-        const FrameResult asked = render_frame(c_.scene, c_.caster, camera_, c_.integrator,
-                                               small_frame(c_.frame, pixels), source, control);
-        out_.take_small(asked);
-        control.done = 0;
-        return asked.counters;
-    }
-
-private:
-    const FrameContext& c_;
-    const Camera& camera_;
-    FrameResult& out_;
-    std::vector<const FarEnds*> lights_;
-};
-
 }  // namespace
-
-FrameSettings small_frame(FrameSettings frame, size_t pixels) {
-    const double scale = std::min(1.0, std::sqrt(double(pixels) / (double(frame.width) * frame.height)));
-    frame.width = int(std::ceil(frame.width * scale));
-    frame.height = int(std::ceil(frame.height * scale));
-    frame.spp = 1;
-    return frame;
-}
-
-void FrameResult::take_small(const FrameResult& small) {
-    for (int g = 0; g < kLightGroups; ++g) counters.group(g).rays += small.counters.groups[size_t(g)].rays;
-    counters.light_rays += small.counters.light_rays;
-    counters.camera_rays += small.counters.camera_rays;
-    stages.merge(small.stages);
-}
 
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
@@ -415,7 +377,12 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     }
     FrameResult out = empty_result(context);
     out.lights_s = wall_seconds() - start;
-    TilesStart begin(context, camera, out);
+    std::vector<const FarEnds*> groups;
+    for (const SharedLights& s : context.shared) groups.push_back(&s.ends);
+    const auto render = [&](const FrameSettings& small, OracleSource& asked, Control& c) {
+        return render_frame(scene, caster, camera, integrator, small, asked, c);
+    };
+    RenderedStart begin(frame, std::move(groups), out, render);
     const double preparing = wall_seconds();
     source.prepare(begin, control);
     out.prepare_s = wall_seconds() - preparing;

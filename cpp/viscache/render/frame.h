@@ -38,9 +38,6 @@ struct FrameResult {
     int tile_edge_px = 0;
     std::vector<std::array<double, 2>> tile_sums;  ///< for parts: lost throughput and false hits of each tile
     int threads = 0;
-
-    /// Adds the rays and the time of a small frame that the preparation rendered.
-    void take_small(const FrameResult& small);
 };
 
 /// Makes the shared light groups of a frame: point, directional, environment and VPL.
@@ -54,9 +51,6 @@ struct EnvironmentMaps {
     MapSource source;
     VisMapSettings settings;
 };
-
-/// Settings for a frame of about `pixels` pixels with one sample each. It is never larger than `frame`.
-FrameSettings small_frame(FrameSettings frame, size_t pixels);
 
 /// `source` must be new: it serves one frame. `aligned` is required if the integrator asks for shared
 /// directions.

@@ -7,26 +7,25 @@
 
 namespace viscache {
 
-namespace {
-
-/// Appends samples of other eye points.
-void append(SamplesTap& to, const LocalSamples& s, std::span<const Rgb> contribution) {
-    to.at.semantic = s.semantic;
-    to.at.group = s.group;
-    to.at.t_max = s.t_max;
-    const uint32_t before = uint32_t(to.at.size());
-    to.at.eye.insert(to.at.eye.end(), s.eye.begin(), s.eye.end());
-    for (const uint32_t end : s.end) to.at.end.push_back(before + end);
+void SamplesTap::append(const LocalSamples& s, std::span<const Rgb> values, uint32_t first_eye) {
+    at.semantic = s.semantic;
+    at.group = s.group;
+    at.t_max = s.t_max;
+    const uint32_t before = uint32_t(at.size());
+    for (const uint32_t eye : s.eye) at.eye.push_back(first_eye + eye);
+    for (const uint32_t end : s.end) at.end.push_back(before + end);
     const auto extend = [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
-    extend(to.at.x, s.x);
-    extend(to.at.y, s.y);
-    extend(to.at.z, s.z);
-    extend(to.at.normal, s.normal);
-    extend(to.at.ray_end, s.ray_end);
-    extend(to.at.density, s.density);
-    extend(to.at.light_density, s.light_density);
-    extend(to.contribution, contribution);
+    extend(at.x, s.x);
+    extend(at.y, s.y);
+    extend(at.z, s.z);
+    extend(at.normal, s.normal);
+    extend(at.ray_end, s.ray_end);
+    extend(at.density, s.density);
+    extend(at.light_density, s.light_density);
+    extend(contribution, values);
 }
+
+namespace {
 
 class TapOracle final : public VisibilityOracle {
 public:
@@ -46,7 +45,7 @@ public:
         throw std::logic_error("frames of tiles ask for samples, not for pairs");
     }
     void samples(const EyeBlock&, const LocalSamples& samples, std::span<Word>, Counters&) override {
-        append(tap.samples[samples.group], samples, contribution_);
+        tap.samples[samples.group].append(samples, contribution_);
     }
 
     TileTap tap;

@@ -18,6 +18,9 @@ namespace viscache {
 struct SamplesTap {
     LocalSamples at;                ///< rows in the order of the eye points
     std::vector<Rgb> contribution;  ///< unoccluded contribution of each
+
+    /// Appends samples of other eye points; their eye points are numbered from `first_eye` on.
+    void append(const LocalSamples& s, std::span<const Rgb> values, uint32_t first_eye = 0);
 };
 
 /// Queries of a frame for one tile.

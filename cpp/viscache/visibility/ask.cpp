@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "viscache/math/morton.h"
+#include "viscache/visibility/given_contributions.h"
 
 namespace viscache {
 
@@ -20,32 +21,6 @@ void append(EyeBlock& to, const EyeBlock& from, size_t i) {
     to.origin.push_back(from.origin[i]);
     to.density.push_back(from.density[i]);
 }
-
-/// Contributions as an array of rows × columns.
-class GivenContributions final : public Contributions {
-public:
-    GivenContributions(const float* f, size_t columns, std::span<const uint32_t> row)
-        : f_(f), columns_(columns), row_(row) {}
-    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
-        const std::span<const float> f(f_ + size_t(row_[eye]) * columns_, columns_);
-        float sum = 0, positive = 0;
-        for (const float v : f) {
-            sum += v;
-            positive += v > 0;
-        }
-        const float mean = sum / std::max(positive, 1.f);
-        for (size_t i = 0; i < rows.size(); ++i)
-            for (size_t k = 0; k < columns_; ++k) {
-                const bool set = shares[i] == kInfinity || f[k] <= shares[i] * mean;
-                set ? set_bit(rows[i], k) : clear_bit(rows[i], k);
-            }
-    }
-
-private:
-    const float* f_;
-    size_t columns_;
-    std::span<const uint32_t> row_;
-};
 
 /// Stores the log of a tile until its clusters are numbered.
 class TileLog final : public QueryLog {

@@ -1,0 +1,44 @@
+#pragma once
+// What a rendered frame offers a source of oracles before its first item.
+#include <cmath>
+#include <functional>
+
+#include "viscache/render/frame.h"
+
+namespace viscache {
+
+class RenderedStart final : public FrameStart {
+public:
+    /// Renders the same view with other frame settings and another source.
+    using Render = std::function<FrameResult(const FrameSettings&, OracleSource&, Control&)>;
+    /// The rays and the time of small frames are added to `out`.
+    RenderedStart(const FrameSettings& frame, std::vector<const FarEnds*> lights, FrameResult& out,
+                  Render render)
+        : frame_(frame), lights_(std::move(lights)), out_(out), render_(std::move(render)) {}
+    std::span<const FarEnds* const> lights() const override { return lights_; }
+    int threads() const override { return frame_.threads; }
+    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
+        FrameSettings settings = frame_;
+        const double scale =
+            std::min(1.0, std::sqrt(double(pixels) / (double(frame_.width) * frame_.height)));
+        settings.width = int(std::ceil(frame_.width * scale));
+        settings.height = int(std::ceil(frame_.height * scale));
+        settings.spp = 1;
+        const FrameResult small = render_(settings, source, control);
+        for (int g = 0; g < kLightGroups; ++g)
+            out_.counters.group(g).rays += small.counters.groups[size_t(g)].rays;
+        out_.counters.light_rays += small.counters.light_rays;
+        out_.counters.camera_rays += small.counters.camera_rays;
+        out_.stages.merge(small.stages);
+        control.done = 0;
+        return small.counters;
+    }
+
+private:
+    const FrameSettings& frame_;
+    std::vector<const FarEnds*> lights_;
+    FrameResult& out_;
+    Render render_;
+};
+
+}  // namespace viscache
