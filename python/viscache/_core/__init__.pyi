@@ -1,6 +1,6 @@
 # mypy: disable-error-code="misc, no-untyped-def, type-arg"
 """
-C++ core of viscache; use the package viscache, not this module.
+C++ core of viscache. Use the package viscache instead of this module.
 """
 from __future__ import annotations
 import collections.abc
@@ -15,12 +15,12 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'free_share', 'geometry_hash', 'given_maps', 'learnt_map', 'lit_by_light', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
     """
-    The few materials of viscache.
+    Kinds of materials.
     """
     DIELECTRIC: typing.ClassVar[MaterialKind]
     DIFFUSE: typing.ClassVar[MaterialKind]
@@ -55,7 +55,7 @@ class SceneDescription:
         """
     def add_instance(self, meshes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> int:
         """
-        Place meshes (added with in_world=False) once more by an affine (3, 4) or (4, 4) matrix; returns
+        Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; returns
         its index.
         """
     def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5) -> int:
@@ -86,7 +86,7 @@ class SceneDescription:
         """
     def clear_environment(self) -> None:
         """
-        Leave the environment out.
+        Remove the environment.
         """
     def image_pixels(self, index: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -102,7 +102,7 @@ class SceneDescription:
         """
     def set_image(self, index: typing.SupportsInt | typing.SupportsIndex, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
-        Give the pixels of a pending image.
+        Set the pixels of a pending image.
         """
     def warn(self, where: str, text: str) -> None:
         """
@@ -111,7 +111,7 @@ class SceneDescription:
     @property
     def cameras(self) -> list:
         """
-        Every camera, as dicts.
+        A dict per camera.
         """
     @property
     def images(self) -> list:
@@ -121,22 +121,22 @@ class SceneDescription:
     @property
     def instances(self) -> list:
         """
-        Every instance, as dicts.
+        A dict per instance.
         """
     @property
     def lights(self) -> list:
         """
-        Every light, as dicts.
+        A dict per light.
         """
     @property
     def materials(self) -> list:
         """
-        Every material, as dicts.
+        A dict per material.
         """
     @property
     def meshes(self) -> list:
         """
-        Facts of every mesh, as dicts.
+        A dict per mesh, without its arrays.
         """
     @property
     def n_lights(self) -> int:
@@ -151,7 +151,7 @@ class SceneDescription:
     @property
     def name(self) -> str:
         """
-        Shown with the scene.
+        Name that is shown with the scene.
         """
     @name.setter
     def name(self, arg0: str) -> None:
@@ -218,7 +218,7 @@ class EmbreeCaster(RayCaster):
         """
     def bare_occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, *, coherent: bool = False, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         """
-        Baseline of `viscache bench rays`: a loop over one packet width; checks nothing.
+        Baseline of `viscache bench rays`: a loop with one packet width and no checks.
         """
     def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
         ...
@@ -252,7 +252,7 @@ class EnvironmentSampling(enum.Enum):
         ...
 class AmbientEngine(enum.Enum):
     """
-    Who traces shared directions.
+    The engine that traces shared directions.
     """
     AUTO: typing.ClassVar[AmbientEngine]
     BATCH: typing.ClassVar[AmbientEngine]
@@ -263,7 +263,7 @@ class AmbientEngine(enum.Enum):
         ...
 class PointSet(enum.Enum):
     """
-    Points of the square.
+    Point sets on the unit square.
     """
     INDEPENDENT: typing.ClassVar[PointSet]
     ZERO_TWO: typing.ClassVar[PointSet]
@@ -294,7 +294,7 @@ class IntegratorSettings:
         ...
     def set_vpls(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], flux: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
-        Takes the caller's own lights.
+        Set the virtual point lights of the caller.
         """
     @property
     def ambient_max_distance(self) -> float:
@@ -426,12 +426,12 @@ class Camera:
     @property
     def forward(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """
-        Where it looks, unit.
+        Viewing direction, a unit vector.
         """
     @property
     def fov_is_horizontal(self) -> bool:
         """
-        Whether `fov_rad` is across the width instead of the height.
+        Whether `fov_rad` is the horizontal angle.
         """
     @fov_is_horizontal.setter
     def fov_is_horizontal(self, arg0: bool) -> None:
@@ -439,7 +439,7 @@ class Camera:
     @property
     def fov_rad(self) -> float:
         """
-        Full angle of view, radians.
+        Full angle of view in radians.
         """
     @fov_rad.setter
     def fov_rad(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -455,7 +455,7 @@ class Camera:
     @property
     def name(self) -> str:
         """
-        As the file names it.
+        Its name in the scene file.
         """
     @name.setter
     def name(self, arg0: str) -> None:
@@ -463,17 +463,17 @@ class Camera:
     @property
     def origin(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """
-        Where it is, scene units.
+        Position in scene units.
         """
     @property
     def right(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """
-        Right in the picture, unit.
+        Unit vector to the right in the picture.
         """
     @property
     def up(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """
-        Up in the picture, unit.
+        Unit vector upwards in the picture.
         """
     @property
     def width(self) -> int:
@@ -524,7 +524,7 @@ class KeptTable:
         ...
     def entries(self) -> numpy.ndarray:
         """
-        Occupied slots in order: slot, digest, visible, current.
+        Occupied slots in ascending order: slot, digest, visible, current.
         """
     def next_epoch(self) -> None:
         ...
@@ -629,7 +629,7 @@ class VisMapSettings:
         ...
 class FrameMaps:
     """
-    Maps that one frame estimates the environment with.
+    Visibility maps for the environment light of one frame.
     """
 class OracleSource:
     """
@@ -649,7 +649,7 @@ class UnoccludedSource(OracleSource):
         ...
 class AlignedSource(OracleSource):
     """
-    Exact; shared directions may go through a batch.
+    Exact rays. A batch may trace shared directions.
     """
     def __init__(self, scene: Scene, caster: RayCaster, batch: vlf.AlignedBatch, *, choose: bool, order: PacketOrder | None = None, coherent: bool | None = None) -> None:
         ...
@@ -661,7 +661,7 @@ class AqvcSource(OracleSource):
         ...
 class FrameTableSource(OracleSource):
     """
-    One table of the frame, see Bdpt.
+    A quantized cache with one table per frame; see viscache.Bdpt.
     """
     def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, *, spp: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
@@ -691,7 +691,7 @@ class ResidualSource(OracleSource):
         ...
 class FrameTaps:
     """
-    All that a frame asks, see viscache.connections.
+    All queries of a frame; see viscache.connections.
     """
     def __init__(self, scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings) -> None:
         ...
@@ -714,11 +714,11 @@ class FrameTaps:
         ...
 class GivenSource(OracleSource):
     """
-    Answers that were given.
+    Oracles that give stored answers.
     """
 class GivenAnswers:
     """
-    Answers for one frame.
+    Stored answers for one frame.
     """
     def __init__(self, taps: FrameTaps) -> None:
         ...
@@ -730,7 +730,7 @@ class GivenAnswers:
         ...
 class PythonTracer:
     """
-    Exact rays for an oracle written in Python.
+    Traces exact rays for an oracle written in Python.
     """
     def block(self, eyes: dict, ends: dict, wanted: typing.Any) -> numpy.typing.NDArray[numpy.uint64]:
         ...
@@ -738,7 +738,7 @@ class PythonTracer:
         ...
 class PythonSource(OracleSource):
     """
-    The oracles of a class written in Python.
+    Makes oracles from a class written in Python.
     """
     def __init__(self, scene: Scene, caster: RayCaster, written: typing.Any) -> None:
         ...
@@ -756,36 +756,20 @@ def ask_pairs(source: OracleSource, eyes: typing.Any, index: typing.Annotated[nu
     """
 def best_isa() -> str:
     """
-    Best variant this CPU has.
+    Best variant that this CPU supports.
     """
 def cache_maps(settings: VisMapSettings, cache: vismap.MapCache, frame: FrameSettings, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, count_misses: bool = False, cache_frame: typing.SupportsInt | typing.SupportsIndex = 0) -> FrameMaps:
     """
-    The maps of a cache, which must not change while the frame is rendered; d_max and footprint are those of the pixels' centres, (H·W,).
+    The maps of a cache, which must not change while the frame is rendered. d_max and footprint belong to the centres of the pixels, (H·W,).
     """
 def description_of(scene: Scene) -> SceneDescription:
     """
-    A copy that can be changed.
+    A description of the scene that can be changed.
     """
 def embree_version() -> str:
     ...
-def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], rows: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> numpy.typing.NDArray[numpy.float32]:
-    """
-    Cosine-weighted shares of the hemisphere that rows of bits call free, (N,).
-    """
 def geometry_hash(scene: Scene) -> str:
     ...
-def given_maps(settings: VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> FrameMaps:
-    """
-    The same blend of maps for all points (tests).
-    """
-def learnt_map(settings: NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
-    """
-    Cells of both ends (N,), then visibility and probability of each connection once all are counted (tests). `far` holds places, or directions towards the light.
-    """
-def lit_by_light(caster: RayCaster, settings: ShadowMapSettings, far: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, direction: bool, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> tuple:
-    """
-    One light's map asked about points with unit normals: lit (N,), depths (faces, rows, columns). `far` is a place, or a unit direction towards the light (tests).
-    """
 def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
     """
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
@@ -804,7 +788,7 @@ def render_bdpt(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptS
     """
 def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps | None = None, batch: vlf.AlignedBatch | None = None, field: vlf.VisibilityField | None = None, progress: typing.Any = None) -> dict:
     """
-    A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field`: who may trace shared directions of ambient occlusion.
+    A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field` may trace the shared directions of ambient occlusion.
     """
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...
@@ -826,7 +810,7 @@ def scene_mesh_count(scene: Scene) -> int:
     ...
 def scene_offset_extent(scene: Scene) -> float:
     """
-    The length that offsets of ray origins are relative to.
+    The length that scales the offsets of ray origins.
     """
 def scene_sphere(scene: Scene) -> typing.Annotated[list[float], "FixedSize(4)"]:
     """

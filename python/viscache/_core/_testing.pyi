@@ -1,6 +1,6 @@
 # mypy: disable-error-code="misc, no-untyped-def, type-arg"
 """
-What tests alone ask for: equations and parts of structures.
+Equations and parts of structures that only tests call.
 """
 from __future__ import annotations
 import collections.abc
@@ -8,14 +8,57 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
+import viscache._core.aqvc
 import viscache._core.sampling
 import viscache._core.visibility
 import viscache._core.vismap
 import viscache._core.vlf
-__all__: list[str] = ['Distribution1D', 'KdTree', 'ProductTree', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'flat_triangles', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'least_residual_variance', 'map_differences', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_to_direction', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
+__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'learnt_map', 'least_residual_variance', 'light_cells', 'lit_by_light', 'map_differences', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
+class BitTable:
+    """
+    The lossy table. `get` gives -1 for a miss.
+    """
+    def __init__(self, slots: typing.SupportsInt | typing.SupportsIndex, digest_bits: typing.SupportsInt | typing.SupportsIndex = 31, scheme: str = 'scheme2') -> None:
+        ...
+    def clear(self) -> None:
+        ...
+    def get(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> numpy.typing.NDArray[numpy.int8]:
+        ...
+    def put(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], arg1: collections.abc.Sequence[bool]) -> dict:
+        ...
+    @property
+    def occupied(self) -> int:
+        ...
+    @property
+    def slots(self) -> int:
+        ...
+class AnalyticCaster:
+    """
+    Boxes (lo, hi) and spheres (centre, radius).
+    """
+    def __init__(self, boxes: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], spheres: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
+        ...
+class TileRun:
+    """
+    The quantized cache over one tile of given eye points.
+    """
+    def __init__(self, caster: AnalyticCaster, eyes: dict, parameters: viscache._core.aqvc.AqvcParameters, *, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, extent: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+        ...
+    def begin_tile(self) -> None:
+        ...
+    def block(self, lights: dict, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, exact: bool = False, contribution: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None) -> tuple:
+        ...
+    def pair_order(self) -> tuple:
+        ...
+    def pairs(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], exact: bool = False) -> tuple:
+        ...
+    def sample_order(self, group: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+        ...
+    def samples(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], light_density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> tuple:
+        ...
 class Distribution1D:
     """
-    Indices with given, piecewise constant probability.
+    Discrete distribution of indices with given weights.
     """
     def __init__(self, weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
@@ -27,14 +70,14 @@ class Distribution1D:
         """
     def sample(self, u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float32]]:
         """
-        Index, its probability and the stretched rest of u, each (N,).
+        Index, its probability, and u rescaled to [0, 1) inside its interval, each (N,).
         """
     @property
     def total(self) -> float:
         ...
 class ProductTree:
     """
-    L·B̃ over the sphere for one point, to draw directions from.
+    L·B̃ over the sphere for one point. Directions are drawn from it.
     """
     @staticmethod
     def of_surface(light: viscache._core.vismap.EnvironmentPyramid, shading: viscache._core.sampling.ShadingPoint, map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> ProductTree:
@@ -42,7 +85,7 @@ class ProductTree:
     @staticmethod
     def of_table(light: viscache._core.vismap.EnvironmentPyramid, b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], map_level: typing.SupportsInt | typing.SupportsIndex = 5) -> ProductTree:
         """
-        From B as a table over the map, (N, N, 3).
+        From a table of B over the map, (N, N, 3).
         """
     def b_tilde(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -54,11 +97,11 @@ class ProductTree:
         """
     def sample(self, u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
         """
-        Texels drawn by points (N, 2) of the square, row-major numbers (N,), and directions (N, 3).
+        Texels drawn with points (N, 2) of the square: row-major numbers (N,) and directions (N, 3).
         """
     def texel_masses(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Integrals of L·B̃ over the texels, (R, R); over L_ns the probability to be drawn.
+        Integrals of L·B̃ over the texels, (R, R). Divided by L_ns they are the probabilities of the texels.
         """
     @property
     def dense_level(self) -> int:
@@ -73,7 +116,7 @@ class ProductTree:
         """
 class KdTree:
     """
-    The records' tree; finds the m nearest within a radius.
+    Tree of records. It finds the m nearest within a radius.
     """
     def __init__(self) -> None:
         ...
@@ -89,7 +132,7 @@ class KdTree:
         """
     def walk(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], radius: typing.SupportsFloat | typing.SupportsIndex, m: typing.SupportsInt | typing.SupportsIndex) -> tuple[list[list[int]], int]:
         """
-        The same by a neighbour list that excludes ids congruent to the query's number modulo 3, and how often the tree was not needed.
+        The same with a neighbour list. Query q skips ids congruent to q modulo 3. Also the number of queries that the list answered without the tree.
         """
     @property
     def depth(self) -> int:
@@ -116,7 +159,7 @@ def correlation(var_z: typing.SupportsFloat | typing.SupportsIndex, var_w: typin
     """
 def diffuse_albedo(sp: viscache._core.sampling.ShadingPoint) -> typing.Annotated[list[float], "FixedSize(3)"]:
     """
-    Albedo of the diffuse part alone for light from wo.
+    Albedo of the diffuse part for light from wo.
     """
 def direction_to_octahedral(d: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -124,11 +167,19 @@ def direction_to_octahedral(d: typing.Annotated[numpy.typing.ArrayLike, numpy.fl
     """
 def expected_build_s(scene: viscache._core.Scene, settings: viscache._core.vlf.FieldSettings) -> float:
     """
-    CPU seconds to build, by rule of thumb.
+    Estimated CPU seconds of the build.
+    """
+def expected_paths(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg4: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 2.
     """
 def flat_triangles(scene: viscache._core.Scene) -> dict:
     """
     Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of degenerate ones, left out.
+    """
+def free_share(n_directions: typing.SupportsInt | typing.SupportsIndex, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], rows: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> numpy.typing.NDArray[numpy.float32]:
+    """
+    Cosine-weighted fraction of the hemisphere that is free by each bit row, (N,).
     """
 def fresnel_dielectric(cos_i: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], eta: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -136,7 +187,7 @@ def fresnel_dielectric(cos_i: typing.Annotated[numpy.typing.ArrayLike, numpy.flo
     """
 def gather2(v: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
     """
-    The bits on even places.
+    The bits at even positions, packed.
     """
 def geometric_weight(normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], to_record: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], d_max: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -146,9 +197,13 @@ def ggx_d(h: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], alpha: typ
     """
     Density of microfacet normals (N, 3), local frame.
     """
+def given_maps(settings: viscache._core.VisMapSettings, maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]]) -> viscache._core.FrameMaps:
+    """
+    The same blend of maps for all points.
+    """
 def glossy_sum(sp: viscache._core.sampling.ShadingPoint, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], value: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], bound2: typing.SupportsFloat | typing.SupportsIndex, seen: collections.abc.Sequence[bool], isa: str | None = None) -> tuple:
     """
-    Sum of f·g·value over the columns that are seen.
+    Sum of f·g·value over the visible columns.
     """
 def hemisphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex, normal: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: bool = True, isa: str | None = None) -> tuple:
     """
@@ -156,11 +211,29 @@ def hemisphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scra
     """
 def hierarchy(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
     """
-    Words of the codes above a map.
+    Words of the quadtree codes above a map.
+    """
+def ladder(r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c_r: typing.SupportsFloat | typing.SupportsIndex = 1.2, c_z: typing.SupportsFloat | typing.SupportsIndex = 4.0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int32], dict]:
+    """
+    AQVC Eq. 8: resolutions, slots, clamps.
+    """
+def largest_prime(arg0: typing.SupportsInt | typing.SupportsIndex) -> int:
+    ...
+def learnt_map(settings: viscache._core.NeePlusPlusSettings, low: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], high: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], near: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, direction: bool = False) -> tuple:
+    """
+    Cells of both ends (N,), then the visibility and probability of every connection in the filled map. `far` holds places, or directions towards the light.
     """
 def least_residual_variance(var_z: typing.SupportsFloat | typing.SupportsIndex, rho: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
     Eq. 5: variance at the best α.
+    """
+def light_cells(parameters: viscache._core.aqvc.AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], limit: typing.SupportsInt | typing.SupportsIndex = 1073741824) -> tuple:
+    """
+    Columns of samples by light cell, and counts of clamped resolutions.
+    """
+def lit_by_light(caster: viscache._core.RayCaster, settings: viscache._core.ShadowMapSettings, far: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, direction: bool, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> tuple:
+    """
+    Points with unit normals looked up in one light's map: lit (N,), depths (faces, rows, columns). `far` is a position, or a unit direction towards the light.
     """
 def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -168,7 +241,7 @@ def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b
     """
 def node_codes(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    Codes of a level's nodes, (4^level,).
+    Codes of the nodes of a level, (4^level,).
     """
 def normal_angle(a: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], b: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> float:
     """
@@ -178,9 +251,29 @@ def normalized_weight(t: typing.SupportsFloat | typing.SupportsIndex, theta: typ
     """
     ŵ.
     """
+def octahedral_batch(w: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, isa: str | None = None) -> tuple:
+    """
+    Octahedral map of many directions, computed with one instruction set.
+    """
+def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Octahedral map of directions to the unit square.
+    """
 def octahedral_to_direction(p: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
     Its inverse: (N, 2) to unit vectors (N, 3).
+    """
+def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], y: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, parameters: viscache._core.aqvc.AqvcParameters) -> dict:
+    """
+    Processing order of a tile's eye points (AQVC Sec. 4.3).
+    """
+def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 5.
+    """
+def patch_area_product(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 3.
     """
 def pdf_bsdf(sp: viscache._core.sampling.ShadingPoint, wi: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -216,7 +309,7 @@ def radical_inverse(base: typing.SupportsInt | typing.SupportsIndex, index: typi
     """
 def random(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], count: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The same streams as floats in [0, 1).
+    The same numbers as floats in [0, 1).
     """
 def random_u32(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], count: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
@@ -232,7 +325,7 @@ def reflect_directions(sp: viscache._core.sampling.ShadingPoint, wi: typing.Anno
     """
 def reflection_at_nodes(shading: viscache._core.sampling.ShadingPoint, level: typing.SupportsInt | typing.SupportsIndex, first: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
     """
-    Sixteen node centres (16, 3) and B = f·cos there, as the tree sees it (16, 3).
+    Sixteen node centres (16, 3), and B = f·cos at them as the tree computes it (16, 3).
     """
 def refract(wo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], eta_ratio: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -240,11 +333,23 @@ def refract(wo: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n: typi
     """
 def regressed_alpha(z: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], var_w: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
-    α from samples (N,), both less the mean of W.
+    α from samples (N,) of Z and W, both minus the mean of W.
     """
 def residual_variance(var_z: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], var_w: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], covariance: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     Eq. 4: variance of Z − αW.
+    """
+def resolution_environment(density: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], printed: typing.Annotated[numpy.typing.ArrayLike, numpy.bool] = False) -> typing.Any:
+    """
+    AQVC Eq. 9 of P(ω)·M.
+    """
+def resolution_light(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 7, light side: D_l, B_R.
+    """
+def resolution_pair(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
+    """
+    AQVC Eq. 6 of D_e, D_l, C_E, B_R.
     """
 def sample_bsdf(sp: viscache._core.sampling.ShadingPoint, u: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]:
     """
@@ -260,15 +365,15 @@ def sample_sphere_light(center: typing.Annotated[collections.abc.Sequence[typing
     """
 def schlick(f0: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], cosine: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Fresnel reflectance from that at normal incidence, (N, 3).
+    Fresnel reflectance (N, 3) from the reflectance at normal incidence.
     """
 def shared_axes(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.int64]:
     """
-    Which of unit directions go along and against one axis, (A, 2); -1 against: none.
+    Pairs of opposite unit directions (A, 2): the one along each axis and the one against it; -1: none.
     """
 def smith_g1(cos_w: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], alpha: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Share of the microfacets that a direction sees.
+    Fraction of the microfacets that are visible from a direction.
     """
 def smith_g2(cos_i: typing.SupportsFloat | typing.SupportsIndex, cos_o: typing.SupportsFloat | typing.SupportsIndex, alpha: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
@@ -280,11 +385,11 @@ def sobol02(index: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], scram
     """
 def solid_at(scene: viscache._core.Scene, meshes: typing.Annotated[numpy.typing.ArrayLike, numpy.int64], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int64], uv: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.bool]:
     """
-    (N,) bool: do alpha masks leave points of triangles solid, at barycentrics (u, v) of their second and third corners?
+    (N,) bool: whether points of triangles are solid by their alpha masks. (u, v) are the barycentrics of the second and the third corner.
     """
 def sphere_batch(scramble_x: typing.SupportsInt | typing.SupportsIndex, scramble_y: typing.SupportsInt | typing.SupportsIndex, *, first: typing.SupportsInt | typing.SupportsIndex = 0, n: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Directions (n, 3) of a randomised (0,2)-sequence, even over the sphere.
+    Directions (n, 3) of a randomised (0,2)-sequence, uniform on the sphere.
     """
 def square_to_cosine_hemisphere(u: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -314,9 +419,9 @@ def tile_depth(count: typing.SupportsInt | typing.SupportsIndex, depth: typing.S
     ...
 def triangle_hits(kernel: viscache._core.visibility.TriangleKernel, a: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], c: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Ray i against triangle (a, b, c)[i]: rows (t, u, v) for t_min < t <= t_max, NaN where it misses.
+    Intersects ray i with triangle (a, b, c)[i]: rows (t, u, v) with t_min < t <= t_max, NaN for a miss.
     """
 def wilson_lower(misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> typing.Any:
     """
-    Lower end of the 95 % interval of a share.
+    Lower bound of the 95 % Wilson interval of misses / rays.
     """

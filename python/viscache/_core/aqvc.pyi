@@ -7,7 +7,7 @@ import collections.abc
 import numpy
 import numpy.typing
 import typing
-__all__: list[str] = ['AnalyticCaster', 'AqvcParameters', 'BitTable', 'TileRun', 'expected_paths', 'full_keys', 'hash_keys', 'ladder', 'largest_prime', 'level_hashes', 'light_cells', 'octahedral_batch', 'octahedral_square', 'order', 'patch_area', 'patch_area_product', 'resolution_environment', 'resolution_eye', 'resolution_light', 'resolution_pair']
+__all__: list[str] = ['AqvcParameters', 'full_keys', 'hash_keys', 'level_hashes', 'resolution_eye']
 class AqvcParameters:
     """
     Parameters of the quantized cache; see viscache.Aqvc.
@@ -66,52 +66,6 @@ class AqvcParameters:
     @refinement_groups.setter
     def refinement_groups(self, arg1: typing.Any) -> None:
         ...
-class BitTable:
-    """
-    The lossy table; misses are -1.
-    """
-    def __init__(self, slots: typing.SupportsInt | typing.SupportsIndex, digest_bits: typing.SupportsInt | typing.SupportsIndex = 31, scheme: str = 'scheme2') -> None:
-        ...
-    def clear(self) -> None:
-        ...
-    def get(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> numpy.typing.NDArray[numpy.int8]:
-        ...
-    def put(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], arg1: collections.abc.Sequence[bool]) -> dict:
-        ...
-    @property
-    def occupied(self) -> int:
-        ...
-    @property
-    def slots(self) -> int:
-        ...
-class AnalyticCaster:
-    """
-    Boxes (lo, hi) and spheres (centre, radius).
-    """
-    def __init__(self, boxes: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], spheres: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
-        ...
-class TileRun:
-    """
-    The quantized cache over one tile of given eye points.
-    """
-    def __init__(self, caster: AnalyticCaster, eyes: dict, parameters: AqvcParameters, *, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, extent: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
-        ...
-    def begin_tile(self) -> None:
-        ...
-    def block(self, lights: dict, wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, exact: bool = False, contribution: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None) -> tuple:
-        ...
-    def pair_order(self) -> tuple:
-        ...
-    def pairs(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], exact: bool = False) -> tuple:
-        ...
-    def sample_order(self, group: typing.SupportsInt | typing.SupportsIndex) -> tuple:
-        ...
-    def samples(self, eye: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], *, semantic: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], light_density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> tuple:
-        ...
-def expected_paths(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg4: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    AQVC Eq. 2.
-    """
 def full_keys(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], far_resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], dx: typing.SupportsInt | typing.SupportsIndex = 0, dy: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
     Keys of AQVC Sec. 3.3 and 3.5.
@@ -120,53 +74,11 @@ def hash_keys(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], schem
     """
     AQVC Eq. 10: (κ, c).
     """
-def ladder(r: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c_r: typing.SupportsFloat | typing.SupportsIndex = 1.2, c_z: typing.SupportsFloat | typing.SupportsIndex = 4.0) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int32], dict]:
-    """
-    AQVC Eq. 8: resolutions, slots, clamps.
-    """
-def largest_prime(arg0: typing.SupportsInt | typing.SupportsIndex) -> int:
-    ...
 def level_hashes(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], resolutions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], lights: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, at_once: bool) -> tuple:
     """
-    κ and digest (N, 4) of points (N, 3) at four resolutions (N, 4) with a point light each, and the CPU seconds it took: one key after the other, or four levels at once.
-    """
-def light_cells(parameters: AqvcParameters, center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, *, semantic: typing.SupportsInt | typing.SupportsIndex, far: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normal: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], density: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], limit: typing.SupportsInt | typing.SupportsIndex = 1073741824) -> tuple:
-    """
-    Columns of samples by light cell, and clamps.
-    """
-def octahedral_batch(w: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, isa: str | None = None) -> tuple:
-    """
-    Octahedral map of many directions by one instruction set.
-    """
-def octahedral_square(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    Octahedral map of directions to the unit square.
-    """
-def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], y: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, parameters: AqvcParameters) -> dict:
-    """
-    Processing order of a tile's eye points (AQVC Sec. 4.3).
-    """
-def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    AQVC Eq. 5.
-    """
-def patch_area_product(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    AQVC Eq. 3.
-    """
-def resolution_environment(density: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], printed: typing.Annotated[numpy.typing.ArrayLike, numpy.bool] = False) -> typing.Any:
-    """
-    AQVC Eq. 9 of P(ω)·M.
+    κ and digest (N, 4) of points (N, 3) at four resolutions (N, 4) with one point light each, and the CPU seconds. `at_once` hashes four levels together instead of one by one.
     """
 def resolution_eye(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     AQVC Eq. 7, eye side: D_e, C_E, B_R.
-    """
-def resolution_light(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    AQVC Eq. 7, light side: D_l, B_R.
-    """
-def resolution_pair(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg2: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg3: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
-    """
-    AQVC Eq. 6 of D_e, D_l, C_E, B_R.
     """

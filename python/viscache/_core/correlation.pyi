@@ -12,21 +12,21 @@ import viscache._core.vlf
 __all__: list[str] = ['PairRows', 'aligned_rows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
 class PairRows:
     """
-    Points, their rows of bits, and the rules of their statistics.
+    Points, their bit rows, and the rules of the statistics.
     """
     def __init__(self, bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], n_directions: typing.SupportsInt | typing.SupportsIndex, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups: typing.SupportsInt | typing.SupportsIndex, domain: str, directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], min_bits: typing.SupportsInt | typing.SupportsIndex, one_if_both: bool) -> None:
         ...
 def aligned_rows(scene: viscache._core.Scene, batch: viscache._core.vlf.AlignedBatch, caster: viscache._core.RayCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., choose: bool = True, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
     """
-    The same by the batch, or by the cheaper engine; whether it was the batch, and what both were predicted to take, ns per ray.
+    The same, traced by the batch, or by the faster engine if `choose` is set. Also whether the batch traced them, and the predicted ns per ray of the batch and of Embree.
     """
 def and_popcount_add(steps: typing.SupportsInt | typing.SupportsIndex) -> int:
     """
-    The bench's yardstick: and, popcount, add of 512 bits, `steps` times.
+    Baseline of the bench: and, popcount and add of 512 bits, repeated `steps` times.
     """
 def area_points(scene: viscache._core.Scene, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> dict:
     """
-    The same uniform over the area.
+    Points with uniform density over the surface area; the same fields.
     """
 def camera_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """
@@ -34,11 +34,11 @@ def camera_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster,
     """
 def intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None) -> numpy.typing.NDArray[numpy.int32]:
     """
-    Directions both rows see, (NA, NB).
+    Number of directions that are visible in both rows, (NA, NB).
     """
 def near_pairs(rows: PairRows, d_edges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], theta_edges_deg: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> dict:
     """
-    Sums over all pairs nearer than the last edge.
+    Sums over all pairs that are closer than the last edge of distance.
     """
 def pair_statistics(rows: PairRows, d_edges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], theta_edges_deg: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], tiles: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None, tile: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True, progress: typing.Any = None) -> dict:
     """
@@ -46,21 +46,21 @@ def pair_statistics(rows: PairRows, d_edges: collections.abc.Sequence[typing.Sup
     """
 def spatial_groups(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.int32]:
     """
-    Sixteen compact blocks of (nearly) equal size: numbers (N,).
+    Group numbers (N,): sixteen compact groups of nearly equal size.
     """
 def spatial_map(rows: PairRows, d_max: typing.SupportsFloat | typing.SupportsIndex, theta_max_deg: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Mean rho of every point with its neighbours.
+    Mean ρ between every point and its neighbours.
     """
 def tiles(group: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], n_groups: typing.SupportsInt | typing.SupportsIndex, tile: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int64]:
     """
-    (K, 7) of every tile: groups a and b, first and last point of a and of b, pairs.
+    One row (K, 7) per tile: groups a and b, first and last point of a and of b, number of pairs.
     """
 def total_intersections(bits_a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], bits_b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True) -> int:
     """
-    Sum of the intersections of all pairs of rows.
+    Sum of the intersections over all pairs of rows.
     """
 def visibility_rows(scene: viscache._core.Scene, caster: viscache._core.RayCaster, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: viscache._core.PacketOrder | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
     """
-    Rows of bits (N, words) uint64 and the number of rays.
+    Bit rows (N, words) uint64 and the number of rays.
     """

@@ -24,7 +24,7 @@ class EnvironmentMap:
         """
     def eval(self, wi: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Radiance from unit vectors (N, 3), (N, 3).
+        Radiance (N, 3) that arrives from unit vectors (N, 3).
         """
     def pdf(self, wi: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -51,13 +51,13 @@ class EnvironmentMap:
         ...
 class ShadingPoint:
     """
-    What reflection needs at a point.
+    Normals and material of a shaded point.
     """
     def __init__(self, kind: viscache._core.MaterialKind, wo: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, ns: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 1.0], ng: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 1.0], base: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5) -> None:
         ...
 class PatternKind(enum.Enum):
     """
-    Where in its cell a direction lies.
+    Position of a direction inside its cell.
     """
     CENTRES: typing.ClassVar[PatternKind]
     JITTERED: typing.ClassVar[PatternKind]
@@ -79,5 +79,5 @@ def equal_area_to_direction(p: typing.Annotated[numpy.typing.ArrayLike, numpy.fl
     """
 def eval_bsdf(sp: ShadingPoint, wi: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float32]:
     """
-    f without the cosine, (N, 3).
+    f without the cosine factor, (N, 3).
     """

@@ -1,6 +1,6 @@
 # mypy: disable-error-code="misc, no-untyped-def, type-arg"
 """
-Ray casters and what they are made of.
+Ray casters and their parts.
 """
 from __future__ import annotations
 import enum
@@ -37,13 +37,13 @@ class BspSettings:
         ...
 class BspCaster(viscache._core.RayCaster):
     """
-    Single rays through a BSP.
+    Traces single rays through a BSP tree.
     """
     def __init__(self, scene: viscache._core.Scene, settings: BspSettings, *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
     def count_steps(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> dict:
         """
-        Nodes and leaves visited and triangles tested for the nearest hits, over all rays.
+        Visited nodes, visited leaves and tested triangles of nearest-hit queries, summed over all rays.
         """
     def intersect(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
         ...

@@ -16,11 +16,11 @@ class EnvironmentPyramid:
     """
     def __init__(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
-        From N × N texels of the map, N a power of two, row by row.
+        From N × N texels of the map in rows; N is a power of two.
         """
     def sums(self, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Sums of the nodes of a level along the Morton curve, (4^level,).
+        Sums over the nodes of a level along the Morton curve, (4^level,).
         """
     @property
     def levels(self) -> int:
@@ -32,11 +32,11 @@ class EnvironmentPyramid:
         """
 class PointEstimate:
     """
-    Light × reflection × maps at one point, all of them tables.
+    Light × reflection × maps at one point, all given as tables.
     """
     def __init__(self, light: EnvironmentPyramid, b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], maps: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], beta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, dilated: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.bool]] = [], eta: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
-        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: their two (m < 6) or three dilations.
+        b (N, N, 3); maps (n, 2^m, 2^m) of bool; dilated: two dilations of the maps (m < 6) or three.
         """
     def b_tilde(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -52,7 +52,7 @@ class PointEstimate:
         """
     def flat(self, isa: str) -> tuple[float, float, typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"]]:
         """
-        J, ∫ L·B̃·Ṽ², J per channel, ∫ L·B̃·Ṽ^k by one instruction set.
+        J, ∫ L·B̃·Ṽ², J per channel and ∫ L·B̃·Ṽ^k, computed with one instruction set.
         """
     def guided_masses(self, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -69,16 +69,16 @@ class PointEstimate:
     @typing.overload
     def simulate(self, visible: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, n: typing.SupportsInt | typing.SupportsIndex, passes: typing.SupportsInt | typing.SupportsIndex = 1, replicates: typing.SupportsInt | typing.SupportsIndex = 1, set: viscache._core.PointSet = viscache._core.PointSet.INDEPENDENT, mode: viscache._core.AlphaMode = viscache._core.AlphaMode.FIXED, alpha: typing.SupportsFloat | typing.SupportsIndex = 1.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Estimates (replicates, passes, 3) with the true visibility (R, R) of bool.
+        Estimates (replicates, passes, 3); `visible` (R, R) of bool is the true visibility.
         """
     @typing.overload
     def simulate(self, visible: typing.Annotated[numpy.typing.ArrayLike, numpy.bool], *, sizes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], replicates: typing.SupportsInt | typing.SupportsIndex = 1, set: viscache._core.PointSet = viscache._core.PointSet.INDEPENDENT, mode: viscache._core.AlphaMode = viscache._core.AlphaMode.FIXED, alpha: typing.SupportsFloat | typing.SupportsIndex = 1.0, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> numpy.typing.NDArray[numpy.float64]:
         """
-        The same for passes of these sizes; `alpha` is the first's.
+        The same for passes of these sizes. `alpha` belongs to the first pass.
         """
     def walk(self) -> tuple[float, float, int]:
         """
-        J and ∫ L·B̃·Ṽ² by the joint quadtree walk, and the nodes visited.
+        J and ∫ L·B̃·Ṽ² by a joint walk of the quadtrees, and the number of visited nodes.
         """
     @property
     def dilated(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
@@ -112,7 +112,7 @@ class PointEstimate:
         """
 class CachePoints:
     """
-    Points that ask a cache; d_max = 0 where there is no surface.
+    Query points of a cache. d_max is 0 for points without a surface.
     """
     def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], first_row: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...
@@ -120,7 +120,7 @@ class CachePoints:
         ...
     def take(self, indices: typing.Annotated[numpy.typing.ArrayLike, numpy.int64]) -> CachePoints:
         """
-        Some of the points, in this order.
+        A selection of the points, in this order.
         """
     @property
     def d_max(self) -> numpy.typing.NDArray[numpy.float32]:
@@ -136,7 +136,7 @@ class CachePoints:
         ...
 class PixelRules:
     """
-    How far records are looked for; see viscache.MapSettings.
+    Search radii of records; see viscache.MapSettings.
     """
     def __init__(self, reach: typing.SupportsFloat | typing.SupportsIndex, most_reach: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, least_cos: typing.SupportsFloat | typing.SupportsIndex = 0.05000000074505806) -> None:
         ...
@@ -186,23 +186,23 @@ class MapCache:
         ...
     def add_records(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], rays: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], misses: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], last_used: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], ambient: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], nearest_hit: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> None:
         """
-        Adds records without tracing rays.
+        Insert records that were traced before.
         """
     def bootstrap(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
         """
-        Inserts a record at every point; statistics of the records among each other.
+        Insert a record at every point; gives what the records predict of each other.
         """
     def insert(self, scene: viscache._core.Scene, caster: viscache._core.RayCaster, points: CachePoints, *, frame: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> dict:
         """
-        Inserts records where they are needed; counts.
+        Insert records where they are needed; gives counts.
         """
     def mark_used(self, points: CachePoints, frame: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         """
-        Records blended at the points count as used in the frame.
+        Mark the records that are blended at the points as used in the frame.
         """
     def records(self) -> dict:
         """
-        Copies of everything stored, one row per record.
+        Copies of all stored records, one row each.
         """
     def remove(self, frame: typing.SupportsInt | typing.SupportsIndex) -> dict:
         """
@@ -212,7 +212,7 @@ class MapCache:
         ...
     def select(self, points: CachePoints, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
         """
-        What is blended at every point: ids (N, n_best) or −1, beta, and what the insertion test sees.
+        Records that are blended at every point: ids (N, n_best) or −1, their weights beta, and the values of the insertion test.
         """
     def set_thresholds(self, w_min: typing.SupportsFloat | typing.SupportsIndex, delta_max: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
@@ -244,7 +244,7 @@ class Relighting:
     @staticmethod
     def trace(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, integrator: viscache._core.IntegratorSettings, frame: viscache._core.FrameSettings, cache: MapCache, d_max: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], footprint: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], progress: typing.Any = None) -> Relighting:
         """
-        Everything but the light; d_max and footprint of the pixels' centres, (H·W,).
+        Compute all that does not depend on the light. d_max and footprint belong to the centres of the pixels, (H·W,).
         """
     def image(self, light: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -252,7 +252,7 @@ class Relighting:
         """
     def transfer(self, pixel: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
         """
-        What each cell's light is multiplied with in one pixel, (4^m, 3).
+        The factor of every cell's light in one pixel, (4^m, 3).
         """
     @property
     def camera_rays(self) -> int:
@@ -268,7 +268,7 @@ class Relighting:
         ...
 def cell_light(map: viscache._core.sampling.EnvironmentMap, m: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Radiance × solid angle over the cells of maps, (3, 4^m), in Z order.
+    Radiance × solid angle of the cells of a map, (3, 4^m), in Z order.
     """
 def dilated(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint64]:
     """
@@ -280,11 +280,11 @@ def morton2(x: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], y: typing
     """
 def morton_order(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.uint32]:
     """
-    Rows of the positions along the Morton curve of their bounding box.
+    Row numbers of the positions along the Morton curve of their bounding box.
     """
 def pixel_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, at: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
-    First hits through one place of every pixel, row-major; misses; bad normals.
+    First hits through one position inside every pixel, row-major; misses; bad normals.
     """
 def points(set: viscache._core.PointSet, count: typing.SupportsInt | typing.SupportsIndex, *, seed: typing.SupportsInt | typing.SupportsIndex = 0, pixel: typing.SupportsInt | typing.SupportsIndex = 0, pass_: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -292,7 +292,7 @@ def points(set: viscache._core.PointSet, count: typing.SupportsInt | typing.Supp
     """
 def record_nbytes(m: typing.SupportsInt | typing.SupportsIndex) -> int:
     """
-    Bytes of a record as the paper counts them.
+    Size of a record in bytes by the paper's formula.
     """
 def record_weight(t: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], theta: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], lambda_: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> typing.Any:
     """
@@ -300,9 +300,9 @@ def record_weight(t: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], th
     """
 def sample_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, sample: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple:
     """
-    The same through the places where render's sample of every pixel lies.
+    The same through the position of the sample that `render` takes in every pixel.
     """
 def startup_points(scene: viscache._core.Scene, caster: viscache._core.RayCaster, camera: viscache._core.Camera, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, rules: PixelRules) -> tuple:
     """
-    First hits of n rays, stratified over the image; misses; bad normals.
+    First hits of n rays stratified over the image; misses; bad normals.
     """

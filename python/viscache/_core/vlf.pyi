@@ -39,7 +39,7 @@ class FieldSettings:
         ...
 class VisibilityField(viscache._core.RayCaster):
     """
-    Rays by look-up.
+    Answers rays by look-up.
     """
     def __init__(self, scene: viscache._core.Scene, settings: FieldSettings, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> None:
         ...
@@ -49,11 +49,11 @@ class VisibilityField(viscache._core.RayCaster):
         ...
     def subfield(self, direction: typing.SupportsInt | typing.SupportsIndex) -> dict:
         """
-        Arrays of one direction's lists.
+        The lists of one direction as arrays.
         """
     def trace_by(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], axes: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], t_min: typing.Any = 0.0, t_max: typing.Any = ...) -> tuple:
         """
-        Through given subfields: t, triangle (N,), any (N,), steps of each kind.
+        Traces every ray through a given subfield: t, triangle (N,), any (N,), steps of both kinds.
         """
     def visible(self: viscache._core.RayCaster, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], y: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
@@ -74,7 +74,7 @@ class AlignedBatch:
         """
     def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
         """
-        Rows of bits (N, words), 1 = free, and how much work it was.
+        Bit rows (N, words), 1 = free, and counts of the work.
         """
     @property
     def bytes(self) -> int:
@@ -84,7 +84,7 @@ class AlignedBatch:
         ...
 class UpdateMode(enum.Enum):
     """
-    How a field adds objects.
+    How objects are inserted into a field.
     """
     IN_PLACE: typing.ClassVar[UpdateMode]
     OVERLAY: typing.ClassVar[UpdateMode]
@@ -93,7 +93,7 @@ class UpdateMode(enum.Enum):
         ...
 class DynamicField:
     """
-    A field over moving objects.
+    A visibility field over moving objects.
     """
     def __init__(self, scene: viscache._core.Scene, settings: FieldSettings, mode: UpdateMode, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> None:
         ...
@@ -105,11 +105,11 @@ class DynamicField:
         """
     def listed(self, direction: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
         """
-        (tile, triangle) of one direction's lists.
+        Entries (tile, triangle) of the lists of one direction.
         """
     def listed_anew(self, direction: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
         """
-        The same of lists built from scratch.
+        The same of lists that are built from scratch.
         """
     def occluded(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.bool]:
         ...
@@ -144,21 +144,21 @@ def directions(n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy
     """
 def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool | None = None, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
     """
-    The same bits by Embree.
+    The same bits, traced by Embree.
     """
 def expected_references(scene: viscache._core.Scene, n_tiles: typing.SupportsInt | typing.SupportsIndex) -> float:
     """
-    Entries of one direction's lists by formula, without depth.
+    Expected number of entries in the lists of one direction, without splits along the depth.
     """
 def field_rows(field: VisibilityField, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
     """
-    The same by look-up in a field of these directions.
+    The same bits, looked up in a field of these directions.
     """
 def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
 def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
     """
-    True if the batch is slower in every scene.
+    True if the batch is slower whatever the scene is.
     """
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
@@ -166,7 +166,7 @@ def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy
     """
 def predict_field_rows(scene: viscache._core.Scene, settings: FieldSettings) -> dict:
     """
-    Predicted cost in a field that is yet to be built: tests per ray, ray_ns, build_s, least bytes.
+    Predicted cost in a field that is still to be built: tests per ray, ray_ns, build_s, bytes (at least).
     """
 def predicted_bytes(scene: viscache._core.Scene, settings: FieldSettings, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
     """
