@@ -3,21 +3,11 @@
 Ray casters and their parts.
 """
 from __future__ import annotations
-import enum
 import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['BspCaster', 'BspSettings', 'TriangleKernel']
-class TriangleKernel(enum.Enum):
-    """
-    Ray against triangle.
-    """
-    WALD: typing.ClassVar[TriangleKernel]
-    WATERTIGHT: typing.ClassVar[TriangleKernel]
-    @classmethod
-    def __new__(cls, value):
-        ...
+__all__: list[str] = ['BspCaster', 'BspSettings']
 class BspSettings:
     """
     Settings of the BSP; see viscache.Bsp.
