@@ -48,11 +48,11 @@ py::dict count_steps(const BspCaster& caster, const FloatArray& o, const FloatAr
 }  // namespace
 
 void bind_bsp(py::module_& m) {
-    py::module_ v = m.def_submodule("visibility", "Ray casters and what they are made of.");
+    py::module_ v = m.def_submodule("visibility", "Ray casters and their parts.");
     py::class_<BspSettings> settings(v, "BspSettings", "Settings of the BSP; see viscache.Bsp.");
     bind_rows(settings, kBspRows);
-    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(v, "BspCaster",
-                                                                        "Single rays through a BSP.");
+    py::class_<BspCaster, RayCaster, std::shared_ptr<BspCaster>> caster(
+        v, "BspCaster", "Traces single rays through a BSP tree.");
     caster.def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0)
         .def_property_readonly("stats", [](const BspCaster& c) { return stats_dict(c.stats()); })
         .def("count_steps", &count_steps, py::arg("origins"), py::arg("directions"),

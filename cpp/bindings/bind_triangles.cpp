@@ -1,7 +1,6 @@
 // The triangles of a scene as one list, and intersections of single rays with single triangles; for tests.
-#include <pybind11/native_enum.h>
-
 #include "arrays.h"
+#include "bind_rows.h"
 #include "viscache/visibility/flat_triangles.h"
 #include "viscache/visibility/triangle_kernels.h"
 
@@ -40,11 +39,12 @@ py::dict flat_dict(const Scene& scene) {
 }
 
 /// Intersects ray i with triangle i. Rows are (t, u, v), NaN for a miss.
-py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, const FloatArray& b,
+py::array_t<float> triangle_hits(const std::string& kernel, const FloatArray& a, const FloatArray& b,
                                  const FloatArray& c, const FloatArray& origins, const FloatArray& directions,
                                  float t_min, float t_max) {
     const Vec3 *pa = rows3(a, "a"), *pb = rows3(b, "b"), *pc = rows3(c, "c");
     const Vec3 *o = rows3(origins, "origins"), *d = rows3(directions, "directions");
+    const bool wald = named<TriangleKernel>("kernel", kernel) == TriangleKernel::kWald;
     for (const FloatArray* other : {&b, &c, &origins, &directions})
         if (other->shape(0) != a.shape(0))
             throw py::value_error("all arrays must have equal numbers of rows, got " + shape_text(a) +
@@ -54,9 +54,8 @@ py::array_t<float> triangle_hits(TriangleKernel kernel, const FloatArray& a, con
         const Ray ray{o[i], t_min, d[i], t_max};
         TriangleHit hit;
         const bool found =
-            kernel == TriangleKernel::kWald
-                ? intersect_wald(wald_triangle(pa[i], pb[i], pc[i], 0), ray, t_max, hit)
-                : intersect_watertight({pa[i], pb[i], pc[i], 0, {}}, ShearedRay(ray), t_max, hit);
+            wald ? intersect_wald(wald_triangle(pa[i], pb[i], pc[i], 0), ray, t_max, hit)
+                 : intersect_watertight({pa[i], pb[i], pc[i], 0, {}}, ShearedRay(ray), t_max, hit);
         const float nan = std::numeric_limits<float>::quiet_NaN();
         float* row = rows.mutable_data(i, 0);
         row[0] = found ? hit.t : nan;
@@ -92,11 +91,6 @@ py::array_t<bool> solid(const Scene& scene, const NumberArray& meshes, const Num
 }  // namespace
 
 void bind_triangles(py::module_& m) {
-    py::module_ v = m.def_submodule("visibility", "Ray casters and their parts.");
-    py::native_enum<TriangleKernel>(v, "TriangleKernel", "enum.Enum", "Ray against triangle.")
-        .value("WATERTIGHT", TriangleKernel::kWatertight)
-        .value("WALD", TriangleKernel::kWald)
-        .finalize();
     py::module_ t = m.def_submodule("_testing");
     t.def("flat_triangles", &flat_dict, py::arg("scene"),
           "Placed triangles: corners (T, 3, 3), mesh, triangle and instance (-1: none), and the number of "

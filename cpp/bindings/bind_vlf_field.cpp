@@ -98,8 +98,8 @@ void bind_vlf_field(py::module_& m) {
     py::module_ v = m.def_submodule("vlf");
     py::class_<FieldSettings> settings(v, "FieldSettings", "Settings of the field; see viscache.Vlf.");
     bind_rows(settings, kFieldRows);
-    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(v, "VisibilityField",
-                                                                                   "Rays by look-up.");
+    py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
+        v, "VisibilityField", "Answers rays by look-up.");
     field
         .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none())

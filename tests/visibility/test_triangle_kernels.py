@@ -9,13 +9,12 @@ import numpy.typing as npt
 import pytest
 
 from viscache._core import _testing
-from viscache._core.visibility import TriangleKernel
 
 Array = npt.NDArray[Any]
-KERNELS = [TriangleKernel.WATERTIGHT, TriangleKernel.WALD]
+KERNELS = ["watertight", "wald"]
 
 
-def hits(kernel: TriangleKernel, corners: Array, o: Array, d: Array, **ends: float) -> Array:
+def hits(kernel: str, corners: Array, o: Array, d: Array, **ends: float) -> Array:
     """(t, u, v) of ray i against triangle i, corners (N, 3, 3)."""
     a, b, c = (np.ascontiguousarray(corners[:, i], dtype=np.float32) for i in range(3))
     return _testing.triangle_hits(
@@ -49,7 +48,7 @@ def aimed(n: int, seed: int = 0, scale: float = 1, offset: float = 0) -> tuple[A
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_hits_are_those_of_double_precision(kernel: TriangleKernel) -> None:
+def test_hits_are_those_of_double_precision(kernel: str) -> None:
     corners, o, d = aimed(20_000)
     t, u, v, margin = truth(corners, o, d)
     found = hits(kernel, corners, o, d)
@@ -65,7 +64,7 @@ def test_hits_are_those_of_double_precision(kernel: TriangleKernel) -> None:
 
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("axis", range(3))
-def test_rays_along_an_axis_hit_triangles_across_it(kernel: TriangleKernel, axis: int) -> None:
+def test_rays_along_an_axis_hit_triangles_across_it(kernel: str, axis: int) -> None:
     """Every dominant axis and both directions; u and v belong to vertices 1 and 2."""
     corners = np.roll(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], float), axis, axis=-1)
     for sign in (1, -1):
@@ -75,7 +74,7 @@ def test_rays_along_an_axis_hit_triangles_across_it(kernel: TriangleKernel, axis
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_a_hit_at_t_min_does_not_count(kernel: TriangleKernel) -> None:
+def test_a_hit_at_t_min_does_not_count(kernel: str) -> None:
     corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]], float)
     o, d = np.zeros((1, 3)), np.array([[0.0, 0, 1]])
     below, above = np.nextafter(np.float32(2), [0, 3], dtype=np.float32)
@@ -99,7 +98,7 @@ def fan(n: int, seed: int) -> tuple[Array, Array]:
     return corners, ring
 
 
-def holes(kernel: TriangleKernel, n: int = 20_000) -> int:
+def holes(kernel: str, n: int = 20_000) -> int:
     """Rays to points on the spokes of fans, the hub included, that no triangle of the fan stops."""
     corners, ring = fan(n, 3)
     r = np.random.default_rng(4)
@@ -114,15 +113,15 @@ def holes(kernel: TriangleKernel, n: int = 20_000) -> int:
 
 
 def test_no_ray_passes_between_triangles_that_share_an_edge() -> None:
-    assert holes(TriangleKernel.WATERTIGHT) == 0
+    assert holes("watertight") == 0
     # The control: the same rays find the gaps of the paper's kernel
-    assert holes(TriangleKernel.WALD) > 0
+    assert holes("wald") > 0
 
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e9])
-def test_scale_changes_no_decision(kernel: TriangleKernel, scale: float) -> None:
+def test_scale_changes_no_decision(kernel: str, scale: float) -> None:
     corners, o, d = aimed(5000)
     margin = truth(corners, o, d)[3]
     unit = hits(kernel, corners, o, d)
@@ -135,7 +134,7 @@ def test_scale_changes_no_decision(kernel: TriangleKernel, scale: float) -> None
 
 @pytest.mark.extreme
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_what_cannot_be_hit_is_missed(kernel: TriangleKernel) -> None:
+def test_what_cannot_be_hit_is_missed(kernel: str) -> None:
     """No area, no direction, not a number: a miss each, and nothing but a miss."""
     corners, o, d = aimed(6)
     corners[0] = corners[0, :1]
@@ -154,5 +153,5 @@ def test_the_watertight_kernel_reaches_the_largest_and_smallest_triangles() -> N
     for size in (1e-20, 1e16):
         corners = np.array([[[-1, -1, 2], [1, -1, 2], [0, 1, 2]]]) * size
         o, d = np.zeros((1, 3)), np.array([[0.0, 0, 1]])
-        t, u, v = hits(TriangleKernel.WATERTIGHT, corners, o, d)[0]
+        t, u, v = hits("watertight", corners, o, d)[0]
         np.testing.assert_allclose([t / size, u, v], [2, 0.25, 0.5], rtol=1e-6)

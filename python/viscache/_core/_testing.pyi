@@ -10,7 +10,6 @@ import typing
 import viscache._core
 import viscache._core.aqvc
 import viscache._core.sampling
-import viscache._core.visibility
 import viscache._core.vismap
 import viscache._core.vlf
 __all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'learnt_map', 'least_residual_variance', 'light_cells', 'lit_by_light', 'map_differences', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
@@ -417,7 +416,7 @@ def square_to_uniform_sphere(u: typing.Annotated[numpy.typing.ArrayLike, numpy.f
     """
 def tile_depth(count: typing.SupportsInt | typing.SupportsIndex, depth: typing.SupportsInt | typing.SupportsIndex, leaf_target: typing.SupportsInt | typing.SupportsIndex) -> int:
     ...
-def triangle_hits(kernel: viscache._core.visibility.TriangleKernel, a: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], c: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> numpy.typing.NDArray[numpy.float32]:
+def triangle_hits(kernel: str, a: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], b: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], c: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_min: typing.SupportsFloat | typing.SupportsIndex = 0.0, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> numpy.typing.NDArray[numpy.float32]:
     """
     Intersects ray i with triangle (a, b, c)[i]: rows (t, u, v) with t_min < t <= t_max, NaN for a miss.
     """

@@ -1,23 +1,13 @@
 # mypy: disable-error-code="misc, no-untyped-def, type-arg"
 """
-Ray casters and what they are made of.
+Ray casters and their parts.
 """
 from __future__ import annotations
-import enum
 import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['BspCaster', 'BspSettings', 'TriangleKernel']
-class TriangleKernel(enum.Enum):
-    """
-    Ray against triangle.
-    """
-    WALD: typing.ClassVar[TriangleKernel]
-    WATERTIGHT: typing.ClassVar[TriangleKernel]
-    @classmethod
-    def __new__(cls, value):
-        ...
+__all__: list[str] = ['BspCaster', 'BspSettings']
 class BspSettings:
     """
     Settings of the BSP; see viscache.Bsp.
@@ -37,7 +27,7 @@ class BspSettings:
         ...
 class BspCaster(viscache._core.RayCaster):
     """
-    Single rays through a BSP.
+    Traces single rays through a BSP tree.
     """
     def __init__(self, scene: viscache._core.Scene, settings: BspSettings, *, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
         ...

@@ -39,7 +39,7 @@ class FieldSettings:
         ...
 class VisibilityField(viscache._core.RayCaster):
     """
-    Rays by look-up.
+    Answers rays by look-up.
     """
     def __init__(self, scene: viscache._core.Scene, settings: FieldSettings, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> None:
         ...
