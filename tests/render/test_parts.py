@@ -95,8 +95,8 @@ def test_a_live_view_sees_the_frame_grow(scene: vc.Scene) -> None:
     [
         (vc.Bdpt(), None, "must not be Bdpt"),
         (vc.AmbientOcclusion(n_samples=33, directions="shared"), None, "nor share directions"),
-        (vc.Direct(), vc.VisMaps(), r"visibility must be vc.Exact\(...\) or vc.Aqvc"),
-        (vc.Direct(), vc.ShadowMap(), r"visibility must be vc.Exact\(...\) or vc.Aqvc"),
+        (vc.Direct(), vc.VisMaps(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
+        (vc.Direct(), vc.ShadowMap(), r"visibility must be vc.Exact\(...\), vc.Aqvc"),
     ],
 )
 def test_a_frame_whose_tiles_depend_on_more_than_themselves_is_refused(
