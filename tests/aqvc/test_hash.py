@@ -67,6 +67,7 @@ CASES = [("surface", s) for s in ("scheme2", "scheme1_mixed")] + [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize(("bits", "probes"), [(8, 10**6), (12, 6 * 10**6)])
 @pytest.mark.parametrize("load", [0.5, 2.0])

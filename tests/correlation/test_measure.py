@@ -439,6 +439,7 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
     assert off[0] < off[1]
 
 
+@pytest.mark.slow
 def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
     """Rows within rounding of an edge may differ; the store keeps engines apart."""
     common: dict[str, Any] = {"n_points": 1500, "map_size": 24, "seed": 3, "directory": tmp_path}

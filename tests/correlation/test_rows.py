@@ -177,6 +177,7 @@ def test_no_points_have_no_rows() -> None:
     assert rows.bits.shape == (0, 16) and rows.n_rays == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("map_size", [96, 256])
 def test_ctrl_c_stops_the_tracing_soon(map_size: int) -> None:
     points = "vc.correlation.surface_points(scene, 1 << 18)"

@@ -65,6 +65,7 @@ def test_directions_survive_the_round_trip(pair) -> None:  # type: ignore[no-unt
     assert np.abs(back(p) - d).max() <= 1e-6
 
 
+@pytest.mark.slow
 @BOTH
 def test_points_of_the_square_survive_the_round_trip(pair) -> None:  # type: ignore[no-untyped-def]
     there, back = pair

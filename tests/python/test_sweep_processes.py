@@ -99,6 +99,7 @@ def test_a_sweep_killed_at_any_moment_loses_nothing_and_repeats_one_frame_at_mos
     assert set(begun(log)) == {"exact", *map(str, range(1, 1 + points))}
 
 
+@pytest.mark.slow
 def test_processes_at_one_directory_share_the_work(tmp_path: Path) -> None:
     log, directory = tmp_path / "log", tmp_path / "sweep"
     workers = [start(directory, log, 40) for _ in range(3)]

@@ -78,6 +78,7 @@ def test_a_few_points_before_many_triangles_go_to_embree() -> None:
     assert frame.parameters["engine"]["name"] == "embree"
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_the_frame_soon() -> None:
     call = (
         "vc.render(scene, vc.AmbientOcclusion(n_samples=8193, directions='shared', "

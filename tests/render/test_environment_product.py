@@ -65,6 +65,7 @@ def test_product_sampling_brings_the_light_of_multiple_importance_sampling(
         assert not compare(ours * 1.03, usual).same, "three hundredths more light must show"
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("maps", MAPS, ids=lambda m: f"{m['alpha']}-{m['sampling']}")
 def test_maps_do_not_change_the_mean(scene: vc.Scene, maps: dict[str, Any]) -> None:
@@ -286,6 +287,7 @@ def test_guided_rays_count_as_those_of_product_sampling_would() -> None:
     assert shares["guided"] == pytest.approx(shares["product"], rel=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_maps_lower_the_variance_and_the_trial_knows_when_to_guide() -> None:
     garage = vc.scenes.garage(triangles=60_000)

@@ -82,6 +82,7 @@ def seconds_to_stop(call: str, delay: float = 0.6) -> float:
     return float(run.stdout)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "call",
     [

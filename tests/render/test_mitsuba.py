@@ -200,6 +200,7 @@ def smooth_map(width: int = 256) -> npt.NDArray[np.float32]:
     return np.stack([sun + sky, 0.8 * sun + sky, 0.5 * sun + 1.5 * sky], -1).astype(np.float32)
 
 
+@pytest.mark.slow
 def test_a_smooth_environment_map_is_mitsubas(mi: Any, tmp_path: Path) -> None:
     """The camera looks down: the map's texels, which we resample, are seen by their light alone."""
     model = replace(SKY, env=smooth_map(), origin=(0.5, 3.5, 2.0), target=(0, 0, 0), fov_deg=30)
@@ -228,6 +229,7 @@ def test_area_lights_of_two_colours_and_sizes_are_mitsubas(mi: Any, tmp_path: Pa
         assert not compare(image, reference).same
 
 
+@pytest.mark.slow
 def test_sphere_lights_are_mitsubas(mi: Any, tmp_path: Path) -> None:
     """Out of sight: seen directly, a tessellated silhouette differs."""
     model = Model(

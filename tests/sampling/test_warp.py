@@ -99,6 +99,7 @@ def facing(origin: Rows, p: Rows) -> tuple[npt.NDArray[np.float64], npt.NDArray[
     return d / distance[:, None], distance
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("distance", [1.05, 2.0, 30.0])
 def test_the_visible_part_of_a_sphere_is_uniform_in_solid_angle(distance: float) -> None:
@@ -195,6 +196,7 @@ def test_visible_normals_have_a_density_that_integrates_to_one(alpha: float, cos
     assert (warp.pdf_ggx_vndf(wo, h, alpha) * dw).sum() == pytest.approx(1, abs=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("alpha", [1e-3, 0.1, 0.5, 1.0])
 @pytest.mark.parametrize("cos_o", [1.0, 0.6, 0.1])

@@ -58,6 +58,7 @@ def agreement(ours: Any, theirs: Any) -> float:
     return float(np.mean(np.abs(a - b) <= 3 * sigma + 0.01 * np.maximum(b, 1e-4)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [60, -120], ids=["front down", "front up"])
 @pytest.mark.parametrize("mirror", ["", MIRROR], ids=["plain", "mirrored"])
 @pytest.mark.parametrize("shape", ["rectangle", "cube", "disk", "sphere"])

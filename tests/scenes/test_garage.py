@@ -91,6 +91,7 @@ def test_the_share_of_blocked_samples_is_what_geometry_says() -> None:
     np.testing.assert_allclose(blocked_share(above(200.0), **options), 0.5, atol=0.02)
 
 
+@pytest.mark.slow
 def test_most_light_product_samples_are_blocked_as_recorded() -> None:
     """The facts of docs/scenes.md, with fewer pixels and samples."""
     share = blocked_share(garage(), size=(32, 24), samples=64)

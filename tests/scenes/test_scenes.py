@@ -155,6 +155,7 @@ def test_cameras_stand_in_free_space_and_see_the_scene(name: str) -> None:
     assert (distances(origins, b) > 0.12).all()
 
 
+@pytest.mark.slow
 def test_point_lights_are_five_centimetres_from_any_surface() -> None:
     for b in (scenes.SCENES["room"].builder(lights=60), built("apartment", 300_000)):
         spots = np.array([p for p, _ in b.point_lights])

@@ -253,6 +253,7 @@ def test_a_tree_that_would_take_hours_is_refused_in_seconds() -> None:
     assert scene.caster(vc.Bsp()).stats["max_depth"] == 12
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_counting_of_steps_soon() -> None:
     call = (
         "(lambda o: scene.caster(vc.Bsp()).count_steps(o, o + np.float32(0.1)))"

@@ -69,6 +69,7 @@ def paired(frames: npt.NDArray[Any], exact: npt.NDArray[Any]) -> ZTest:
     return compare(blocks[0] - blocks[1] + mean, np.repeat(mean[None], 4, axis=0), edge=2)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
 def test_frames_are_right_in_expectation_and_would_not_be_without_weights(

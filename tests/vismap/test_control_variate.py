@@ -130,6 +130,7 @@ MODES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.parametrize("eta", [1.0, 0.25])
 @pytest.mark.parametrize("mode", MODES)
@@ -321,6 +322,7 @@ def test_in_a_furnace_maps_that_know_everything_leave_no_variance(eta: float) ->
     assert luminance(other.simulate(visible, alpha=1.0, **args)).std() > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_the_gain_is_the_same_for_any_number_of_independent_samples_and_shrinks_for_even_ones() -> (
     None

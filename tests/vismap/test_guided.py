@@ -132,6 +132,7 @@ def pooled(made: World, eta: float) -> tuple[float, float, float]:
     return best / plain_total, total / plain_total, worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("m", [5, 6])
 def test_in_a_room_with_a_window_guiding_cuts_the_variance_twentyfold(m: int) -> None:
     """The trial's world: 0.05 of product sampling's variance, the control variate alone 0.58."""
@@ -161,6 +162,7 @@ def test_maps_that_are_not_grown_are_worse_than_no_guiding() -> None:
     assert raw / base > 1
 
 
+@pytest.mark.slow
 def test_in_the_open_guiding_does_little_harm() -> None:
     made = world("garden", records=100, pixels=20)
     guided, _, _ = pooled(made, 0.25)

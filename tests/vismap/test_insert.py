@@ -286,6 +286,7 @@ def test_points_that_cannot_be_are_refused_and_nothing_is_lost(
     assert cache.insert(**good).pixels == 3
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_an_insertion_soon() -> None:
     x = "np.random.default_rng(0).uniform(-1, 1, (400000, 3)) * [1, 0, 1]"
     settings = "vc.MapSettings(m=7, delta_max=0.0, r_min_px=0.0)"

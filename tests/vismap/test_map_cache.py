@@ -357,6 +357,7 @@ def test_points_that_cannot_be_are_refused_by_name() -> None:
         cache.update(size=(4, 4), at=(1.0, 0.5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["batch", "locked"])
 def test_ctrl_c_ends_an_update_soon(mode: str) -> None:
     settings = f"vc.MapSettings(m=7, delta_max=0.0, d_max=0.02, r_min_px=0.0, mode={mode!r})"

@@ -48,6 +48,7 @@ def ratio(way: Way) -> float:
     return variance_ratio(*rows).ratio
 
 
+@pytest.mark.slow
 def test_the_truth_is_what_the_renderer_finds() -> None:
     """The mean over pixels of a picture of the room, whose light is white and constant."""
     found = simulate(window_room(), [PRODUCT], [1], size=(28, 21), n_pixels=10**6, replicates=2)
@@ -56,6 +57,7 @@ def test_the_truth_is_what_the_renderer_finds() -> None:
     assert found.truth.mean() == pytest.approx(image.image[surface].mean(), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_every_way_is_unbiased_and_a_wrong_truth_is_found() -> None:
     outcome = Outcome()
@@ -99,6 +101,7 @@ def test_the_oracles_alpha_has_the_least_variance_of_all(eta: float) -> None:
     assert np.count_nonzero(alphas) > 6 and np.std(alphas) > 0.05, "pixels differ"
 
 
+@pytest.mark.slow
 def test_a_frame_of_few_samples_is_parted_and_all_of_them_count() -> None:
     for n in range(1, 400):
         sizes = one_shot_passes(n)
@@ -138,6 +141,7 @@ def test_the_papers_first_pass_has_alpha_one() -> None:
     assert not np.allclose(found.estimates[paper, 10], found.estimates[ONE_SHOT, 10], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_figures_have_the_goals_of_their_case_as_gains() -> None:
     case = next(c for c in CASES if c.name == "window_room")
     found = simulate(window_room(), all_ways(), [30], size=(96, 72), n_pixels=4, replicates=4)

@@ -385,6 +385,7 @@ def test_progress_counts_axes_to_the_end() -> None:
     assert [d for d, _ in seen] == sorted(d for d, _ in seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["batch", "embree"])
 def test_ctrl_c_stops_the_tracing_soon(engine: str) -> None:
     call = (

@@ -87,6 +87,7 @@ def rays(n: int, seed: int = 0) -> tuple[Array, Array]:
     return (2.5 * a).astype(np.float32), (1.5 * b - 2.5 * a).astype(np.float32)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("split", ["uniform", "object"])
 def test_after_a_thousand_steps_it_is_as_if_built_anew(mode: str, split: str) -> None:

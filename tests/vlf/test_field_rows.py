@@ -128,6 +128,7 @@ def test_frames_of_ambient_occlusion_by_a_field() -> None:
     assert np.abs(frames["field"].image - frames["embree"].image).mean() < 1e-4
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_the_look_ups_soon() -> None:
     call = (
         "(lambda at: vc.aligned_occlusion(scene, at.positions, at.normals, 129, engine='field'))"

@@ -27,6 +27,7 @@ SCENES: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("n", [16, 64, 128])
 def test_the_formula_for_lists_is_right_within_a_tenth(name: str, n: int) -> None:
@@ -38,6 +39,7 @@ def test_the_formula_for_lists_is_right_within_a_tenth(name: str, n: int) -> Non
     assert expected / f.stats["references"] == pytest.approx(1, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize(
     "settings",
