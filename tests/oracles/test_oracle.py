@@ -169,9 +169,49 @@ def test_every_query_of_exact_rays_is_its_own_cluster(room: vc.Scene, points: vc
     assert log["traced"].all()
 
 
+@pytest.mark.parametrize(
+    "paper",
+    [
+        {"storage": "exact"},
+        {"storage": "exact", "batch": 1},
+        {"storage": "exact", "queue": 64, "batch": 0},
+        {},
+        {"digest_bits": 4},
+    ],
+    ids=["full keys", "one by one", "queue", "hashed", "collisions"],
+)
+def test_the_table_of_the_paper_tells_whose_ray_answered(
+    room: vc.Scene, points: vc.EyePoints, paper: dict[str, Any]
+) -> None:
+    ends = lamps(room, 30)
+    oracle = room.oracle(vc.Aqvc(preset="paper", c_e=8, paper=vc.PaperForm(**paper)))
+    answer = oracle.block(points, ends, clusters=True)
+    log, seen = answer.clusters, answer.visible
+    np.testing.assert_array_equal(answer.bits, oracle.block(points, ends).bits)
+    assert len(np.unique(log[["row", "column"]])) == len(log) == len(points) * len(ends)
+    # Every ray belongs to one query, which it answers
+    assert log["traced"].sum() == answer.counters["rays"]
+    exact = room.oracle(vc.Exact()).block(points, ends).visible
+    own = log[log["traced"]]
+    assert (own["representative"] == own["row"]).all()
+    np.testing.assert_array_equal(seen[own["row"], own["column"]], exact[own["row"], own["column"]])
+    # Queries of one cluster share the answer and the representative
+    order = np.argsort(log["cluster"], kind="stable")
+    same = np.diff(log["cluster"][order].astype(np.int64)) == 0
+    given = seen[log["row"], log["column"]][order]
+    np.testing.assert_array_equal(given[1:][same], given[:-1][same])
+    source = log["representative"][order]
+    np.testing.assert_array_equal(source[1:][same], source[:-1][same])
+    # A representative's ray may be to another light only if the table confuses keys
+    through = exact[log["representative"], log["column"]] == seen[log["row"], log["column"]]
+    assert through.all() if paper.get("storage") == "exact" else through.mean() > 0.95
+    assert through.all() != ("digest_bits" in paper)
+    assert log["level"].max() >= 1
+
+
 def test_methods_without_clusters_say_so(room: vc.Scene, points: vc.EyePoints) -> None:
-    for visibility in (vc.ShadowMap(resolution=32), vc.Aqvc(preset="paper")):
-        with pytest.raises(ValueError, match=r"cannot tell|form waves"):
+    for visibility in (vc.ShadowMap(resolution=32), vc.NeePlusPlus(n_voxels=4, learn_pixels=200)):
+        with pytest.raises(ValueError, match="cannot tell"):
             room.oracle(visibility).block(points[:9], lamps(room, 3), clusters=True)
 
 

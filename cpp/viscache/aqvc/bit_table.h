@@ -109,6 +109,8 @@ public:
             for (auto& word : words_) detail::store(word, 0u);
         detail::store(occupied_, uint64_t{0});
     }
+    /// Number of the entry that a key uses.
+    uint64_t entry(const FullKey& key) const { return slot(hash(key)); }
     uint64_t slots() const { return words_.size(); }
     uint64_t occupied() const { return detail::load(occupied_); }
     size_t slot(KeyHash h) const { return h.kappa % uint32_t(words_.size()); }
@@ -148,6 +150,8 @@ public:
         counts.duplicates += !map_.insert_or_assign(key, visible).second;
         counts.writes += 1;
     }
+    /// Number of the entry of a key that is present; valid until `clear`.
+    uint64_t entry(const FullKey& key) const { return reinterpret_cast<uintptr_t>(&*map_.find(key)); }
     void clear() { map_.clear(); }
     uint64_t slots() const { return 0; }
     uint64_t occupied() const { return map_.size(); }

@@ -29,6 +29,13 @@ void Pairs::begin_tile() {
     kept_writes_.clear();
 }
 
+void Pairs::log(PairLog* log) {
+    if (log && (frame_table_ || kept_ || of_thread_))
+        throw std::invalid_argument("clusters are logged where each tile has a table of its own");
+    log_ = log;
+    if (log_) log_->begin_tile();
+}
+
 void Pairs::run(const PairContext& c, std::span<const ShadowQuery> queries, std::span<Word> visible,
                 Counters& counters, ClampCounts& clamps) {
     const auto run = [&](auto& table) {
@@ -106,15 +113,24 @@ void Pairs::finish(Table& table, const PairContext& c, std::span<const ShadowQue
                    size_t last, std::span<Word> visible, Counters& counters) {
     trace(c, queries, first, last);
     TableCounts counts;
+    std::vector<QueryRecord> clusters;  // of the rays, for the log
     for (size_t r = first; r < last; ++r) {
         const PendingRay& ray = waiting_.rays[r];
         ++counters.groups[queries[ray.query].group].rays;
+        if (log_) clusters.push_back(log_->new_cluster(queries[ray.query].eye, std::max(0, ray.level)));
         if (ray.level < 0) continue;
         ++counters.rays_per_level[size_t(ray.level)];
         table.put(ray.key, ray_visible_[r - first], counts);
+        if constexpr (requires { table.entry(ray.key); })
+            if (log_) log_->written(table.entry(ray.key), clusters.back());
     }
-    for (const auto& [query, ray] : waiting_.dependants)
-        if (ray >= first && ray < last && ray_visible_[ray - first]) set_bit(visible.data(), query);
+    for (const auto& [query, ray] : waiting_.dependants) {
+        if (ray < first || ray >= last) continue;
+        if (ray_visible_[ray - first]) set_bit(visible.data(), query);
+        if (log_)
+            log_->answered(query, clusters[ray - first], clusters[ray - first].level,
+                           query == waiting_.rays[ray].query);
+    }
     if (counts.writes && !slots_counted_) {
         counters.table_slots += table.slots();
         slots_counted_ = true;
@@ -129,7 +145,10 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
                            is_traceable(is_direction(q.semantic) ? q.far : q.ray_end);
     if (!traceable || !key_query(table, c, q, clamps)) {
         ++counters.bypassed;
-        if (!traceable) return;
+        if (!traceable) {
+            if (log_) log_->answered(index, log_->new_cluster(q.eye, 0), 0, true);
+            return;
+        }
         waiting_.dependants.push_back({index, uint32_t(waiting_.rays.size())});
         waiting_.rays.push_back({index, -1, {}});
         return;
@@ -138,6 +157,8 @@ void Pairs::look_up(const Table& table, const PairContext& c, const ShadowQuery&
     if (walk.known) {
         if (walk.visible) set_bit(visible.data(), index);
         if (kept_) count_reuse(c, q, index, walk, counters);
+        if constexpr (requires { table.entry(walk.key); })
+            if (log_) log_->found(index, table.entry(key_at(walk.level)), walk.level);
         return;
     }
     const uint32_t ray = c.parameters.queue ? waiting_.find(walk.key) : pending_with(walk.key);
@@ -186,6 +207,12 @@ bool Pairs::key_query(const Table& table, const PairContext& c, const ShadowQuer
         if (!own.cells.repeats(placed)) own.cells.add(table, grid, placed, int(d));
     }
     return true;
+}
+
+FullKey Pairs::key_at(int level) const {
+    size_t d = 0;
+    while (cells_->levels[d].level != level) ++d;
+    return CellGrid::full_key(cells_->levels[d].own.slots, fars_[fars_.size() == 1 ? 0 : d]);
 }
 
 /// Index of the ray of the batch with this key. For a new key, reserves and returns the index of the next

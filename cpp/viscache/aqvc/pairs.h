@@ -12,6 +12,7 @@
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/frame_table.h"
 #include "viscache/aqvc/kept_table.h"
+#include "viscache/aqvc/pair_log.h"
 #include "viscache/aqvc/postponed.h"
 #include "viscache/aqvc/refinement.h"
 #include "viscache/aqvc/tile_anchors.h"
@@ -41,6 +42,9 @@ public:
     /// `run` throws `Cancelled` soon after `control` requests it.
     void watch(const Control& control) { control_ = &control; }
     void begin_tile();
+    /// The next runs tell `log` whose ray answered each query; nullptr: nobody. To be set between begin_tile
+    /// and the first run. Throws std::invalid_argument if tiles share a table.
+    void log(PairLog* log);
     /// Answers the queries: bit i of `visible` (zeroed on entry) belongs to queries[i]. Counts rays per
     /// group.
     void run(const PairContext& context, std::span<const ShadowQuery> queries, std::span<Word> visible,
@@ -96,8 +100,11 @@ private:
         if (control_ && step % 4096 == 0) control_->check();
     }
     uint32_t pending_with(const FullKey& key);
+    /// The key of the cell at which a walk ended.
+    FullKey key_at(int level) const;
 
     const Control* control_ = nullptr;
+    PairLog* log_ = nullptr;
     std::optional<BitTable> table_;  ///< one of the two is set, unless the frame has a table
     std::optional<ExactTable> exact_;
     FrameTable* frame_table_;

@@ -106,8 +106,6 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     // Under Eq. 6 the key depends on both ends at once, so it does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
-    if (log_ && (parameters_.form != Form::kWaves || coupled))
-        throw std::invalid_argument("clusters are logged in form waves without res_rule eq6 alone");
     if (parameters_.form == Form::kPairs || coupled)
         block_by_pairs(eyes, lights, wanted, visible, counters);
     else
@@ -173,6 +171,8 @@ uint64_t QuantizedCache::trace_bypassing(const EyeBlock& eyes, const FarEnds& li
 void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                                     BitMatrix& visible, Counters& counters) {
     make_order(eyes);
+    PairLog records;
+    pairs_.log(log_ ? &records : nullptr);
     std::vector<ShadowQuery> queries;
     std::vector<uint32_t> light;
     std::vector<Word> answer;
@@ -192,10 +192,14 @@ void QuantizedCache::block_by_pairs(const EyeBlock& eyes, const FarEnds& lights,
                                    .density = lights.density[k]});
             });
         answer.assign(words_for(queries.size()), 0);
+        records.begin_run(log_ ? queries.size() : 0);
         run_pairs(eyes, queries, answer, run_of_eye_, counters);
-        for (size_t i = 0; i < queries.size(); ++i)
+        for (size_t i = 0; i < queries.size(); ++i) {
             if (get_bit(answer.data(), i)) visible.set(queries[i].eye, light[i]);
+            if (log_) log_->answered(queries[i].eye, light[i], records.records()[i]);
+        }
     }
+    pairs_.log(nullptr);
 }
 
 void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,

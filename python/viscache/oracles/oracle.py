@@ -177,7 +177,7 @@ class Oracle:
             Contribution of each connection before visibility, for `Aqvc(by_contribution=True)`.
         clusters : bool or slice
             Keep the cluster of each query (`BlockAnswer.clusters`), for all far ends or a slice of
-            them: 32 bytes per query. For Exact and for Aqvc in its default form.
+            them: 32 bytes per query. For Exact and Aqvc.
 
         Returns
         -------
