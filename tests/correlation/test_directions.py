@@ -23,6 +23,7 @@ def cells(directions: npt.NDArray[np.float32], map_size: int) -> npt.NDArray[np.
     return np.asarray(y * map_size + x)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("map_size", SIZES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_there_is_one_direction_in_each_cell(map_size: int, kind: Kind) -> None:

@@ -30,8 +30,9 @@ def test_render_takes_names_for_everything(scene: vc.Scene) -> None:
     assert named.parameters["visibility"] == made.parameters["visibility"]
     for name, settings in (
         ("exact", vc.Exact()),
-        ("shadow_map", vc.ShadowMap()),
+        ({"name": "shadow_map", "resolution": 64}, vc.ShadowMap(resolution=64)),
         ("nee_plus_plus", vc.NeePlusPlus()),
+        ("unoccluded", vc.Unoccluded()),
     ):
         a, b = (vc.render(scene, "direct", visibility=v, size=SIZE) for v in (name, settings))
         assert a.sha256 == b.sha256

@@ -378,6 +378,7 @@ def test_a_mesh_turned_inside_out_by_its_instance_keeps_its_front() -> None:
         assert (front, back) == (1, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.extreme
 @pytest.mark.parametrize("instanced", [False, True])
 @pytest.mark.parametrize("exponent", range(-72, 47, 4))

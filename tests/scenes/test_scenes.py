@@ -96,6 +96,7 @@ def _to_segment(
     return float(np.linalg.norm(p - a - s * d))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scenes.SCENES)
 def test_two_builds_have_the_same_bytes(name: str) -> None:
     again = scenes.SCENES[name].builder(**SMALL[name])
@@ -123,6 +124,7 @@ def test_a_scene_freezes_and_has_cameras_and_lights(name: str) -> None:
     assert b.description.n_lights > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCALED)
 @pytest.mark.parametrize("triangles", [5_000, 61_003, 400_000])
 def test_the_placed_count_is_within_the_budget(name: str, triangles: int) -> None:

@@ -96,6 +96,7 @@ def test_cells_vary_as_the_documentation_says() -> None:
     assert weights.max() / weights.mean() == pytest.approx(1.60, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", SUBDIVIDED)
 def test_the_nearest_axis_is_the_one_a_search_finds(n: int) -> None:
     axes = vc.vlf.directions(n)
