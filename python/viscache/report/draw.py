@@ -40,7 +40,7 @@ def plots(model: dict[str, Any], ds: xarray.Dataset) -> str:
         if shown:
             parts.append(
                 f"<h2>Over two parameters</h2>{_group(shown)}"
-                f'<p class="quiet">The darker, the less.{more}</p>'
+                f'<p class="quiet">Darker cells have smaller values.{more}</p>'
             )
     names = numbers_of(model["settings"])
     dots = len(model["settings"]) * len(names) * (len(names) + 1) // 2
