@@ -40,8 +40,9 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
     return int(d.meshes.size()) - 1;
 }
 
-int add_image(SceneDescription& d, const FloatArray& pixels) {
+int add_image(SceneDescription& d, const FloatArray& pixels, bool nearest) {
     d.images.push_back(image_from(pixels));
+    d.images.back().nearest = nearest;
     return int(d.images.size()) - 1;
 }
 
@@ -133,7 +134,9 @@ void bind_description(py::module_& m) {
             },
             py::arg("center"), py::arg("radius"), py::arg("radiance"),
             "Add a sphere that emits; radiance in W/(m²·sr).")
-        .def("add_image", &add_image, py::arg("pixels"), "Add an image (H, W, C), linear; returns its index.")
+        .def("add_image", &add_image, py::arg("pixels"), py::kw_only(), py::arg("nearest") = false,
+             "Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard "
+             "edges.")
         .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
              "Set the pixels of a pending image.")
         .def_property_readonly(
@@ -142,8 +145,9 @@ void bind_description(py::module_& m) {
                 py::list out;
                 for (const Image& i : d.images)
                     out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
-                                        py::arg("srgb") = i.srgb, py::arg("width") = i.width,
-                                        py::arg("height") = i.height, py::arg("channels") = i.channels));
+                                        py::arg("srgb") = i.srgb, py::arg("nearest") = i.nearest,
+                                        py::arg("width") = i.width, py::arg("height") = i.height,
+                                        py::arg("channels") = i.channels));
                 return out;
             },
             "Path, place, size of every image; width 0 = still to be decoded.")
@@ -162,19 +166,20 @@ void bind_description(py::module_& m) {
         .def(
             "add_camera",
             [](SceneDescription& d, Float3 origin, Float3 target, Float3 up, float fov_deg, int width,
-               int height, bool horizontal, const std::string& name) {
+               int height, bool horizontal, float view_height, const std::string& name) {
                 Camera c = look_at(vec3(origin), vec3(target), vec3(up), fov_deg * kPi / 180.f);
                 c.width = width;
                 c.height = height;
                 c.fov_is_horizontal = horizontal;
+                c.view_height = view_height;
                 c.name = name;
                 d.cameras.push_back(c);
             },
             py::arg("origin"), py::arg("target"), py::kw_only(), py::arg("up") = Float3{0, 1, 0},
             py::arg("fov_deg") = 45.f, py::arg("width") = 640, py::arg("height") = 400,
-            py::arg("horizontal") = false, py::arg("name") = "camera",
-            "Add a pinhole camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in "
-            "pixels.")
+            py::arg("horizontal") = false, py::arg("view_height") = 0.f, py::arg("name") = "camera",
+            "Add a camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in pixels. "
+            "With view_height > 0 it is orthographic, and its picture is so high in scene units.")
         .def(
             "warn",
             [](SceneDescription& d, std::string where, std::string text) {

@@ -38,12 +38,12 @@ py::list material_list(const SceneDescription& d) {
 py::list camera_list(const SceneDescription& d) {
     py::list out;
     for (const Camera& c : d.cameras)
-        out.append(py::dict(py::arg("name") = c.name, py::arg("origin") = array3(c.origin),
-                            py::arg("right") = array3(c.right), py::arg("up") = array3(c.up),
-                            py::arg("forward") = array3(c.forward),
-                            py::arg("fov_deg") = c.fov_y_rad * 180.f / kPi,
-                            py::arg("horizontal") = c.fov_is_horizontal, py::arg("width") = c.width,
-                            py::arg("height") = c.height));
+        out.append(
+            py::dict(py::arg("name") = c.name, py::arg("origin") = array3(c.origin),
+                     py::arg("right") = array3(c.right), py::arg("up") = array3(c.up),
+                     py::arg("forward") = array3(c.forward), py::arg("fov_deg") = c.fov_y_rad * 180.f / kPi,
+                     py::arg("horizontal") = c.fov_is_horizontal, py::arg("view_height") = c.view_height,
+                     py::arg("width") = c.width, py::arg("height") = c.height));
     return out;
 }
 
@@ -51,7 +51,7 @@ py::list camera_list(const SceneDescription& d) {
 
 void bind_loaders(py::module_& m) {
     m.def("load_scene_file", &load_scene_file, py::arg("path"), py::arg("strict") = false,
-          py::call_guard<py::gil_scoped_release>(),
+          py::arg("skip_missing") = false, py::call_guard<py::gil_scoped_release>(),
           "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
           "used.");
 

@@ -18,17 +18,17 @@ namespace {
 
 /// Every field of a camera, in the order of its declaration.
 using CameraState = std::tuple<std::string, std::array<float, 3>, std::array<float, 3>, std::array<float, 3>,
-                               std::array<float, 3>, float, int, int, bool>;
+                               std::array<float, 3>, float, int, int, bool, float>;
 
 CameraState camera_state(const Camera& c) {
-    return {c.name,      array3(c.origin), array3(c.right), array3(c.up),       array3(c.forward),
-            c.fov_y_rad, c.width,          c.height,        c.fov_is_horizontal};
+    return {c.name,      array3(c.origin), array3(c.right), array3(c.up),        array3(c.forward),
+            c.fov_y_rad, c.width,          c.height,        c.fov_is_horizontal, c.view_height};
 }
 
 Camera camera_of(const CameraState& state) {
-    const auto& [name, origin, right, up, forward, fov, width, height, horizontal] = state;
-    const Camera camera{name, vec3(origin), vec3(right), vec3(up),  vec3(forward),
-                        fov,  width,        height,      horizontal};
+    const auto& [name, origin, right, up, forward, fov, width, height, horizontal, view_height] = state;
+    const Camera camera{name, vec3(origin), vec3(right), vec3(up),   vec3(forward),
+                        fov,  width,        height,      horizontal, view_height};
     check_camera(camera);
     return camera;
 }
@@ -110,11 +110,15 @@ void bind_render(py::module_& m) {
         .def_readwrite("threads", &FrameSettings::threads)
         .def_readwrite("part", &FrameSettings::part)
         .def_readwrite("parts", &FrameSettings::parts);
-    py::class_<Camera>(m, "Camera", "A pinhole camera; made by `viscache.look_at` or a scene file.")
+    py::class_<Camera>(m, "Camera",
+                       "A camera; made by `viscache.look_at`, `viscache.orthographic` or a scene file.")
         .def_readwrite("name", &Camera::name, "Its name in the scene file.")
         .def_readwrite("fov_rad", &Camera::fov_y_rad, "Full angle of view in radians.")
         .def_readwrite("fov_is_horizontal", &Camera::fov_is_horizontal,
                        "Whether `fov_rad` is the horizontal angle.")
+        .def_readwrite("view_height", &Camera::view_height,
+                       "Orthographic cameras: height of the picture in scene units, or its width where "
+                       "`fov_is_horizontal`. 0: a pinhole.")
         .def_readwrite("width", &Camera::width, "Pixels.")
         .def_readwrite("height", &Camera::height, "Pixels.")
         .def_property_readonly(

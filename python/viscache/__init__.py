@@ -25,7 +25,7 @@ from viscache.provenance import VERSION
 from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, load_scene
-from viscache.scene.cameras import look_at
+from viscache.scene.cameras import look_at, orthographic
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
@@ -88,6 +88,7 @@ __all__ = [
     "look_at",
     "metrics",
     "notebook",
+    "orthographic",
     "plots",
     "record_queries",
     "render",

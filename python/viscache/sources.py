@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from viscache import scenes
 from viscache.scene import Scene, load_scene
@@ -45,7 +45,13 @@ def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
     return str(Path(relative_to) / spec)
 
 
-def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Scene:
+def open_scene(
+    spec: str,
+    *,
+    strict: bool = False,
+    missing: Literal["error", "skip"] = "error",
+    env: str | None = None,
+) -> Scene:
     """The scene of a spec.
 
     Raises
@@ -59,7 +65,7 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Sc
     if is_builtin(spec):
         made: Scene = scenes.build(spec)
         return made
-    return load_scene(spec, strict=strict, env=env)
+    return load_scene(spec, strict=strict, missing=missing, env=env)
 
 
 def opened(scene: Any) -> Scene:

@@ -140,9 +140,9 @@ private:
                     step_y = float(film_.height) / float(out.height);
         for (size_t i = first; i < last; ++i) {
             const Vec2 jitter = Rng(seed_, Purpose::kSurfacePoint, i, kPlace).next2();
-            const Vec3 d = film_.direction((float(i % out.width) + jitter.x) * step_x,
-                                           (float(i / out.width) + jitter.y) * step_y);
-            rays[i - first] = {film_.camera.origin, 0, normalize(d), kInfinity};
+            const float x = (float(i % out.width) + jitter.x) * step_x,
+                        y = (float(i / out.width) + jitter.y) * step_y;
+            rays[i - first] = {film_.origin(x, y), 0, normalize(film_.direction(x, y)), kInfinity};
         }
         caster_.intersect(rays, hits, Coherence::kCoherent);
         for (size_t i = first; i < last; ++i) {

@@ -137,26 +137,29 @@ void Connector::to_surface(const Emission& start, Vertices eye, Vertices light, 
 void Connector::to_camera(const Emission& start, Vertices light) {
     const PathVertex& y = light.back();
     const FilmCamera& film = c_.film;
-    const Vec3 d = film.camera.origin - y.position;
+    const bool parallel = film.camera.is_orthographic();
+    const Vec3 to_eye = film.camera.origin - y.position;
+    const Vec3 d = parallel ? film.camera.forward * dot(film.camera.forward, to_eye) : to_eye;
     const float d2 = length2(d);
     const Vec3 direction = d / std::sqrt(d2);
     const float cos_camera = -dot(film.camera.forward, direction), cos_y = dot(y.surface.ng, direction);
     if (!(cos_camera > 0 && cos_y > 0)) return;
-    const auto pixel = film.pixel_of(-direction);
+    const auto pixel = film.pixel_of(parallel ? -to_eye : -direction);
     if (!pixel) return;
-    // Importance of the film: 1/(area·cos⁴), with the cosine of the edge at the camera
-    const double pdf = c_.film_pdf(cos_camera), area = double(cos_y) / double(d2);
+    // Importance of the film: 1/(area·cos⁴), with the cosine of the edge at the camera; parallel: 1/area
+    const double pdf = c_.film_pdf(cos_camera), area = parallel ? cos_y : double(cos_y) / double(d2);
     const Rgb value = y.beta * reflected(y, direction, y.surface.wo) *
                       float(pdf * area / double(dot(y.surface.ng, y.surface.wo)));
     if (!brings(value)) return;
     PathVertex camera;
-    camera.position = film.camera.origin;
+    camera.position = parallel ? y.position + d : film.camera.origin;
     JoinDensities densities;
     densities.light_last = pdf * area;
     densities.light_before = to_area(scatter_pdf(y, direction, y.surface.wo), y, light[light.size() - 2]);
     const double weight = path_weight({&camera, 1}, light, densities, rules(start));
     ShadowQuery q;
-    q.eye = add_eye_point(y, c_.settings.camera_connections == CameraConnections::kKeyed);
+    // The cache knows points as far ends of a connection, but no plane
+    q.eye = add_eye_point(y, c_.settings.camera_connections == CameraConnections::kKeyed && !parallel);
     q.semantic = Semantic::kPoint;
     q.group = uint8_t(LightGroup::kCamera);
     q.far = q.ray_end = camera.position;

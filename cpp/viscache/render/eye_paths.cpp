@@ -154,9 +154,14 @@ private:
         const Vec3 raw = film.direction(x, y);
         const float norm = length(raw);
         Branch b;
-        b.ray = {film.camera.origin, 0, raw / norm, kInfinity};
+        b.ray = {film.origin(x, y), 0, raw / norm, kInfinity};
         b.camera_cos = 1 / norm;
         if (!footprint_) return b;
+        if (film.camera.is_orthographic()) {
+            b.d.origin_x = film.step_x();
+            b.d.origin_y = film.step_y();
+            return b;
+        }
         auto unit_change = [&](Vec3 step) { return (step - b.ray.d * dot(step, b.ray.d)) / norm; };
         b.d.direction_x = unit_change(film.step_x());
         b.d.direction_y = unit_change(film.step_y());
@@ -249,8 +254,7 @@ private:
             const float bound = std::fabs(dot(ng, b.ray.d)) / cos_eye;  // ≤ 1: the same clamp as below
             return spp / (area * bound);
         }
-        const float c = b.camera_cos;
-        return spp * cos_eye / (t_.film.pixel_area() * c * c * c * b.distance * b.distance);
+        return spp * cos_eye / t_.film.pixel_area_at(b.camera_cos, b.distance);
     }
 
     /// Largest share of the pixel's light that a branch can carry, in any medium.

@@ -62,18 +62,21 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
         const auto [px, py] = places_[p];
         const uint64_t stream = stream_of(work, p), pixel = stream / uint64_t(c_.frame.spp);
         const Vec2 jitter = pixel_place(c_.frame.seed, pixel, work.sample);
-        const Vec3 raw =
-            c_.film.direction(float(work.tile.x0 + px) + jitter.x, float(work.tile.y0 + py) + jitter.y);
+        const float x = float(work.tile.x0 + px) + jitter.x, y = float(work.tile.y0 + py) + jitter.y;
+        const Vec3 raw = c_.film.direction(x, y);
+        const bool parallel = c_.film.camera.is_orthographic();
         const double pdf = c_.film_pdf(1 / double(length(raw)));
         PathVertex& z = out.append(p);
-        z.position = c_.film.camera.origin;
+        z.position = c_.film.origin(x, y);
         z.forward = 1;
         walkers_.push_back({.path = p,
                             .stream = stream,
                             .ray = {z.position, 0, normalize(raw), kInfinity},
                             .beta = {1, 1, 1},
                             .pdf = pdf,
-                            .spread = pdf});
+                            .parallel = parallel,
+                            .spread = pdf,
+                            .parallel_spread = parallel});
     }
     walk(Transport::kRadiance, longest - 1, out, &light, counters, control);
 }

@@ -22,9 +22,11 @@ struct BdptContext {
     BdptSettings settings;
     FrameSettings frame;
 
-    /// Density per sr of a primary ray over the whole film. `cosine`: between the ray and the optical axis.
+    /// Density of a primary ray over the whole film: per sr, or per m² across parallel rays. `cosine`:
+    /// between the ray and the optical axis.
     double film_pdf(double cosine) const {
         const double film_area = double(film.pixel_area()) * film.width * film.height;
+        if (film.camera.is_orthographic()) return 1 / film_area;
         return 1 / (film_area * cosine * cosine * cosine);
     }
     /// N_S. It equals N_P, because every eye path is joined with one light path.
@@ -79,7 +81,7 @@ private:
         Ray ray;
         Rgb beta;
         double pdf = 0;         ///< density of the ray's direction per sr, or per m² across parallel light
-        bool parallel = false;  ///< on the first edge of light from infinity
+        bool parallel = false;  ///< on the first edge of light from infinity, or from parallel cameras
         // Since the last vertex that is neither mirror nor glass
         double spread = 0;  ///< density of the ray at that vertex × probabilities of later events
         bool parallel_spread = false;

@@ -161,7 +161,7 @@ std::vector<EyeShade> judging_points(const Scene& scene, const RayCaster& caster
         const Vec2 u = rng.next2();
         const float x = (i % columns + u.x) / columns * film.width,
                     y = (i / columns + u.y) / rows * film.height;
-        const Ray ray{film.camera.origin, 0, normalize(film.direction(x, y)), kInfinity};
+        const Ray ray{film.origin(x, y), 0, normalize(film.direction(x, y)), kInfinity};
         Hit hit;
         caster.intersect({&ray, 1}, {&hit, 1}, Coherence::kIncoherent);
         ++counters.light_rays;

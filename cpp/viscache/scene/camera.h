@@ -1,5 +1,5 @@
 #pragma once
-// Pinhole camera.
+// Pinhole and orthographic cameras.
 #include <string>
 
 #include "viscache/math/frame.h"
@@ -14,6 +14,10 @@ struct Camera {
     float fov_y_rad = 0.8f;          ///< full vertical angle of view
     int width = 640, height = 400;   ///< size given by the file; the size passed to render takes precedence
     bool fov_is_horizontal = false;  ///< true: `fov_y_rad` is the angle across the width instead
+    float view_height = 0;  ///< > 0: parallel rays, and the picture is so high in scene units (so wide where
+                            ///< `fov_is_horizontal`); `fov_y_rad` is not used. 0: a pinhole
+
+    bool is_orthographic() const { return view_height > 0; }
 };
 
 /// Camera at `origin` looking at `target`. Uses another up vector when `up` is parallel to the view

@@ -131,6 +131,8 @@ void check_camera(const Camera& c) {
     if (!(c.fov_y_rad > 1e-4f && c.fov_y_rad < 3.1f))
         fail("camera '", c.name, "': field of view must be in (0.006, 177) degrees, got ",
              c.fov_y_rad * 180 / kPi);
+    if (!(c.view_height >= 0 && c.view_height < kMaxVertex))
+        fail("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
             fail("camera '", c.name, "': origin and target must be finite and differ");

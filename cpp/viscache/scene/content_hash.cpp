@@ -67,7 +67,7 @@ std::string content_hash(const SceneDescription& d) {
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
     }
     for (const Image& i : d.images) {
-        h.word(uint64_t(i.width) << 32 | uint64_t(i.channels));
+        h.word(uint64_t(i.width) << 32 | uint64_t(i.nearest) << 16 | uint64_t(i.channels));
         h.array(i.pixels);
     }
     for (const PointLight& l : d.point_lights) {
@@ -98,6 +98,7 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(c.up);
         h.vec(c.forward);
         h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
+        if (c.is_orthographic()) h.floats({c.view_height});
     }
     return h.hex();
 }
@@ -113,7 +114,7 @@ std::string geometry_hash(const SceneDescription& d) {
         const Image& alpha = d.images[size_t(material.alpha_texture)];
         h.floats({material.alpha_cutoff});
         h.array(m.uvs);
-        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.channels));
+        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.nearest) << 16 | uint64_t(alpha.channels));
         h.array(alpha.pixels);
     }
     h.word(d.instances.size());

@@ -90,6 +90,7 @@ bool decode_pending(Loading& loading, Image& image) {
         Image decoded = decode_image(bytes, image.where + ": " + image.path, image.srgb);
         decoded.path = image.path;
         decoded.where = image.where;
+        decoded.nearest = image.nearest;
         image = std::move(decoded);
         return true;
     } catch (const SceneError& error) {

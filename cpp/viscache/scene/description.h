@@ -56,6 +56,7 @@ struct Image {
     std::string path;                         ///< file that the scene names; empty for images given as arrays
     std::string where;                        ///< "file:line" that names the file
     bool srgb = true;                         ///< 8-bit values are sRGB-encoded colour (false: linear data)
+    bool nearest = false;                     ///< look-ups take the nearest pixel, without interpolation
     int width = 0, height = 0, channels = 0;  ///< 0 until decoded
     std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
 };

@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr uint64_t kTag = 0x3145435343564cull;  // changes with the fields below
+constexpr uint64_t kTag = 0x3245435343564cull;  // changes with the fields below
 
 /// The fields of each type, in one order for both directions.
 template <class Archive>
@@ -22,11 +22,12 @@ void fields(Archive& a, Instance& i) {
 }
 template <class Archive>
 void fields(Archive& a, Image& i) {
-    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels);
+    a(i.path, i.where, i.srgb, i.nearest, i.width, i.height, i.channels, i.pixels);
 }
 template <class Archive>
 void fields(Archive& a, Camera& c) {
-    a(c.name, c.origin, c.right, c.up, c.forward, c.fov_y_rad, c.width, c.height, c.fov_is_horizontal);
+    a(c.name, c.origin, c.right, c.up, c.forward, c.fov_y_rad, c.width, c.height, c.fov_is_horizontal,
+      c.view_height);
 }
 template <class Archive>
 void fields(Archive& a, Warning& w) {

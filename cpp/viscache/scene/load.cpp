@@ -62,10 +62,10 @@ void make_printable(SceneDescription& s) {
 
 }  // namespace
 
-SceneDescription load_scene_file(const std::string& path, bool strict) {
+SceneDescription load_scene_file(const std::string& path, bool strict, bool skip_missing) {
     SceneDescription scene;
     scene.name = std::filesystem::path(path).stem().string();
-    loading::Loading state(scene, strict);
+    loading::Loading state(scene, strict, skip_missing);
     try {
         reader_for(path)(path, state);
         check_lights(scene, path);

@@ -1,5 +1,5 @@
 #pragma once
-// Loads scene files (OBJ, PLY, glTF 2.0 / GLB, Mitsuba XML, pbrt-v3 text) into a SceneDescription.
+// Loads scene files (OBJ, PLY, glTF 2.0 / GLB, Mitsuba XML, pbrt text) into a SceneDescription.
 #include <cstdint>
 #include <string>
 
@@ -10,9 +10,10 @@ namespace viscache {
 
 /// Reads the scene file `path`. The extension selects the format (.obj .ply .gltf .glb .xml .pbrt
 /// .serialized). PNG, JPEG, TGA, BMP and HDR images are decoded; EXR images stay pending (width 0). Features
-/// that are not modelled are listed in `warnings`; with `strict` they throw SceneError. Throws SceneError
-/// (file, place, what was found) for unusable content.
-SceneDescription load_scene_file(const std::string& path, bool strict = false);
+/// that are not modelled are listed in `warnings`; with `strict` they throw SceneError. With `skip_missing`,
+/// shapes whose file is not there are left out with a warning. Throws SceneError (file, place, what was
+/// found) for unusable content.
+SceneDescription load_scene_file(const std::string& path, bool strict = false, bool skip_missing = false);
 
 /// Number of triangles placed in the world; a mesh counts once for each instance.
 uint64_t count_placed_triangles(const SceneDescription& scene);

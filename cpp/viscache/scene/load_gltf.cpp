@@ -144,7 +144,8 @@ void GltfReader::add_camera(int index, const Affine& t, const std::string& where
         fail(where,
              "camera " + std::to_string(index) + ", the file has " + std::to_string(model_.cameras.size()));
     const tinygltf::Camera& in = model_.cameras[size_t(index)];
-    if (in.type != "perspective")
+    const bool parallel = in.type == "orthographic";
+    if (in.type != "perspective" && !parallel)
         return loading_.warn(where, "camera type '" + in.type + "' is not modelled; skipped");
     Camera c;
     if (!in.name.empty()) c.name = in.name;
@@ -155,8 +156,15 @@ void GltfReader::add_camera(int index, const Affine& t, const std::string& where
     const Vec3 side = normalize(cross(c.forward, c.up));
     c.right = dot(side, right) < 0 ? -side : side;
     if (length2(c.right) == 0) fail(where, "the camera's transform is singular");
-    c.fov_y_rad = float(in.perspective.yfov);
-    const double aspect = in.perspective.aspectRatio > 0 ? in.perspective.aspectRatio : 16.0 / 9;
+    double aspect = in.perspective.aspectRatio > 0 ? in.perspective.aspectRatio : 16.0 / 9;
+    if (parallel) {
+        const double x = std::abs(in.orthographic.xmag), y = std::abs(in.orthographic.ymag);
+        if (!(x > 0 && y > 0)) fail(where, "xmag and ymag of an orthographic camera must not be 0");
+        c.view_height = float(2 * y);
+        aspect = x / y;
+    } else {
+        c.fov_y_rad = float(in.perspective.yfov);
+    }
     c.height = int(kDefaultHeight);
     c.width = int(std::clamp(std::round(aspect * double(kDefaultHeight)), 1.0, 65536.0));
     loading_.scene.cameras.push_back(c);

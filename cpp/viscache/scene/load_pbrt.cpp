@@ -1,4 +1,4 @@
-// pbrt-v3 text: directives, transforms, attribute blocks and object instances.
+// pbrt text: directives, transforms, attribute blocks and object instances.
 #include "viscache/scene/pbrt_reader.h"
 
 #include <filesystem>
@@ -163,7 +163,7 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
         shape(where);
     } else if (name == "Material") {
         const std::string type = name_argument();
-        now_.material = material(type, PbrtParams::read(tokens_), where);
+        now_.material = material(type, params_of("material"), where);
     } else if (name == "MakeNamedMaterial") {
         make_named_material(where);
     } else if (name == "NamedMaterial") {
@@ -184,7 +184,7 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
         PbrtParams::read(tokens_);  // rendering settings do not belong to the scene
     } else if (name == "MakeNamedMedium") {
         name_argument();
-        PbrtParams::read(tokens_);
+        params_of("medium");
         loading_.warn(where, "media are not modelled; skipped");
     } else if (name == "MediumInterface") {
         name_argument();
@@ -197,7 +197,14 @@ bool PbrtReader::plugin_directive(const PbrtToken& token) {
 }
 
 bool PbrtReader::directive(const PbrtToken& token) {
-    return block_directive(token) || transform_directive(token) || plugin_directive(token);
+    return block_directive(token) || transform_directive(token) || plugin_directive(token) ||
+           v4_directive(token);
+}
+
+/// The world of pbrt-v4 has no end of its own.
+void PbrtReader::end_of_file(const PbrtToken& token) {
+    if (!is_v4_ || !in_world_) fail(token.where(), "the file ends before WorldEnd");
+    if (!saved_.empty()) fail(saved_.back().where, "this block does not end before the file does");
 }
 
 void PbrtReader::read_scene(const std::string& path) {
@@ -205,7 +212,10 @@ void PbrtReader::read_scene(const std::string& path) {
     tokens_.push(path, "");
     while (!world_ended_) {
         const PbrtToken token = tokens_.next();
-        if (token.kind == PbrtToken::kEnd) fail(token.where(), "the file ends before WorldEnd");
+        if (token.kind == PbrtToken::kEnd) {
+            end_of_file(token);
+            break;
+        }
         if (token.kind != PbrtToken::kWord || !directive(token))
             fail(token.where(),
                  "a directive must stand here, got '" + std::string(token.text.substr(0, 40)) + "'");

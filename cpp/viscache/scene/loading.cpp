@@ -115,13 +115,40 @@ int Loading::add_material(const Material& material) {
     return int(scene.materials.size()) - 1;
 }
 
-int Loading::add_image(const std::string& path, const std::string& where, bool srgb) {
-    const auto [found, is_new] = images_.try_emplace({path, srgb}, int(scene.images.size()));
+bool Loading::has_mesh_file(const std::string& path, const std::string& where) {
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) return true;
+    if (!skip_missing)
+        fail(where + ": " + path, "the file does not exist; missing=\"skip\" leaves such shapes out");
+    warn(where, "the file '" + path + "' does not exist; the shape is left out");
+    return false;
+}
+
+int Loading::add_image(const std::string& path, const std::string& where, bool srgb, bool nearest) {
+    const auto [found, is_new] = images_.try_emplace({path, srgb, nearest}, int(scene.images.size()));
     if (is_new) {
         Image image;
         image.path = path;
         image.where = where;
         image.srgb = srgb;
+        image.nearest = nearest;
+        scene.images.push_back(std::move(image));
+    }
+    return found->second;
+}
+
+int Loading::add_checkerboard(Rgb a, Rgb b, const std::string& where) {
+    const auto [found, is_new] =
+        checkerboards_.try_emplace({a.x, a.y, a.z, b.x, b.y, b.z}, int(scene.images.size()));
+    if (is_new) {
+        Image image;
+        image.where = where;
+        image.srgb = false;
+        image.nearest = true;
+        image.width = image.height = 2;
+        image.channels = 3;
+        // The row at the top is v > 1/2
+        image.pixels = {b.x, b.y, b.z, a.x, a.y, a.z, a.x, a.y, a.z, b.x, b.y, b.z};
         scene.images.push_back(std::move(image));
     }
     return found->second;
@@ -189,6 +216,11 @@ void check_mesh(const Mesh& mesh, const std::string& where) {
 void transform_mesh(Mesh& mesh, const Affine& t) {
     for (Vec3& p : mesh.vertices) p = t.point(p);
     for (Vec3& n : mesh.normals) n = normalize(t.normal(n));
+}
+
+void transform_uvs(Mesh& mesh, const UvTransform& t) {
+    if (t.is_identity()) return;
+    for (Vec2& uv : mesh.uvs) uv = t(uv);
 }
 
 void flip_winding(Mesh& mesh) {

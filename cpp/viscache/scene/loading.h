@@ -1,10 +1,12 @@
 #pragma once
 // Code shared by the scene loaders: file positions, limits, checked meshes. Internal to the loaders.
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "viscache/math/affine.h"
@@ -52,23 +54,60 @@ private:
 /// The scene under construction, with the rules that apply to every format.
 class Loading {
 public:
-    Loading(SceneDescription& scene, bool strict) : scene(scene), strict(strict) {}
+    Loading(SceneDescription& scene, bool strict, bool skip_missing)
+        : scene(scene), strict(strict), skip_missing(skip_missing) {}
 
     SceneDescription& scene;
-    const bool strict;
+    const bool strict, skip_missing;
 
     /// Reports something that is not modelled; an error when strict.
     void warn(const std::string& where, const std::string& text);
     int add_material(const Material& material);
+    /// False if the mesh file `path` is not there and may be left out, which is reported. Otherwise a missing
+    /// file is an error.
+    bool has_mesh_file(const std::string& path, const std::string& where);
     /// Index of the image `path`; adds the image if it is new.
-    int add_image(const std::string& path, const std::string& where, bool srgb);
+    int add_image(const std::string& path, const std::string& where, bool srgb, bool nearest = false);
+    /// Index of a checkerboard of two squares by two, one unit of texture coordinates wide. The square at
+    /// (0, 0) has the colour `first`.
+    int add_checkerboard(Rgb first, Rgb second, const std::string& where);
     /// Checks and adds a mesh. Error messages start with `where`.
     int add_mesh(Mesh mesh, const std::string& where);
     void set_environment(const Environment& environment, const std::string& where);
 
 private:
-    std::map<std::pair<std::string, bool>, int> images_;
+    std::map<std::tuple<std::string, bool, bool>, int> images_;
+    std::map<std::array<float, 6>, int> checkerboards_;
 };
+
+/// Affine map of texture coordinates. v grows upwards, as in meshes.
+struct UvTransform {
+    double m[2][3] = {{1, 0, 0}, {0, 1, 0}};
+
+    bool operator==(const UvTransform&) const = default;
+    bool is_identity() const { return *this == UvTransform{}; }
+    Vec2 operator()(Vec2 uv) const {
+        return {float(m[0][0] * uv.x + m[0][1] * uv.y + m[0][2]),
+                float(m[1][0] * uv.x + m[1][1] * uv.y + m[1][2])};
+    }
+};
+
+/// The transform of texture coordinates that the images of one material share. A mesh has one set of
+/// coordinates, to which the loaders apply it.
+class MaterialUv {
+public:
+    /// Notes the transform of one more image. False if it differs from that of the images before.
+    bool add(const UvTransform& t) {
+        if (!found_) found_ = t;
+        return *found_ == t;
+    }
+    UvTransform get() const { return found_.value_or(UvTransform{}); }
+
+private:
+    std::optional<UvTransform> found_;
+};
+
+void transform_uvs(Mesh& mesh, const UvTransform& t);
 
 /// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not match, and meshes
 /// without triangles.
@@ -100,7 +139,16 @@ std::optional<double> uniform_scale(const Affine& t);
 Mesh rectangle_mesh();  ///< [-1, 1]² at z = 0, facing +z
 Mesh cube_mesh();       ///< [-1, 1]³, 12 triangles facing out
 Mesh sphere_mesh(Vec3 center, float radius);
-Mesh disk_mesh();  ///< unit disk at z = 0, facing +z
+Mesh disk_mesh();  ///< unit disk at z = 0, facing +z; a polygon of the disk's area
+
+/// A point of a profile in the half plane (r, z), with the tangent of the profile.
+struct ProfilePoint {
+    double r, z, dr, dz;
+};
+/// The surface that a profile sweeps around the z axis, with shading normals. Its front is on the right of
+/// the profile: an upward line faces outwards. u grows with the angle, v along the profile. The polygon
+/// around the axis has the circumference of the circle.
+Mesh revolved_mesh(const std::vector<ProfilePoint>& profile, double phi_max_rad = 6.283185307179586);
 
 /// Reflectance at normal incidence of a conductor and of a dielectric.
 float conductor_f0(float eta, float k);

@@ -6,7 +6,7 @@ namespace viscache::loading {
 namespace {
 
 constexpr int kSphereSlices = 48, kSphereStacks = 24;
-constexpr int kDiskSlices = 64;
+constexpr int kDiskSlices = 64, kRevolvedSlices = 64;
 
 /// Newell's normal: twice the area vector of the polygon.
 Vec3 area_vector(const std::vector<Vec3>& p) {
@@ -96,7 +96,7 @@ Mesh sphere_mesh(Vec3 center, float radius) {
             const Vec3 n{s * std::cos(phi), s * std::sin(phi), std::cos(kPi * v)};
             m.vertices.push_back(center + n * radius);
             m.normals.push_back(n);
-            m.uvs.push_back({u, v});
+            m.uvs.push_back({u, 1 - v});
         }
     const auto row = uint32_t(kSphereSlices + 1);
     for (uint32_t j = 0; j < uint32_t(kSphereStacks); ++j)
@@ -108,12 +108,39 @@ Mesh sphere_mesh(Vec3 center, float radius) {
     return m;
 }
 
+Mesh revolved_mesh(const std::vector<ProfilePoint>& profile, double phi_max) {
+    Mesh m;
+    const double step = phi_max / kRevolvedSlices;
+    // A chord of this radius is as long as the arc
+    const double widened = step / 2 / std::sin(step / 2);
+    const bool closed = phi_max > 6.2831;
+    for (size_t j = 0; j < profile.size(); ++j)
+        for (int i = 0; i <= kRevolvedSlices; ++i) {
+            const ProfilePoint& p = profile[j];
+            const double phi = closed && i == kRevolvedSlices ? 0 : i * step;
+            const double c = std::cos(phi), s = std::sin(phi), r = p.r * widened;
+            m.vertices.push_back({float(r * c), float(r * s), float(p.z)});
+            m.normals.push_back(normalize(Vec3{float(p.dz * c), float(p.dz * s), float(-p.dr)}));
+            m.uvs.push_back(
+                {float(i) / kRevolvedSlices, float(j) / float(std::max<size_t>(profile.size() - 1, 1))});
+        }
+    const auto row = uint32_t(kRevolvedSlices + 1);
+    for (uint32_t j = 0; j + 1 < uint32_t(profile.size()); ++j)
+        for (uint32_t i = 0; i < uint32_t(kRevolvedSlices); ++i) {
+            const uint32_t a = j * row + i, b = a + row;
+            if (profile[j].r > 0) m.triangles.push_back({a, a + 1, b + 1});
+            if (profile[j + 1].r > 0) m.triangles.push_back({a, b + 1, b});
+        }
+    return m;
+}
+
 Mesh disk_mesh() {
     Mesh m;
+    const float step = 2 * kPi / kDiskSlices, widened = std::sqrt(step / std::sin(step));
     m.vertices.push_back({0, 0, 0});
     for (int i = 0; i < kDiskSlices; ++i) {
         const float phi = 2 * kPi * float(i) / kDiskSlices;
-        m.vertices.push_back({std::cos(phi), std::sin(phi), 0});
+        m.vertices.push_back({widened * std::cos(phi), widened * std::sin(phi), 0});
         m.triangles.push_back({0, uint32_t(i) + 1, uint32_t(i + 1) % kDiskSlices + 1});
     }
     return m;

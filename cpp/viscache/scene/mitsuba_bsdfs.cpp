@@ -175,7 +175,13 @@ Material MitsubaReader::bsdf(Node node, int depth) {
 
 int MitsubaReader::material(Node node) {
     const auto [found, is_new] = materials_.try_emplace(node.hash_value(), -1);
-    if (is_new && type_of(node) != "null") found->second = loading_.add_material(bsdf(node, 0));
+    if (is_new && type_of(node) != "null") {
+        MaterialUv uv;
+        uv_ = &uv;
+        found->second = loading_.add_material(bsdf(node, 0));
+        uv_ = nullptr;
+        material_uv_[found->second] = uv.get();
+    }
     return found->second;
 }
 
@@ -185,11 +191,13 @@ int MitsubaReader::material_of(Node shape) {
         if (std::string_view(child.name()) == "ref")
             if (const Node target = target_of(child); is_bsdf(target)) return material(target);
     }
-    // Mitsuba's own default: a one-sided grey material.
-    const auto [found, is_new] = materials_.try_emplace(0, -1);
+    // Mitsuba's own default: a one-sided grey material, a black one for lamps.
+    const bool emits = max_component(area_emission(shape)) > 0;
+    const auto [found, is_new] = materials_.try_emplace(emits ? 1 : 0, -1);
     if (is_new) {
         Material m;
         m.two_sided = false;
+        if (emits) m.base_color = {0, 0, 0};
         found->second = loading_.add_material(m);
     }
     return found->second;

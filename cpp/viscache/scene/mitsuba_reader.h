@@ -63,10 +63,22 @@ private:
     Affine transform_step(Node step);
     Affine look_at_matrix(Node step);
     Rgb rgb_value(Node node) const;
-    Rgb spectrum_value(Node node) const;
     Rgb color(Node owner, const char* name, Rgb fallback);
     ColorTexture color_texture(Node owner, const char* name, Rgb fallback);
     ColorTexture texture(Node node, int depth = 0);
+    ColorTexture bitmap(Node node);
+    ColorTexture checkerboard(Node node);
+    void note_uv(Node node);  ///< of an image of the current material
+
+    // mitsuba_spectra.cpp
+    SpectrumOf spectrum_use(Node node) const;
+    Rgb converted(const Spectrum& spectrum, Node node) const;
+    Rgb spectrum_pairs(const std::vector<double>& numbers, Node node) const;
+    std::string spectrum_file(Node node) const;
+    Rgb spectrum_value(Node node) const;
+    Rgb spectrum_samples(Node node, bool regular);
+    Rgb blackbody(Node node, bool plugin);
+    std::optional<Rgb> spectrum_plugin(Node node, const std::string& type);
 
     // mitsuba_bsdfs.cpp
     int material(Node bsdf);  ///< index; the same element gives the same material. -1: no surface (null)
@@ -85,7 +97,9 @@ private:
     // mitsuba_shapes.cpp
     void shape(Node node);
     std::optional<Mesh> shape_mesh(Node node, const std::string& type);
-    Mesh serialized_mesh(Node node);
+    std::optional<Mesh> mesh_file(Node node, const std::string& type);
+    Mesh serialized_mesh(Node node, const std::string& path);
+    Mesh cylinder(Node node);
     void sphere(Node node, const Rgb& emission, int material, bool in_group, std::vector<int>* group);
     void instance(Node node);
     void add_shape(Node node, std::vector<int>* group);
@@ -95,7 +109,11 @@ private:
     Rgb area_emission(Node shape);
     void emitter(Node node);
     void envmap(Node node);
+
+    // mitsuba_sensor.cpp
     void sensor(Node node);
+    void field_of_view(Node node, Camera& camera);
+    void view_extent(Node node, Camera& camera);
 
     Loading& loading_;
     std::vector<std::unique_ptr<XmlFile>> files_;
@@ -104,6 +122,8 @@ private:
     std::map<std::string, std::string> parameters_;
     std::map<std::string, Node> ids_;
     std::map<size_t, int> materials_;                ///< key: bsdf element
+    MaterialUv* uv_ = nullptr;                       ///< of the material that is being read
+    std::map<int, UvTransform> material_uv_;         ///< key: index of the material
     std::map<size_t, std::vector<int>> groups_;      ///< key: shapegroup element
     std::map<std::string, std::string> serialized_;  ///< file contents; key: path
     int version_major_ = 3;

@@ -5,12 +5,13 @@ namespace viscache::loading {
 
 namespace {
 
-bool is_generated(const std::string& type) { return type == "rectangle" || type == "cube" || type == "disk"; }
+bool is_generated(const std::string& type) {
+    return type == "rectangle" || type == "cube" || type == "disk" || type == "cylinder";
+}
 
 }  // namespace
 
-Mesh MitsubaReader::serialized_mesh(Node node) {
-    const std::string path = path_of(node);
+Mesh MitsubaReader::serialized_mesh(Node node, const std::string& path) {
     const auto [found, is_new] = serialized_.try_emplace(path);
     if (is_new) found->second = read_file(path, where(node));
     const int index = integer(node, "shape_index", 0);
@@ -18,22 +19,46 @@ Mesh MitsubaReader::serialized_mesh(Node node) {
     return read_serialized(path, found->second, size_t(index));
 }
 
-std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type) {
-    std::optional<Mesh> mesh;
+/// An open tube from p0 to p1, facing outwards.
+Mesh MitsubaReader::cylinder(Node node) {
+    const Vec3 p0 = vector(node, "p0").value_or(Vec3{0, 0, 0}),
+               p1 = vector(node, "p1").value_or(Vec3{0, 0, 1});
+    const double radius = number(node, "radius", 1);
+    if (!(radius > 0)) fail_at(node, "the radius of a cylinder must be > 0");
+    if (p0 == p1) fail_at(node, "the ends of a cylinder must differ");
+    Mesh mesh = revolved_mesh({{radius, 0, 0, 1}, {radius, length(p1 - p0), 0, 1}});
+    const Frame3 frame = frame_around(normalize(p1 - p0));
+    const Vec3 columns[4] = {frame.x, frame.y, frame.z, p0};
+    Affine place;
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 3; ++i) place.m[i][j] = columns[j][i];
+    transform_mesh(mesh, place);
+    return mesh;
+}
+
+/// The mesh of a file; empty if the file is not there and may be left out.
+std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type) {
+    const std::string path = path_of(node);
+    if (!loading_.has_mesh_file(path, where(node))) return {};
+    if (type == "serialized") return serialized_mesh(node, path);
+    Mesh mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
     // Row 0 of an image is v = 0 in Mitsuba. Its OBJ reader flips v unless told otherwise.
-    bool turn_v = false;
-    if (type == "obj" || type == "ply") {
-        const std::string path = path_of(node);
-        mesh = type == "obj" ? read_obj(path, nullptr, where(node)).at(0) : read_ply(path, where(node));
-        turn_v = !boolean(node, "flip_tex_coords", type == "obj");
-    } else if (type == "serialized") {
-        mesh = serialized_mesh(node);
-    } else if (is_generated(type)) {
-        mesh = type == "rectangle" ? rectangle_mesh() : type == "cube" ? cube_mesh() : disk_mesh();
-        turn_v = true;
+    if (!boolean(node, "flip_tex_coords", type == "obj"))
+        for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
+    return mesh;
+}
+
+std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type) {
+    if (type == "obj" || type == "ply" || type == "serialized") return mesh_file(node, type);
+    if (!is_generated(type)) {
+        warn_at(node, "shape '" + type + "' is not modelled; skipped");
+        return {};
     }
-    if (mesh && turn_v)
-        for (Vec2& uv : mesh->uvs) uv.y = 1 - uv.y;
+    Mesh mesh = type == "rectangle"  ? rectangle_mesh()
+                : type == "cube"     ? cube_mesh()
+                : type == "cylinder" ? cylinder(node)
+                                     : disk_mesh();
+    for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
     return mesh;
 }
 
@@ -51,6 +76,7 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
         return;
     }
     Mesh mesh = sphere_mesh(center, float(radius));
+    transform_uvs(mesh, material_uv_[material]);
     transform_mesh(mesh, to_world);
     if (to_world.determinant() < 0) flip_winding(mesh);
     if (flipped) flip_normals(mesh);
@@ -77,7 +103,8 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
     if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
     auto mesh = shape_mesh(node, type);
-    if (!mesh) return warn_at(node, "shape '" + type + "' is not modelled; skipped");
+    if (!mesh) return;
+    transform_uvs(*mesh, material_uv_[material]);
     if (property(node, "max_smooth_angle"))
         warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
     if (boolean(node, "face_normals", false)) mesh->normals.clear();

@@ -191,24 +191,6 @@ Rgb MitsubaReader::rgb_value(Node node) const {
     return c;
 }
 
-Rgb MitsubaReader::spectrum_value(Node node) const {
-    std::string text = attribute(node, "value");
-    if (node.attribute("filename"))
-        text = read_file(find_file(attribute(node, "filename"), node), where(node));
-    const bool pairs = text.find(':') != std::string::npos || node.attribute("filename");
-    if (!pairs) return rgb_value(node);
-    std::replace(text.begin(), text.end(), ':', ' ');
-    const auto v = numbers(node, text);
-    if (v.size() < 2 || v.size() % 2) fail_at(node, "a spectrum must be a list of nm:value");
-    Spectrum spectrum;
-    for (size_t i = 0; i < v.size(); i += 2) {
-        if (!spectrum.empty() && v[i] <= spectrum.back().first)
-            fail_at(node, "the wavelengths of a spectrum must grow");
-        spectrum.emplace_back(v[i], v[i + 1]);
-    }
-    return max({0, 0, 0}, spectrum_to_rgb(spectrum));
-}
-
 ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (depth > kMaxDepth) fail_at(node, "references to textures are cyclic");
     const std::string_view tag = node.name();
@@ -216,24 +198,11 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
     if (tag == "rgb" || tag == "srgb" || tag == "float" || tag == "integer" || tag == "color")
         return {rgb_value(node)};
     const std::string type = node.attribute("type") ? type_of(node) : "";
-    if (tag == "blackbody" || type == "blackbody") {
-        const bool inner = type == "blackbody";
-        const double kelvin =
-            inner ? number(node, "temperature", 5000) : numbers(node, attribute(node, "temperature")).at(0);
-        if (!(kelvin > 0)) fail_at(node, "the temperature must be > 0");
-        return {blackbody_rgb(kelvin) *
-                float(inner ? number(node, "scale", 1) : attribute_number(node, "scale", 1))};
-    }
+    if (tag == "blackbody") return {blackbody(node, false)};
     if (tag == "spectrum" && (type.empty() || node.attribute("value"))) return {spectrum_value(node)};
-    if (type == "bitmap") {
-        const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
-        if (property(node, "to_uv") || property(node, "uscale") || property(node, "vscale") ||
-            property(node, "uoffset") || property(node, "voffset"))
-            warn_at(node, "a transform of texture coordinates is not modelled; ignored");
-        return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw)};
-    }
-    if (type == "uniform" || type == "rgb" || type == "srgb")
-        return {color(node, type == "uniform" ? "value" : "color", {.5f, .5f, .5f})};
+    if (const auto value = spectrum_plugin(node, type)) return {*value};
+    if (type == "bitmap") return bitmap(node);
+    if (type == "checkerboard") return checkerboard(node);
     if (type == "scale") {
         for (const Node child : node.children())
             if (std::string_view(child.name()) == "texture" || std::string_view(child.name()) == "ref") {
@@ -242,12 +211,39 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
                 return t;
             }
     }
-    if (type == "checkerboard") {
-        warn_at(node, "a checkerboard is not modelled; its mean colour is used");
-        return {(color(node, "color0", {.4f, .4f, .4f}) + color(node, "color1", {.2f, .2f, .2f})) * 0.5f};
-    }
     warn_at(node, "texture '" + (type.empty() ? std::string(tag) : type) + "' is not modelled; grey is used");
     return {{.5f, .5f, .5f}};
+}
+
+ColorTexture MitsubaReader::bitmap(Node node) {
+    const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
+    const bool nearest = string(node, "filter_type", "") == "nearest";
+    note_uv(node);
+    return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw, nearest)};
+}
+
+ColorTexture MitsubaReader::checkerboard(Node node) {
+    note_uv(node);
+    const Rgb first = color(node, "color0", {.4f, .4f, .4f}), second = color(node, "color1", {.2f, .2f, .2f});
+    // The square at (0, 0) of the file lies at the top here: v = 1
+    return {{1, 1, 1}, loading_.add_checkerboard(second, first, where(node))};
+}
+
+/// Notes `to_uv`, or the scale and offset of older files. v grows downwards there.
+void MitsubaReader::note_uv(Node node) {
+    if (!uv_) return;
+    Affine t = transform(node, "to_uv");
+    if (!property(node, "to_uv")) {
+        const double scale = number(node, "uvscale", 1);
+        t = scaling(number(node, "uscale", scale), number(node, "vscale", scale), 1);
+        t.m[0][3] = number(node, "uoffset", 0);
+        t.m[1][3] = number(node, "voffset", 0);
+    }
+    const auto& m = t.m;
+    if (!uv_->add({{{m[0][0], -m[0][1], m[0][1] + m[0][3]}, {-m[1][0], m[1][1], 1 - m[1][1] - m[1][3]}}}))
+        warn_at(node,
+                "the images of a material share one transform of texture coordinates; that of the "
+                "first is used");
 }
 
 ColorTexture MitsubaReader::color_texture(Node owner, const char* name, Rgb fallback) {

@@ -1,4 +1,4 @@
-// pbrt-v3 text: converts colours, textures and materials to the nearest material.
+// pbrt text: converts materials to the nearest material.
 #include "viscache/scene/pbrt_reader.h"
 
 namespace viscache::loading {
@@ -13,123 +13,7 @@ double roughness_to_alpha(double roughness) {
     return 1.62142 + 0.819955 * x + 0.1734 * x * x + 0.0171201 * x * x * x + 0.000640711 * x * x * x * x;
 }
 
-Spectrum spectrum_from(const std::vector<double>& v, const std::string& where) {
-    if (v.size() < 2 || v.size() % 2) fail(where, "a spectrum must be pairs of wavelength and value");
-    Spectrum s;
-    for (size_t i = 0; i < v.size(); i += 2) {
-        if (!std::isfinite(v[i]) || !std::isfinite(v[i + 1])) fail(where, "a spectrum must be finite");
-        if (!s.empty() && v[i] <= s.back().first) fail(where, "the wavelengths of a spectrum must grow");
-        s.emplace_back(v[i], v[i + 1]);
-    }
-    return s;
-}
-
-/// pbrt scales black bodies to a peak of 1.
-Rgb normalised_blackbody(double kelvin) {
-    constexpr double h = 6.62607015e-34, c = 299792458.0, wien = 2.897771955e-3;
-    const double peak_m = wien / kelvin;
-    const double peak = 2 * h * c * c / (std::pow(peak_m, 5) * std::expm1(4.965114231744276)) * 1e-9;
-    return blackbody_rgb(kelvin) / float(peak);
-}
-
 }  // namespace
-
-Rgb PbrtReader::spectrum_file(const PbrtParam& p) {
-    if (p.strings.size() != 1) fail(p.where, "one spectrum file must be named");
-    std::string text = read_file(path_named(p.strings[0], p.where), p.where);
-    std::vector<double> values;
-    for (size_t i = 0; (i = text.find_first_not_of(" \t\r\n,", i)) != std::string::npos;) {
-        const size_t end = std::min(text.find_first_of(text[i] == '#' ? "\n" : " \t\r\n,", i), text.size());
-        if (text[i] != '#') {
-            const auto x = parse_number(std::string_view(text).substr(i, end - i));
-            if (!x)
-                fail(p.where,
-                     "the spectrum file '" + p.strings[0] + "' holds something that is not a number");
-            values.push_back(*x);
-        }
-        i = end;
-    }
-    return spectrum_to_rgb(spectrum_from(values, p.where));
-}
-
-std::optional<Rgb> PbrtReader::color_of(const PbrtParam& p) {
-    const auto& v = p.numbers;
-    Rgb c{};
-    if (p.type == "rgb" || p.type == "color" || p.type == "xyz") {
-        if (v.size() != 3) fail(p.where, "'" + p.name + "' must be three numbers");
-        c = {float(v[0]), float(v[1]), float(v[2])};
-        if (p.type == "xyz")
-            c = {3.2404542f * c.x - 1.5371385f * c.y - 0.4985314f * c.z,
-                 -0.9692660f * c.x + 1.8760108f * c.y + 0.0415560f * c.z,
-                 0.0556434f * c.x - 0.2040259f * c.y + 1.0572252f * c.z};
-    } else if (p.type == "spectrum") {
-        c = p.strings.empty() ? spectrum_to_rgb(spectrum_from(v, p.where)) : spectrum_file(p);
-    } else if (p.type == "blackbody") {
-        if (v.empty() || v.size() > 2 || !(v[0] > 0))
-            fail(p.where, "a black body must be a temperature > 0 and a scale");
-        c = normalised_blackbody(v[0]) * float(v.size() == 2 ? v[1] : 1);
-    } else if (p.type == "float") {
-        if (v.size() != 1) fail(p.where, "'" + p.name + "' must be one number");
-        c = {float(v[0]), float(v[0]), float(v[0])};
-    } else {
-        return {};
-    }
-    if (!is_finite(c)) fail(p.where, "'" + p.name + "' is not finite");
-    return max(kZero, c);
-}
-
-PbrtTexture PbrtReader::color_texture(const PbrtParams& params, const char* name, Rgb fallback) {
-    const PbrtParam* p = params.find(name);
-    if (!p) return {fallback};
-    if (const auto c = color_of(*p)) return {*c};
-    if (p->type != "texture" || p->strings.size() != 1)
-        fail(p->where, std::string("'") + name + "' must be a colour or a texture");
-    const auto found = now_.textures->find(p->strings[0]);
-    if (found != now_.textures->end()) return found->second;
-    loading_.warn(p->where, "the texture '" + p->strings[0] + "' is not defined; the default is used");
-    return {fallback};
-}
-
-Rgb PbrtReader::color(const PbrtParams& params, const char* name, Rgb fallback) {
-    const PbrtTexture t = color_texture(params, name, fallback);
-    if (t.image >= 0)
-        loading_.warn(params.find(name)->where,
-                      std::string("an image for '") + name + "' is not modelled; white is used");
-    return t.color;
-}
-
-void PbrtReader::texture(const std::string& where) {
-    const std::string name = name_argument();
-    name_argument();  // type: float or spectrum
-    const std::string type = name_argument();
-    const PbrtParams params = PbrtParams::read(tokens_);
-    PbrtTexture t;
-    if (type == "imagemap") {
-        const PbrtParam* file = params.find("filename");
-        if (!file) fail(where, "an imagemap needs a filename");
-        const std::string path = path_named(params.string("filename", ""), file->where);
-        t.image = loading_.add_image(path, file->where, params.boolean("gamma", true));
-        const float scale = float(params.number("scale", 1));
-        t.color = {scale, scale, scale};
-        if (params.number("uscale", 1) != 1 || params.number("vscale", 1) != 1 ||
-            params.number("udelta", 0) != 0 || params.number("vdelta", 0) != 0 ||
-            params.string("mapping", "uv") != "uv")
-            loading_.warn(where, "a mapping of texture coordinates is not modelled; ignored");
-    } else if (type == "constant") {
-        t.color = color(params, "value", kOne);
-    } else if (type == "scale") {
-        const PbrtTexture a = color_texture(params, "tex1", kOne), b = color_texture(params, "tex2", kOne);
-        t = {a.color * b.color, a.image >= 0 ? a.image : b.image};
-        if (a.image >= 0 && b.image >= 0)
-            loading_.warn(where, "the product of two images is not modelled; the first is used");
-    } else {
-        loading_.warn(where, "texture '" + type + "' is not modelled; grey is used");
-        t.color = kHalf;
-    }
-    auto changed = std::make_shared<std::map<std::string, PbrtTexture>>(*now_.textures);
-    (*changed)[name] = t;
-    now_.textures = changed;
-}
 
 float PbrtReader::roughness(const PbrtParams& params, double fallback) {
     double r = params.number("roughness", fallback);
@@ -179,17 +63,36 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
 }
 
 int PbrtReader::mix(const PbrtParams& params, const std::string& where) {
-    const auto found = now_.named->find(params.string("namedmaterial1", ""));
+    // pbrt-v4 lists both names
+    std::string name = params.string("namedmaterial1", "");
+    if (const PbrtParam* both = params.find("materials"); both && !both->strings.empty())
+        name = both->strings[0];
+    const auto found = now_.named->find(name);
     if (found == now_.named->end()) fail(where, "the material 'mix' needs a defined namedmaterial1");
     loading_.warn(where, "material 'mix' is not modelled; its first material is used");
     return found->second;
 }
 
 int PbrtReader::material(const std::string& type, const PbrtParams& params, const std::string& where) {
+    MaterialUv uv;
+    uv_ = &uv;
+    const int index = surface(type, params, where);
+    uv_ = nullptr;
+    if (index >= 0) material_uv_.try_emplace(index, uv.get());
+    return index;
+}
+
+int PbrtReader::surface(const std::string& type, const PbrtParams& params, const std::string& where) {
     Material m;
-    if (type == "" || type == "none") return kNoSurface;
+    if (type == "" || type == "none" || type == "interface") return kNoSurface;
     if (type == "mix") return mix(params, where);
-    if (params.has("bumpmap")) loading_.warn(where, "bump maps are not modelled; ignored");
+    for (const char* name : {"bumpmap", "displacement", "normalmap"})
+        if (params.has(name))
+            loading_.warn(params.find(name)->where, std::string("a '") + name + "' is not modelled; ignored");
+    if (is_v4_material(type)) {
+        is_v4_ = true;
+        return loading_.add_material(v4_surface(type, params, where));
+    }
     if (type == "matte" || type == "translucent") {
         const PbrtTexture base = color_texture(params, "Kd", type == "matte" ? kHalf : kQuarter);
         m.base_color = clamp01(base.color);
@@ -217,7 +120,7 @@ int PbrtReader::material(const std::string& type, const PbrtParams& params, cons
 
 void PbrtReader::make_named_material(const std::string& where) {
     const std::string name = name_argument();
-    const PbrtParams params = PbrtParams::read(tokens_);
+    const PbrtParams params = params_of("material");
     if (!params.has("type")) fail(where, "MakeNamedMaterial needs \"string type\"");
     auto changed = std::make_shared<std::map<std::string, int>>(*now_.named);
     (*changed)[name] = material(params.string("type", ""), params, where);

@@ -1,5 +1,5 @@
 #pragma once
-// pbrt-v3 text: tokens with their positions across included files, and parameter lists. Internal to the
+// pbrt text: tokens with their positions across included files, and parameter lists. Internal to the
 // loader.
 #include <deque>
 #include <memory>
@@ -53,6 +53,10 @@ class PbrtParams {
 public:
     static PbrtParams read(PbrtTokens& tokens);
 
+    /// Adds parameters that hold where these do not name a value.
+    void append(const PbrtParams& others) {
+        params_.insert(params_.end(), others.params_.begin(), others.params_.end());
+    }
     const PbrtParam* find(const char* name) const;
     bool has(const char* name) const { return find(name) != nullptr; }
     double number(const char* name, double fallback) const;

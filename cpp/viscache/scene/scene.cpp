@@ -210,7 +210,11 @@ bool Scene::solid_at(uint32_t mesh_index, uint32_t triangle, float u, float v) c
 
 Rgba sample_image(const Image& image, Vec2 uv) {
     if (image.width <= 0 || !std::isfinite(uv.x) || !std::isfinite(uv.y)) return {{0.5f, 0.5f, 0.5f}, 1};
-    const float x = repeat(uv.x) * image.width - 0.5f, y = (1 - repeat(uv.y)) * image.height - 0.5f;
+    float x = repeat(uv.x) * image.width - 0.5f, y = (1 - repeat(uv.y)) * image.height - 0.5f;
+    if (image.nearest) {
+        x = std::floor(repeat(uv.x) * image.width);
+        y = image.height - 1 - std::floor(repeat(uv.y) * image.height);
+    }
     const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
     const float fx = x - x0, fy = y - y0;
     float sum[4] = {};

@@ -1,58 +1,76 @@
 #include "viscache/scene/spectra.h"
 
 #include <algorithm>
+#include <array>
 
+#include "viscache/scene/cie_tables.h"
 #include "viscache/scene/loading.h"
 
 namespace viscache::loading {
 
 namespace {
 
-double lobe(double nm, double peak, double below, double above) {
-    const double t = (nm - peak) / (nm < peak ? below : above);
-    return std::exp(-0.5 * t * t);
+/// Value at `nm` of a table that starts at the first wavelength of the matching functions.
+template <class Entry>
+double interpolated(double nm, int step, Entry entry) {
+    const double at = (nm - kMatchingFirst) / step;
+    const int below = std::min(int(at), (kMatchingLast - kMatchingFirst) / step - 1);
+    return entry(below) + (entry(below + 1) - entry(below)) * (at - below);
 }
 
 struct Xyz {
-    double x, y, z;
+    double x = 0, y = 0, z = 0;
 };
 
-/// Multi-lobe fit (Wyman et al. 2013, Table 1).
-Xyz matching(double nm) {
-    return {1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
-                0.065 * lobe(nm, 501.1, 20.4, 26.2),
-            0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1),
-            1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8)};
-}
-
-/// Sums over 360-830 nm in steps of 1 nm and converts to linear sRGB primaries, without normalisation.
+/// Sums value(nm) times the matching functions at the wavelengths that Mitsuba 3 takes. A spectrum may end
+/// anywhere between them.
 template <class Value>
-void integrate(Value value, double rgb[3]) {
-    Xyz s{0, 0, 0};
-    for (int nm = 360; nm <= 830; ++nm) {
-        const double v = value(double(nm));
-        const Xyz m = matching(nm);
-        s.x += v * m.x;
-        s.y += v * m.y;
-        s.z += v * m.z;
+Xyz integrate(Value value) {
+    Xyz s;
+    constexpr int kSteps = 1000;
+    for (int i = 0; i < kSteps; ++i) {
+        const double nm = kMatchingFirst + (kMatchingLast - kMatchingFirst) * double(i) / (kSteps - 1);
+        const double v = value(nm);
+        if (v == 0) continue;
+        double m[3];
+        for (int c = 0; c < 3; ++c)
+            m[c] = interpolated(nm, kMatchingStep, [&](int i) { return kMatching[i][c]; });
+        s.x += v * m[0];
+        s.y += v * m[1];
+        s.z += v * m[2];
     }
-    rgb[0] = 3.2404542 * s.x - 1.5371385 * s.y - 0.4985314 * s.z;
-    rgb[1] = -0.9692660 * s.x + 1.8760108 * s.y + 0.0415560 * s.z;
-    rgb[2] = 0.0556434 * s.x - 0.2040259 * s.y + 1.0572252 * s.z;
+    return s;
+}
+
+double daylight(double nm) {
+    return interpolated(nm, kDaylightStep, [](int i) { return kDaylight[i]; });
+}
+
+/// Linear sRGB (IEC 61966-2-1), in double precision.
+std::array<double, 3> srgb(const Xyz& c) {
+    return {3.2404542 * c.x - 1.5371385 * c.y - 0.4985314 * c.z,
+            -0.9692660 * c.x + 1.8760108 * c.y + 0.0415560 * c.z,
+            0.0556434 * c.x - 0.2040259 * c.y + 1.0572252 * c.z};
 }
 
 template <class Value>
-Rgb to_rgb(Value value) {
-    double rgb[3], white[3];
-    integrate(value, rgb);
-    integrate([](double) { return 1.0; }, white);
+Rgb light_rgb(Value value) {
+    static const double equal_energy = integrate([](double) { return 1.0; }).y;
+    const auto rgb = srgb(integrate(value));
+    return {float(rgb[0] / equal_energy), float(rgb[1] / equal_energy), float(rgb[2] / equal_energy)};
+}
+
+template <class Value>
+Rgb reflectance_rgb(Value value) {
+    static const auto white = srgb(integrate(daylight));
+    const auto rgb = srgb(integrate([&](double nm) { return value(nm) * daylight(nm); }));
     return {float(rgb[0] / white[0]), float(rgb[1] / white[1]), float(rgb[2] / white[2])};
 }
 
 }  // namespace
 
-Rgb spectrum_to_rgb(const Spectrum& spectrum) {
-    return to_rgb([&](double nm) {
+Rgb spectrum_to_rgb(const Spectrum& spectrum, SpectrumOf what) {
+    const auto value = [&](double nm) {
         if (spectrum.empty() || nm < spectrum.front().first || nm > spectrum.back().first) return 0.0;
         const auto above = std::lower_bound(spectrum.begin(), spectrum.end(), nm,
                                             [](const auto& sample, double x) { return sample.first < x; });
@@ -60,12 +78,17 @@ Rgb spectrum_to_rgb(const Spectrum& spectrum) {
         const auto below = above - 1;
         const double t = (nm - below->first) / (above->first - below->first);
         return below->second + t * (above->second - below->second);
-    });
+    };
+    return what == SpectrumOf::kLight ? light_rgb(value) : reflectance_rgb(value);
+}
+
+Rgb equal_energy_rgb(double value) {
+    return light_rgb([&](double) { return value; });
 }
 
 Rgb blackbody_rgb(double kelvin) {
     constexpr double h = 6.62607015e-34, c = 299792458.0, k = 1.380649e-23;
-    return to_rgb([&](double nm) {
+    return light_rgb([&](double nm) {
         const double m = nm * 1e-9;
         return 2 * h * c * c / (std::pow(m, 5) * std::expm1(h * c / (m * k * kelvin))) * 1e-9;
     });

@@ -19,7 +19,7 @@ public:
     PixelPoints find(std::span<const Vec2> places) const {
         std::vector<Ray> rays;
         for (Vec2 p : places)
-            rays.push_back({film_.camera.origin, 0, normalize(film_.direction(p.x, p.y)), kInfinity});
+            rays.push_back({film_.origin(p.x, p.y), 0, normalize(film_.direction(p.x, p.y)), kInfinity});
         std::vector<Hit> hits(rays.size());
         caster_.intersect(rays, hits, Coherence::kCoherent);
         PixelPoints out;
@@ -41,8 +41,10 @@ private:
             return {};
         }
         const float cos_film = dot(ray.d, film_.camera.forward);
-        const float solid_angle = film_.pixel_area() * cos_film * cos_film * cos_film;
-        const float footprint = hit.t * std::sqrt(solid_angle / std::max(cos_surface, rules_.least_cos));
+        // A pinhole: distance × √(solid angle of the pixel)
+        const float across = film_.pixel_area_at(cos_film, 1) / std::max(cos_surface, rules_.least_cos);
+        const float spread = film_.camera.is_orthographic() ? 1.f : hit.t;
+        const float footprint = spread * std::sqrt(across);
         const float d_max = std::min(rules_.reach * float(film_.width) * footprint,
                                      rules_.most_reach * scene_.offset_extent());
         return {s.position, dot(s.ng, ray.d) > 0 ? -s.ng : s.ng, d_max, footprint};

@@ -41,17 +41,17 @@ class SceneDescription:
         ...
     def __setstate__(self, arg0: bytes) -> None:
         ...
-    def add_camera(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 1.0, 0.0], fov_deg: typing.SupportsFloat | typing.SupportsIndex = 45.0, width: typing.SupportsInt | typing.SupportsIndex = 640, height: typing.SupportsInt | typing.SupportsIndex = 400, horizontal: bool = False, name: str = 'camera') -> None:
+    def add_camera(self, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], target: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, up: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 1.0, 0.0], fov_deg: typing.SupportsFloat | typing.SupportsIndex = 45.0, width: typing.SupportsInt | typing.SupportsIndex = 640, height: typing.SupportsInt | typing.SupportsIndex = 400, horizontal: bool = False, view_height: typing.SupportsFloat | typing.SupportsIndex = 0.0, name: str = 'camera') -> None:
         """
-        Add a pinhole camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in pixels.
+        Add a camera; `fov_deg` is its vertical angle unless horizontal=True, sizes are in pixels. With view_height > 0 it is orthographic, and its picture is so high in scene units.
         """
     def add_directional_light(self, direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], irradiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
         Add a directional light: `direction` points towards it, irradiance in W/m² across it.
         """
-    def add_image(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> int:
+    def add_image(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, nearest: bool = False) -> int:
         """
-        Add an image (H, W, C), linear; returns its index.
+        Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard edges.
         """
     def add_instance(self, meshes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> int:
         """
@@ -421,11 +421,11 @@ class FrameSettings:
         ...
 class Camera:
     """
-    A pinhole camera; made by `viscache.look_at` or a scene file.
+    A camera; made by `viscache.look_at`, `viscache.orthographic` or a scene file.
     """
-    def __getstate__(self) -> tuple[str, typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], float, int, int, bool]:
+    def __getstate__(self) -> tuple[str, typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], float, int, int, bool, float]:
         ...
-    def __setstate__(self, arg0: tuple[str, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, bool]) -> None:
+    def __setstate__(self, arg0: tuple[str, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, bool, typing.SupportsFloat | typing.SupportsIndex]) -> None:
         ...
     @property
     def forward(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
@@ -479,6 +479,14 @@ class Camera:
         """
         Unit vector upwards in the picture.
         """
+    @property
+    def view_height(self) -> float:
+        """
+        Orthographic cameras: height of the picture in scene units, or its width where `fov_is_horizontal`. 0: a pinhole.
+        """
+    @view_height.setter
+    def view_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
     @property
     def width(self) -> int:
         """
@@ -774,7 +782,7 @@ def embree_version() -> str:
     ...
 def geometry_hash(scene: Scene) -> str:
     ...
-def load_scene_file(path: str, strict: bool = False) -> SceneDescription:
+def load_scene_file(path: str, strict: bool = False, skip_missing: bool = False) -> SceneDescription:
     """
     Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be used.
     """

@@ -14,6 +14,17 @@ from viscache.provenance import thread_count
 from viscache.settings import by_name
 
 
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Add the scene, and what happens where its mesh files are missing."""
+    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    parser.add_argument(
+        "--missing",
+        choices=("error", "skip"),
+        default="error",
+        help="skip: leave out shapes whose mesh file is not there (default: error)",
+    )
+
+
 def print_json(value: Any) -> None:
     """One JSON object on standard output; non-finite numbers become null."""
     print(json.dumps(finite(value), indent=2, allow_nan=False))

@@ -54,7 +54,10 @@ def project(camera: Camera, size: tuple[int, int], points: Floats) -> Floats:
     offset = np.asarray(points, float) - np.array(camera.origin)
     along, right, up = (offset @ np.array(v) for v in (camera.forward, camera.right, camera.up))
     along = np.where(along > 0, along, np.nan)
-    scale = (width if camera.fov_is_horizontal else height) / (2 * math.tan(camera.fov_rad / 2))
+    across = camera.view_height or 2 * math.tan(camera.fov_rad / 2)
+    scale = (width if camera.fov_is_horizontal else height) / across
+    if camera.view_height > 0:
+        along = along / along
     return np.stack([width / 2 + scale * right / along, height / 2 - scale * up / along], axis=-1)
 
 

@@ -10,7 +10,7 @@ from viscache.scene.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
 
-__all__ = ["look_at"]
+__all__ = ["look_at", "orthographic"]
 
 
 @spelled
@@ -36,9 +36,52 @@ def look_at(
     ValueError
         A vector does not have three numbers, or the angle is out of range.
     """
+    require(0.01 < fov_deg < 177, "fov_deg must be in (0.01, 177)", fov_deg)
+    return _placed(origin, target, up, fov_deg)
+
+
+@spelled
+def orthographic(
+    origin: Sequence[float],
+    target: Sequence[float],
+    up: Sequence[float] = (0.0, 1.0, 0.0),
+    height: float = 2.0,
+) -> _core.Camera:
+    """A camera of parallel rays in the direction from `origin` to `target`.
+
+    Parameters
+    ----------
+    origin, target : (3,) float
+        In scene units; they must differ. The picture is centred on the line between them, and what
+        lies behind `origin` is not seen.
+    up : (3,) float
+        The direction that points up in the picture.
+    height : float > 0
+        Height of the picture in scene units; the width follows from the size of the frame.
+
+    Raises
+    ------
+    ValueError
+        A vector does not have three numbers, or the height is not positive.
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> plan = vc.orthographic((0, 5, 0), (0, 0, 0), up=(0, 0, -1), height=4)
+    >>> vc.render(vc.scenes.cornell(), vc.AmbientOcclusion(), camera=plan, size=(8, 8)).image.shape
+    (8, 8, 3)
+    """
+    require(0 < height < float("inf"), "height must be > 0 and finite", height)
+    camera = _placed(origin, target, up, 45.0)
+    camera.view_height = height
+    return camera
+
+
+def _placed(
+    origin: Sequence[float], target: Sequence[float], up: Sequence[float], fov_deg: float
+) -> _core.Camera:
     for name, value in (("origin", origin), ("target", target), ("up", up)):
         require(len(value) == 3, f"{name} must be 3 numbers", value)
-    require(0.01 < fov_deg < 177, "fov_deg must be in (0.01, 177)", fov_deg)
     x, y, z = (float(v) for v in origin)
     tx, ty, tz = (float(v) for v in target)
     ux, uy, uz = (float(v) for v in up)
@@ -64,7 +107,9 @@ def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
     """A camera as sweeps record it: JSON-able."""
     if not isinstance(wish, _core.Camera):
         return wish
-    names = ("name", "origin", "right", "up", "forward", "fov_rad", "fov_is_horizontal")
+    names = ["name", "origin", "right", "up", "forward", "fov_rad", "fov_is_horizontal"]
+    if wish.view_height > 0:
+        names.append("view_height")
     return {name: getattr(wish, name) for name in names}
 
 

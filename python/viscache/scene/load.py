@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Literal
 
 from viscache import _core
 from viscache._core import SceneError
 from viscache.scene.environments import apply_environment, decode_images
 from viscache.scene.scene import Env, Scene
+from viscache.settings.checks import require
 from viscache.settings.spelling import spelled
 
 __all__ = ["load_scene"]
@@ -19,6 +21,7 @@ def load_scene(
     path: str | os.PathLike[str],
     *,
     strict: bool = False,
+    missing: Literal["error", "skip"] = "error",
     env: Env | None = None,
     threads: int | None = None,
 ) -> Scene:
@@ -31,6 +34,9 @@ def load_scene(
     strict : bool
         Features that viscache does not model are errors. By default they are skipped and listed in
         `Scene.warnings`.
+    missing : {"error", "skip"}
+        What happens where a Mitsuba or pbrt scene names a mesh file that is not there: an error, or
+        the shape is left out with a warning.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
     threads : int, optional
@@ -43,7 +49,9 @@ def load_scene(
     """
     if str(path) and Path(path).is_dir():
         raise SceneError(f"{path}: is a directory, not a scene file")
-    description = _core.load_scene_file(os.fspath(path), strict=strict)
+    require(missing in ("error", "skip"), 'missing must be "error" or "skip"', missing)
+    skip = missing == "skip"
+    description = _core.load_scene_file(os.fspath(path), strict=strict, skip_missing=skip)
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)

@@ -67,7 +67,7 @@ def blocked_share(
         A scene lit only by its environment, with flat-shaded meshes without instances, of diffuse
         and glossy materials without textures.
     camera : str, int or Camera, optional
-        The first camera of the scene by default.
+        A pinhole; the first camera of the scene by default.
     size : (width, height)
         One ray through the centre of each pixel.
     samples : int >= 1
@@ -125,7 +125,8 @@ def environment_texels(scene: Scene) -> tuple[Array, npt.NDArray[np.float32]]:
 
 
 def first_hits(scene: Scene, camera: _core.Camera, size: tuple[int, int]) -> Hits:
-    """First hits through the centres of the pixels, row by row."""
+    """First hits through the centres of the pixels of a pinhole, row by row."""
+    require(camera.view_height == 0, "camera must be a pinhole", camera.name)
     origin, ray = np.array(camera.origin), _pixel_rays(camera, size)
     hit = scene.intersect(np.broadcast_to(origin, ray.shape), ray)
     meshes = scene.meshes()

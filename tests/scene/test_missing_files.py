@@ -1,0 +1,64 @@
+"""Mesh files that are not there: an error that says what helps, or shapes are left out."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import pytest
+
+import viscache as vc
+from viscache import cli
+
+TRIANGLE = 'Shape "trianglemesh" "integer indices" [0 1 2] "point P" [0 0 0  1 0 0  0 1 0]'
+XML = """<scene version="3.0.0"><shape type="rectangle"/>
+<shape type="{kind}"><string name="filename" value="gone.{kind}"/></shape></scene>"""
+
+
+def written(folder: Path, kind: str) -> Path:
+    path = folder / ("scene.pbrt" if kind == "plymesh" else "scene.xml")
+    pbrt = f'WorldBegin\nShape "plymesh" "string filename" "gone.ply"\n{TRIANGLE}\nWorldEnd\n'
+    path.write_text(pbrt if kind == "plymesh" else XML.format(kind=kind))
+    return path
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply", "serialized", "plymesh"])
+def test_a_missing_mesh_is_an_error_or_left_out(tmp_path: Path, kind: str) -> None:
+    path = written(tmp_path, kind)
+    with pytest.raises(
+        vc.SceneError, match=r'scene\.\w+:2: .*gone.*does not exist; missing="skip"'
+    ):
+        vc.load_scene(path)
+    scene = vc.load_scene(path, missing="skip")
+    assert scene.triangles == (1 if kind == "plymesh" else 2)
+    [warning] = [w for w in scene.warnings if "gone" in w]
+    assert f"{path.name}:2" in warning and "the shape is left out" in warning
+    with pytest.raises(vc.SceneError, match="the shape is left out"):
+        vc.load_scene(path, missing="skip", strict=True)
+    with pytest.raises(ValueError, match='missing must be "error" or "skip"'):
+        vc.load_scene(path, missing="Skip")  # type: ignore[arg-type]
+
+
+def test_a_broken_mesh_is_an_error_all_the_same(tmp_path: Path) -> None:
+    path = written(tmp_path, "ply")
+    (tmp_path / "gone.ply").write_text("ply\nnonsense\n")
+    with pytest.raises(vc.SceneError, match=r"gone\.ply"):
+        vc.load_scene(path, missing="skip")
+
+
+def test_a_scene_without_its_missing_parts_travels(tmp_path: Path) -> None:
+    scene = vc.load_scene(written(tmp_path, "ply"), missing="skip")
+    back = pickle.loads(pickle.dumps(scene))
+    assert back.content_hash == scene.content_hash
+
+
+def test_the_command_line_leaves_missing_meshes_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(written(tmp_path, "obj"))
+    assert cli.main(["info", path]) == cli.BAD_USAGE
+    assert 'missing="skip"' in capsys.readouterr().err
+    assert cli.main(["info", path, "--missing", "skip", "--json"]) == cli.OK
+    info = json.loads(capsys.readouterr().out)
+    assert info["triangles"] == 2 and "left out" in info["warnings"][0]
