@@ -31,7 +31,7 @@ def load_scene(
     strict : bool
         Features that viscache does not model are errors. By default they are skipped and listed in
         `Scene.warnings`.
-    env : path, float, (3,) or (H, W, 3), optional
+    env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
     threads : int, optional
         All cores by default.
