@@ -19,11 +19,12 @@ Affine affine_from(const DoubleArray& a) {
 
 int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& triangles, int material,
              const std::optional<FloatArray>& normals, const std::optional<FloatArray>& uvs, Float3 emission,
-             bool emits_two_sided, bool in_world, const std::string& name) {
+             bool emits_two_sided, bool in_world, const std::string& name, int emission_texture) {
     Mesh mesh;
     mesh.name = name;
     mesh.material = material;
     mesh.emission = vec3(emission);
+    mesh.emission_texture = emission_texture;
     mesh.emits_two_sided = emits_two_sided;
     mesh.in_world = in_world;
     mesh.vertices = vec3s(vertices, "vertices");
@@ -38,6 +39,19 @@ int add_mesh(SceneDescription& d, const FloatArray& vertices, const UintArray& t
     }
     d.meshes.push_back(std::move(mesh));
     return int(d.meshes.size()) - 1;
+}
+
+SpotCone cone_from(Float3 axis, std::array<float, 2> cone_deg, const std::string& falloff) {
+    const auto [inner, outer] = cone_deg;
+    if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= 180))
+        throw py::value_error("cone_deg must be 0 <= inner <= outer <= 180, outer > 0, got " +
+                              std::to_string(inner) + " and " + std::to_string(outer));
+    const Vec3 unit = normalize(vec3(axis));
+    if (!(std::fabs(length(unit) - 1) < 1e-3f)) throw py::value_error("axis must not be zero or non-finite");
+    for (size_t i = 1; i < std::size(kFalloffNames); ++i)
+        if (falloff == kFalloffNames[i])
+            return {Falloff(i), unit, std::cos(inner * kPi / 180), std::cos(outer * kPi / 180)};
+    throw py::value_error("falloff must be one of angle, quadratic, quartic, smooth, got " + falloff);
 }
 
 int add_image(SceneDescription& d, const FloatArray& pixels, bool nearest) {
@@ -72,13 +86,15 @@ void bind_description(py::module_& m) {
         "Vectors are three numbers, lengths are in scene units, light is in linear RGB.")
         .def(py::init<>())
         .def_readwrite("name", &SceneDescription::name, "Name that is shown with the scene.")
-        .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
-             py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
-             py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
-             py::arg("in_world") = true, py::arg("name") = "",
-             "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
-             "2),\n"
-             "emission in W/(m²·sr). Returns its index.")
+        .def(
+            "add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
+            py::arg("material") = 0, py::arg("normals") = py::none(), py::arg("uvs") = py::none(),
+            py::arg("emission") = Float3{0, 0, 0}, py::arg("emits_two_sided") = false,
+            py::arg("in_world") = true, py::arg("name") = "", py::arg("emission_texture") = -1,
+            "Add a triangle mesh: vertices (V, 3), triangles (T, 3) indices, normals (V, 3) unit, uvs (V, "
+            "2),\n"
+            "emission in W/(m²·sr), emission_texture the index of an image that multiplies it, -1 for none.\n"
+            "Returns its index.")
         .def(
             "add_material",
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
@@ -105,10 +121,19 @@ void bind_description(py::module_& m) {
             "its index.")
         .def(
             "add_point_light",
-            [](SceneDescription& d, Float3 position, Float3 intensity) {
-                d.point_lights.push_back({vec3(position), vec3(intensity)});
+            [](SceneDescription& d, Float3 position, Float3 intensity, const std::optional<Float3>& axis,
+               std::array<float, 2> cone_deg, const std::string& falloff) {
+                d.point_lights.push_back({vec3(position), vec3(intensity),
+                                          axis ? cone_from(*axis, cone_deg, falloff) : SpotCone{}});
             },
-            py::arg("position"), py::arg("intensity"), "Add a point light; intensity in W/sr.")
+            py::arg("position"), py::arg("intensity"), py::kw_only(), py::arg("axis") = py::none(),
+            py::arg("cone_deg") = std::array<float, 2>{30, 40}, py::arg("falloff") = "smooth",
+            "Add a point light; intensity in W/sr. With an `axis` it is a spot light: the whole intensity "
+            "within\n"
+            "the first angle of `cone_deg`, none beyond the second (in degrees from the axis). Between "
+            "them,\n"
+            "`falloff` is t (\"angle\", t linear in the angle), or t² (\"quadratic\"), t⁴ (\"quartic\") or\n"
+            "t²(3 - 2t) (\"smooth\") with t linear in the cosine.")
         .def(
             "add_point_lights",
             [](SceneDescription& d, const FloatArray& positions, const FloatArray& intensities) {

@@ -11,12 +11,12 @@ using Class = py::class_<SceneDescription>;
 py::list mesh_list(const SceneDescription& d) {
     py::list out;
     for (const Mesh& m : d.meshes)
-        out.append(py::dict(py::arg("name") = m.name, py::arg("n_vertices") = m.vertices.size(),
-                            py::arg("n_triangles") = m.triangles.size(), py::arg("material") = m.material,
-                            py::arg("emission") = array3(m.emission),
-                            py::arg("emits_two_sided") = m.emits_two_sided, py::arg("in_world") = m.in_world,
-                            py::arg("has_normals") = !m.normals.empty(),
-                            py::arg("has_uvs") = !m.uvs.empty()));
+        out.append(py::dict(
+            py::arg("name") = m.name, py::arg("n_vertices") = m.vertices.size(),
+            py::arg("n_triangles") = m.triangles.size(), py::arg("material") = m.material,
+            py::arg("emission") = array3(m.emission), py::arg("emission_texture") = m.emission_texture,
+            py::arg("emits_two_sided") = m.emits_two_sided, py::arg("in_world") = m.in_world,
+            py::arg("has_normals") = !m.normals.empty(), py::arg("has_uvs") = !m.uvs.empty()));
     return out;
 }
 

@@ -50,20 +50,38 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("alpha_cutoff") = m.alpha_cutoff);
 }
 
+/// Names of the falloffs of spot lights, in the order of `Falloff`.
+constexpr const char* kFalloffNames[] = {"none", "angle", "quadratic", "quartic", "smooth"};
+
+/// Makes the dict of a point light that of a spot light.
+inline void add_cone(py::dict& light, const SpotCone& cone) {
+    light["kind"] = "spot";
+    light["axis"] = array3(cone.axis);
+    light["cone_deg"] =
+        py::make_tuple(std::acos(cone.cos_inner) * 180 / kPi, std::acos(cone.cos_outer) * 180 / kPi);
+    light["falloff"] = kFalloffNames[size_t(cone.falloff)];
+}
+
 /// One dict per light with its kind and its values. Only the meshes in `meshes` are considered.
 inline py::list light_dicts(const SceneDescription& d, std::span<const Mesh> meshes) {
     py::list out;
-    for (const PointLight& l : d.point_lights)
-        out.append(py::dict(py::arg("kind") = "point", py::arg("position") = array3(l.position),
-                            py::arg("intensity") = array3(l.intensity)));
+    for (const PointLight& l : d.point_lights) {
+        py::dict light(py::arg("kind") = "point", py::arg("position") = array3(l.position),
+                       py::arg("intensity") = array3(l.intensity));
+        if (l.cone.falloff != Falloff::kNone) add_cone(light, l.cone);
+        out.append(light);
+    }
     for (const DirectionalLight& l : d.directional_lights)
         out.append(py::dict(py::arg("kind") = "directional", py::arg("direction") = array3(l.direction),
                             py::arg("irradiance") = array3(l.irradiance)));
     for (size_t i = 0; i < meshes.size(); ++i)
-        if (max_component(meshes[i].emission) > 0)
-            out.append(py::dict(py::arg("kind") = "area", py::arg("mesh") = i,
-                                py::arg("triangles") = meshes[i].triangles.size(),
-                                py::arg("radiance") = array3(meshes[i].emission)));
+        if (max_component(meshes[i].emission) > 0) {
+            py::dict light(py::arg("kind") = "area", py::arg("mesh") = i,
+                           py::arg("triangles") = meshes[i].triangles.size(),
+                           py::arg("radiance") = array3(meshes[i].emission));
+            if (meshes[i].emission_texture >= 0) light["image"] = meshes[i].emission_texture;
+            out.append(light);
+        }
     for (const SphereLight& l : d.sphere_lights)
         out.append(py::dict(py::arg("kind") = "sphere", py::arg("center") = array3(l.center),
                             py::arg("radius") = l.radius, py::arg("radiance") = array3(l.radiance)));

@@ -26,6 +26,7 @@ void bind_render_aligned(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_scene_info(py::module_& m);
+void bind_sky(py::module_& m);
 void bind_sources(py::module_& m);
 void bind_shadow_map(py::module_& m);
 void bind_taps(py::module_& m);
@@ -55,6 +56,7 @@ PYBIND11_MODULE(_core, m) {
     bind_loaders(m);
     bind_math(m);
     bind_sampling(m);
+    bind_sky(m);
     bind_scene(m);
     bind_scene_info(m);
     bind_triangles(m);

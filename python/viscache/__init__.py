@@ -24,7 +24,7 @@ from viscache.oracles.points import EyePoints, FarEnds
 from viscache.provenance import VERSION
 from viscache.query_record import record_queries
 from viscache.render import render
-from viscache.scene import Intersection, Scene, SceneError, load_scene
+from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
 from viscache.scene.cameras import look_at, orthographic
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
@@ -71,6 +71,7 @@ __all__ = [
     "SceneDescription",
     "SceneError",
     "ShadowMap",
+    "Sky",
     "Unoccluded",
     "VisMaps",
     "VisibilityField",

@@ -90,7 +90,7 @@ def render(
     camera : str, int or Camera, optional
         Name or index of one of the scene's cameras, or a camera of `vc.look_at`. The first by
         default. Without a camera, the whole scene is shown from a corner above.
-    env : path, float, (3,) or (H, W, 3), optional
+    env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
     keep : AqvcTable, optional
         For `Aqvc` with Direct or Whitted: a table whose bits this frame reuses and extends. The

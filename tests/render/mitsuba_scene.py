@@ -51,6 +51,8 @@ class Model:
 
     parts: tuple[Part, ...]
     points: tuple[tuple[Color, Color], ...] = ()  #: position, intensity
+    #: Position, intensity, axis, inner and outer angle; linear in the angle between them.
+    spots: tuple[tuple[Color, Color, Color, tuple[float, float]], ...] = ()
     directions: tuple[tuple[Color, Color], ...] = ()  #: towards the light, irradiance
     spheres: tuple[tuple[Color, float, Color], ...] = ()  #: center, radius, radiance
     env: Color | Array | None = None
@@ -83,6 +85,8 @@ class Model:
             )
         for position, intensity in self.points:
             d.add_point_light(position, intensity)
+        for position, intensity, axis, cone_deg in self.spots:
+            d.add_point_light(position, intensity, axis=axis, cone_deg=cone_deg, falloff="angle")
         for direction, irradiance in self.directions:
             d.add_directional_light(direction, irradiance)
         for center, radius, radiance in self.spheres:
@@ -111,6 +115,16 @@ class Model:
                 "type": "point",
                 "position": position,
                 "intensity": _rgb(intensity),
+            }
+        for i, (position, intensity, axis, cone_deg) in enumerate(self.spots):
+            up = (0, 0, 1) if abs(axis[2]) < 0.9 else (1, 0, 0)
+            at = np.add(position, axis).tolist()
+            scene[f"spot{i}"] = {
+                "type": "spot",
+                "to_world": mi.ScalarTransform4f().look_at(origin=position, target=at, up=up),
+                "intensity": _rgb(intensity),
+                "beam_width": cone_deg[0],
+                "cutoff_angle": cone_deg[1],
             }
         for i, (direction, irradiance) in enumerate(self.directions):
             scene[f"direction{i}"] = {

@@ -25,6 +25,7 @@ BLUE = quad((-1.2, 0.3, -2), (3, 0, 0), (0, 2, 0), look=Look(base_color=(0.2, 0.
 GLOBE = ball((0.7, 0.7, -0.2), 0.4, look=Look(base_color=(0.5, 0.8, 0.4)))
 LIGHTS: dict[str, dict[str, Any]] = {
     "point": {"points": (((0.3, 2.2, 1.0), (8, 8, 8)),)},
+    "spot": {"spots": (((0.6, 2.4, 1.0), (20, 18, 15), (-0.3, -1, -0.4), (15.0, 35.0)),)},
     "directional": {"directions": (((0.3, 0.8, 0.52), (3, 3, 3)),)},
     "area": {"parts": (quad((0, 2.5, 0), (1, 0, 0), (0, 0, 1), emission=(9, 8, 7)),)},
     "sphere": {"spheres": (((0.5, 2.5, 0.8), 0.25, (20, 20, 15)),)},

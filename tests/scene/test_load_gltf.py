@@ -191,6 +191,67 @@ def test_cameras_and_punctual_lights_stand_at_their_nodes(tmp_path):
     np.testing.assert_allclose(sun["direction"], [0, 1, 0], atol=1e-6)
 
 
+def with_lights(*lights):
+    """The lights at one node that is turned: it shines along +x."""
+    s = np.sqrt(0.5)
+    turned = {"translation": [1, 2, 3], "rotation": [0, -s, 0, s]}
+    names = [
+        turned | {"extensions": {"KHR_lights_punctual": {"light": i}}} for i in range(len(lights))
+    ]
+    return document(
+        nodes=[*names, {"mesh": 0}],
+        scenes=[{"nodes": list(range(len(lights) + 1))}],
+        extensionsUsed=["KHR_lights_punctual"],
+        extensions={"KHR_lights_punctual": {"lights": list(lights)}},
+    )
+
+
+def test_spot_lights_stand_at_their_nodes_with_their_cone(tmp_path):
+    angles = {"innerConeAngle": 0.2, "outerConeAngle": 0.5}
+    lights = [
+        {"type": "spot", "color": [1, 0.5, 0], "intensity": 4, "spot": angles},
+        {"type": "spot", "spot": {}},
+    ]
+    spot, default = load(tmp_path, with_lights(*lights), strict=True).lights
+    assert spot["kind"] == "spot" and spot["falloff"] == "quadratic"
+    assert spot["position"] == [1, 2, 3] and spot["intensity"] == [4, 2, 0]
+    np.testing.assert_allclose(spot["axis"], [1, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(spot["cone_deg"], np.degrees([0.2, 0.5]), rtol=1e-4)
+    np.testing.assert_allclose(default["cone_deg"], [0, 45], rtol=1e-4)
+
+
+def test_the_range_of_a_light_is_warned_of(tmp_path):
+    doc = with_lights({"type": "point", "range": 3})
+    assert any("range" in what for _, what in load(tmp_path, doc).warnings)
+    wrong = {"type": "spot", "spot": {"innerConeAngle": 0.7, "outerConeAngle": 0.5}}
+    with pytest.raises(core.SceneError, match="innerConeAngle <= outerConeAngle"):
+        load(tmp_path, with_lights(wrong))
+
+
+def test_an_emissive_image_multiplies_the_emission(tmp_path):
+    doc = with_material(emissiveFactor=[1, 0.5, 0.25], emissiveTexture={"index": 0})
+    doc["textures"] = [{"source": 0}]
+    doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0], [0, 255, 0]]])}]
+    scene = load(tmp_path, doc, strict=True)
+    assert scene.meshes[0]["emission"] == pytest.approx([1, 0.5, 0.25])
+    assert scene.images[scene.meshes[0]["emission_texture"]]["width"] == 2
+    assert scene.lights[0]["image"] == scene.meshes[0]["emission_texture"]
+
+
+def test_an_emissive_image_with_its_own_coordinates_is_a_mean(tmp_path):
+    doc = with_material(
+        emissiveFactor=[1, 1, 1],
+        emissiveTexture={"index": 0, "texCoord": 1},
+        pbrMetallicRoughness={"baseColorTexture": {"index": 0}},
+    )
+    doc["textures"] = [{"source": 0}]
+    doc["images"] = [{"uri": png(tmp_path, [[[255, 0, 0], [0, 255, 0]]])}]
+    scene = load(tmp_path, doc)
+    assert any("its mean is used" in what for _, what in scene.warnings)
+    assert scene.meshes[0]["emission_texture"] == -1
+    assert scene.meshes[0]["emission"] == pytest.approx([0.5, 0.5, 0])
+
+
 def test_a_glb_of_trimesh_is_read_as_trimesh_reads_it(tmp_path):
     shape = trimesh.creation.torus(1, 0.3)
     shape.apply_translation([1, 2, 3])

@@ -228,6 +228,26 @@ def test_lights_have_our_units_and_directions(tmp_path):
     assert constant["kind"] == "constant" and constant["scale"] == [0.5] * 3
 
 
+def test_spot_lights_have_the_angles_of_mitsuba(tmp_path):
+    place = '<transform name="to_world"><scale value="3"/><rotate y="1" angle="90"/><translate x="1" y="2" z="3"/></transform>'
+    angles = '<float name="cutoffAngle" value="40"/><float name="beamWidth" value="10"/>'
+    body = '<emitter type="spot">{}<rgb name="intensity" value="4 5 6"/></emitter>'
+    scene = load(tmp_path, body.format(place + angles) + body.format(""))
+    spot, default = scene.lights
+    assert spot["kind"] == "spot" and spot["falloff"] == "angle"
+    assert spot["intensity"] == [4, 5, 6]
+    np.testing.assert_allclose(spot["position"], (1, 2, 3), atol=1e-6)
+    np.testing.assert_allclose(spot["axis"], (1, 0, 0), atol=1e-6)
+    np.testing.assert_allclose(spot["cone_deg"], (10, 40), rtol=1e-4)
+    np.testing.assert_allclose(default["cone_deg"], (15, 20), rtol=1e-4)
+    with pytest.raises(
+        core.SceneError, match=r"scene.xml:2: the cutoff angle must be in \(0, 180\]"
+    ):
+        load(tmp_path, '<emitter type="spot"><float name="cutoff_angle" value="0"/></emitter>')
+    with pytest.raises(core.SceneError, match="the beam width must be in"):
+        load(tmp_path, '<emitter type="spot"><float name="beam_width" value="30"/></emitter>')
+
+
 def test_flipped_normals_turn_the_side_of_a_light(tmp_path):
     scene = load(
         tmp_path,
@@ -315,7 +335,12 @@ def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, d
 @pytest.mark.parametrize(
     ("body", "name"),
     [
-        ('<emitter type="sunsky"/>', "sunsky"),
+        ('<emitter type="timed_sunsky"/>', "timed_sunsky"),
+        ('<emitter type="projector"/>', "projector"),
+        (
+            '<emitter type="spot"><texture type="bitmap" name="texture"/></emitter>',
+            "texture of a spot light",
+        ),
         ('<shape type="heightfield"/>', "heightfield"),
         ('<shape type="cube"><bsdf type="hair"/></shape>', "hair"),
         ('<medium type="homogeneous"/>', "medium"),

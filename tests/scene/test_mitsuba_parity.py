@@ -77,6 +77,35 @@ def test_a_lamp_shines_to_the_side_of_mitsuba(
         assert agreement(np.multiply(ours, 0), theirs) < 0.5
 
 
+SPOT = """<emitter type="spot"><transform name="to_world"><scale value="2"/>
+<lookat origin="-2,4,1" target="0.5,0,0" up="0,1,0"/></transform>
+<rgb name="intensity" value="30,20,10"/>{angles}</emitter>"""
+BOX = """<shape type="cube"><transform name="to_world"><scale value="0.5"/>
+<translate x="0.3" y="0.5"/></transform></shape>"""
+
+
+@pytest.mark.parametrize(
+    "angles",
+    [
+        "",
+        '<float name="cutoff_angle" value="35"/>',
+        '<float name="cutoff_angle" value="30"/><float name="beam_width" value="5"/>',
+        '<float name="cutoff_angle" value="25"/><float name="beam_width" value="25"/>',
+    ],
+    ids=["default", "wide", "soft", "hard"],
+)
+def test_a_spot_light_shines_as_mitsubas(tmp_path: Path, angles: str) -> None:
+    path = write(tmp_path, BOX + SPOT.format(angles=angles))
+    ours, theirs = of_viscache(path), of_mitsuba(path)
+    assert not vc.load_scene(path).warnings
+    assert agreement(ours, theirs) >= 0.95
+    assert np.mean(ours) == pytest.approx(np.mean(theirs), rel=0.005)
+    # Power: 5 % more light, and a light without a cone, would be noticed
+    assert agreement(np.multiply(ours, 1.05), theirs) < 0.9
+    point = SPOT.format(angles="").replace("spot", "point")
+    assert agreement(of_viscache(write(tmp_path, BOX + point)), theirs) < 0.7
+
+
 @pytest.mark.parametrize("mirror", ["", MIRROR], ids=["plain", "mirrored"])
 @pytest.mark.parametrize("normals", [False, True], ids=["winding", "normals"])
 def test_a_mesh_shines_to_the_side_of_mitsuba(tmp_path: Path, normals: bool, mirror: str) -> None:

@@ -57,6 +57,7 @@ Connector::Joint Connector::with_light(const Emission& e, Vertices eye, const Pa
     j.direction = is_infinite(e.kind) ? -e.ray.d : d / std::sqrt(d2);
     float leaving = 1;  // cosine at the light divided by the squared distance
     if (!is_infinite(e.kind)) leaving /= d2;
+    if (e.kind == LightKind::kPoint) leaving *= spot_factor(e.cone, -j.direction);
     if (e.kind == LightKind::kTriangle || e.kind == LightKind::kSphere) {
         const float cosine = -dot(e.normal, j.direction);
         leaving *= e.two_sided ? std::fabs(cosine) : std::max(0.f, cosine);

@@ -54,7 +54,9 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         for (const PointLight& l : d.point_lights) places.push_back(l.position);
         for (const uint32_t i : morton_order(places)) {
             const PointLight& l = d.point_lights[i];
-            if (max_component(l.intensity) > 0) points.add(l.position, {}, l.position, l.intensity, 0);
+            if (!(max_component(l.intensity) > 0)) continue;
+            points.add(l.position, {}, l.position, l.intensity, 0);
+            points.set_cone(l.cone);
         }
         for (const DirectionalLight& l : d.directional_lights)
             if (max_component(l.irradiance) > 0)

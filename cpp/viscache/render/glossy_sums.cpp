@@ -39,12 +39,15 @@ VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const Lob
                            const Word* row) {
     alignas(64) float x[16], y[16], z[16], scale[16], r[16] = {}, g[16] = {}, b[16] = {};
     RgbBlock f;
+    const float* const cone = cone_row(s, eye.position);
     for (size_t w = 0; w < row_words_for(s.ends.count); ++w)
         for (size_t q = 0; q < kWordBits && row[w] >> q; q += 16) {
             const uint32_t mask = row[w] >> q & 0xffff;
             if (!mask) continue;
             const size_t k = w * kWordBits + q;
             aim<kSemantic>(s, eye.position, k, x, y, z, scale);
+            if (cone)
+                for (size_t i = 0; i < 16; ++i) scale[i] *= cone[k + i];
             glossy16(lobe, x, y, z, f);
             for (uint32_t i = 0; i < 16; ++i) {
                 // Columns whose bit is not set may hold any value

@@ -15,7 +15,8 @@ LightSampler::LightSampler(const Scene& scene) : scene_(scene) {
     };
     const double disk = M_PI * double(scene.radius()) * scene.radius();
     for (size_t i = 0; i < d.point_lights.size(); ++i)
-        add(LightKind::kPoint, i, 4 * M_PI * luminance(d.point_lights[i].intensity));
+        add(LightKind::kPoint, i,
+            spot_integral(d.point_lights[i].cone) * luminance(d.point_lights[i].intensity));
     for (size_t i = 0; i < d.directional_lights.size(); ++i)
         add(LightKind::kDirectional, i, disk * luminance(d.directional_lights[i].irradiance));
     const AreaLights& area = scene.area_lights();
@@ -84,12 +85,15 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     switch (entry.kind) {
         case LightKind::kPoint: {
             const PointLight& l = d.point_lights[entry.index];
-            return {.ray = {l.position, 0, square_to_uniform_sphere(rng.next2()), kInfinity},
-                    .flux = l.intensity * (4 * kPi),
+            const Vec3 away = sample_spot(l.cone, rng.next2());
+            const double pdf = pdf_spot(l.cone);
+            return {.ray = {l.position, 0, away, kInfinity},
+                    .flux = l.intensity * (spot_factor(l.cone, away) / float(pdf)),
                     .kind = entry.kind,
                     .point = l.position,
                     .radiance = l.intensity,
-                    .pdf_ray = 0.25 / M_PI};
+                    .cone = l.cone,
+                    .pdf_ray = pdf};
         }
         case LightKind::kDirectional: {
             const DirectionalLight& l = d.directional_lights[entry.index];
@@ -103,7 +107,7 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
             const Vec2 b = square_to_triangle(rng.next2());
             const bool back = t.two_sided && rng.next() < 0.5f;
             return from_surface(t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y, back ? -t.normal : t.normal,
-                                t.radiance, t.area, t.two_sided);
+                                area.radiance_at(entry.index, b), t.area, t.two_sided);
         }
         case LightKind::kSphere: {
             const SphereLight& s = area.spheres[entry.index];
@@ -134,7 +138,7 @@ std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float
         if (behind && !t.two_sided) return std::nullopt;
         const Vec3 n = behind ? -t.normal : t.normal;
         const float pdf = float(pick.pmf) / t.area;
-        return AreaSample{p, n, spawn(p, n, extent), t.radiance, pdf, pdf};
+        return AreaSample{p, n, spawn(p, n, extent), lights.radiance_at(pick.index, b), pdf, pdf};
     }
     const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
     const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);

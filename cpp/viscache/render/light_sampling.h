@@ -23,6 +23,7 @@ struct Emission {
     Vec3 normal{};           ///< for area lights, on the side of the ray; otherwise zero
     bool two_sided = false;  ///< an area light that shines from both sides
     Rgb radiance{};          ///< emitted radiance, intensity (point) or irradiance (directional)
+    SpotCone cone{};         ///< for point lights
     double pdf_point = 1;  ///< density of the point per m², or of the direction per sr (environment), choice
                            ///< of the light included
     double pdf_ray = 1;    ///< conditional density of the ray: per sr, or per m² across parallel rays
@@ -35,7 +36,7 @@ public:
     bool empty() const { return choice_.size() == 0; }
     std::optional<Emission> emit(Rng& rng) const;
 
-    /// `Emission::pdf_point` of a point with this radiance.
+    /// `Emission::pdf_point` of a point on a triangle with this mean radiance.
     double pdf_point(Rgb radiance, bool two_sided) const;
     /// `Emission::pdf_point` of the environment in the direction wi.
     double pdf_environment(Vec3 wi) const;

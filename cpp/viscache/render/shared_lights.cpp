@@ -42,23 +42,39 @@ inline Word sign_bits(I m) { return Word(_mm512_movepi32_mask((__m512i)m)); }
 namespace {
 
 template <class Columns>
-Columns columns_of(const SharedLights& s) {
+Columns columns_of(const SharedLights& s, const EyeShade& eye) {
     const FarEnds& e = s.ends;
-    return {e.x.data(),  e.y.data(), e.z.data(), e.nx.data(), e.ny.data(),
-            e.nz.data(), s.r.data(), s.g.data(), s.b.data(),  words_for(e.count) * kWordBits,
-            s.bound2};
+    return {e.x.data(),  e.y.data(),
+            e.z.data(),  e.nx.data(),
+            e.ny.data(), e.nz.data(),
+            s.r.data(),  s.g.data(),
+            s.b.data(),  words_for(e.count) * kWordBits,
+            s.bound2,    cone_row(s, eye.position)};
 }
 
 }  // namespace
+
+const float* cone_row(const SharedLights& s, Vec3 position) {
+    if (s.cones.empty()) return nullptr;
+    thread_local std::vector<float> row;
+    row.assign(s.ends.x.size(), 1.f);
+    for (size_t k = 0; k < s.cones.size(); ++k)
+        if (s.cones[k].falloff != Falloff::kNone)
+            row[k] =
+                spot_factor(s.cones[k], normalize(position - Vec3{s.ends.x[k], s.ends.y[k], s.ends.z[k]}));
+    return row.data();
+}
 
 uint64_t wanted_row(const SharedLights& s, const EyeShade& eye, Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
-        case Isa::kAvx2: return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
+            return avx512::wanted_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
+        case Isa::kAvx2:
+            return avx2::wanted_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
 #endif
-        default: return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);
+        default:
+            return portable::wanted_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
     }
 }
 
@@ -68,25 +84,26 @@ void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const fl
     switch (active_isa()) {
 #if VISCACHE_X86
         case Isa::kAvx512:
-            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, shares, rows,
-                                       scratch.data());
+            return avx512::at_most_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, shares,
+                                       rows, scratch.data());
         case Isa::kAvx2:
-            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, shares, rows,
+            return avx2::at_most_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, shares, rows,
                                      scratch.data());
 #endif
         default:
-            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, shares, rows,
-                                         scratch.data());
+            return portable::at_most_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, shares,
+                                         rows, scratch.data());
     }
 }
 
 Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86
-        case Isa::kAvx512: return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s), eye, row);
-        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s), eye, row);
+        case Isa::kAvx512:
+            return avx512::sum_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row);
+        case Isa::kAvx2: return avx2::sum_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row);
 #endif
-        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s), eye, row);
+        default: return portable::sum_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye, row);
     }
 }
 
@@ -108,7 +125,14 @@ void SharedLights::add(Vec3 p, Vec3 n, Vec3 end, Rgb value, float density) {
     ++e.count;
 }
 
+void SharedLights::set_cone(const SpotCone& cone) {
+    if (cone.falloff == Falloff::kNone) return;
+    cones.resize(ends.count);
+    cones.back() = cone;
+}
+
 void SharedLights::pad() {
+    if (!cones.empty()) cones.resize(ends.count);
     const size_t padded = row_words_for(ends.count) * kWordBits;
     for (auto* v : {&ends.x, &ends.y, &ends.z, &ends.nx, &ends.ny, &ends.nz, &ends.tx, &ends.ty, &ends.tz,
                     &ends.density, &r, &g, &b})

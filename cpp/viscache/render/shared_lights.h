@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "viscache/scene/bsdf.h"
+#include "viscache/scene/spot_cone.h"
 #include "viscache/visibility/counters.h"
 #include "viscache/visibility/oracle.h"
 
@@ -15,12 +16,15 @@ namespace viscache {
 struct SharedLights {
     FarEnds ends;
     std::vector<float> r, g,
-        b;             ///< intensity, irradiance or reflected flux density; padded with zeros
-    float bound2 = 0;  ///< for VPLs: added to d² in the geometry term; 0 = unbounded
+        b;                        ///< intensity, irradiance or reflected flux density; padded with zeros
+    std::vector<SpotCone> cones;  ///< of points, one per column; empty without a spot light
+    float bound2 = 0;             ///< for VPLs: added to d² in the geometry term; 0 = unbounded
     bool empty() const { return ends.count == 0; }
 
     /// Adds a column. Shadow rays stop at `end`; `value` is the RGB factor of the contributions.
     void add(Vec3 position, Vec3 normal, Vec3 end, Rgb value, float density);
+    /// Gives the last column a cone.
+    void set_cone(const SpotCone& cone);
     /// Pads all arrays to whole rows. Call it once after the last `add`.
     void pad();
 };
@@ -30,9 +34,13 @@ struct EyeShade {
     Vec3 position, ng, ns;
 };
 
-/// Unoccluded geometry factor g of every column: cosθ/d² (point), cosθ (direction), cosθ·cosθ'/(d² + bound²)
-/// (VPL). Sets the bits of `row` where 0 < g < ∞. Returns the number of columns with g = ∞, which are dropped
-/// and counted as non-finite.
+/// Factors of the columns' cones towards `position`, padded; nullptr if no column has a cone. The row is
+/// valid until the next call on this thread.
+const float* cone_row(const SharedLights& lights, Vec3 position);
+
+/// Unoccluded geometry factor g of every column: cosθ/d² times the cone's factor (point), cosθ (direction),
+/// cosθ·cosθ'/(d² + bound²) (VPL). Sets the bits of `row` where 0 < g < ∞. Returns the number of columns with
+/// g = ∞, which are dropped and counted as non-finite.
 uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
 
 /// Sets in row i the bits of the columns whose unoccluded contribution g·(r + g + b) is at most shares[i]

@@ -196,9 +196,9 @@ void SubpathTracer::hit_light(const Walker& w, const Hit& hit, const SurfacePoin
     // Sphere lights are traced as meshes and sampled as spheres. Hits by chance count only where no other
     // strategy finds the light
     const bool sphere = c_.scene.sphere_light_of(hit.mesh) >= 0;
-    add_emitted(w, emitter, c_.lights.pdf_point(s.emission, s.emits_two_sided),
-                to_area(emitted, emitter, before), s.emission, out, light, counters,
-                {c_.to_camera(), !sphere});
+    add_emitted(
+        w, emitter, c_.lights.pdf_point(c_.scene.mean_emission(hit.mesh, hit.triangle), s.emits_two_sided),
+        to_area(emitted, emitter, before), s.emission, out, light, counters, {c_.to_camera(), !sphere});
 }
 
 /// Adds the light of an emitter that the eye path has hit.

@@ -25,7 +25,7 @@ std::string text(Vec3 p) {
     return s.str();
 }
 
-void check_mesh(const Mesh& m, size_t index, size_t materials) {
+void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
     const std::string name = "mesh " + std::to_string(index) + (m.name.empty() ? "" : " '" + m.name + "'");
     if (m.vertices.size() >= (size_t{1} << 32))
         fail(name, ": at most 2^32 - 1 vertices, got ", m.vertices.size());
@@ -48,6 +48,8 @@ void check_mesh(const Mesh& m, size_t index, size_t materials) {
     if (m.material < 0 || size_t(m.material) >= materials)
         fail(name, ": material must be in [0, ", materials, "), got ", m.material);
     if (!usable_color(m.emission)) fail(name, ": emission must be finite and >= 0, got ", text(m.emission));
+    if (m.emission_texture < -1 || m.emission_texture >= int(images))
+        fail(name, ": emission_texture must be -1 or in [0, ", images, "), got ", m.emission_texture);
 }
 
 void check_material(const Material& m, size_t index, size_t images) {
@@ -62,12 +64,23 @@ void check_material(const Material& m, size_t index, size_t images) {
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }
 
+void check_cone(const SpotCone& c, size_t light) {
+    if (c.falloff == Falloff::kNone) return;
+    if (!(std::fabs(length(c.axis) - 1) < 1e-3f))
+        fail("point light ", light, ": the axis of its cone must not be zero or non-finite, got ",
+             text(c.axis));
+    if (!(c.cos_outer >= -1 && c.cos_outer < 1 && c.cos_inner >= c.cos_outer && c.cos_inner <= 1))
+        fail("point light ", light, ": its cone must have -1 <= cos_outer <= cos_inner <= 1, cos_outer < 1,",
+             " got ", c.cos_outer, " and ", c.cos_inner);
+}
+
 void check_lights(const SceneDescription& d) {
     for (size_t i = 0; i < d.point_lights.size(); ++i) {
         const PointLight& l = d.point_lights[i];
         if (!usable(l.position)) fail("point light ", i, ": position must be finite, got ", text(l.position));
         if (!usable_color(l.intensity))
             fail("point light ", i, ": intensity must be finite and >= 0, got ", text(l.intensity));
+        check_cone(l.cone, i);
     }
     for (size_t i = 0; i < d.directional_lights.size(); ++i) {
         const DirectionalLight& l = d.directional_lights[i];
@@ -98,7 +111,8 @@ void check_description(const SceneDescription& d) {
             if (!std::isfinite(v)) fail("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
     }
     for (size_t i = 0; i < d.materials.size(); ++i) check_material(d.materials[i], i, d.images.size());
-    for (size_t i = 0; i < d.meshes.size(); ++i) check_mesh(d.meshes[i], i, d.materials.size());
+    for (size_t i = 0; i < d.meshes.size(); ++i)
+        check_mesh(d.meshes[i], i, d.materials.size(), d.images.size());
     for (size_t i = 0; i < d.instances.size(); ++i) {
         for (int mesh : d.instances[i].meshes)
             if (mesh < 0 || size_t(mesh) >= d.meshes.size())

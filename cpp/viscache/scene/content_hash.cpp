@@ -54,6 +54,7 @@ std::string content_hash(const SceneDescription& d) {
         h.array(m.uvs);
         h.word(uint64_t(m.material) << 2 | uint64_t(m.emits_two_sided) << 1 | uint64_t(m.in_world));
         h.vec(m.emission);
+        if (m.emission_texture >= 0) h.word(uint64_t(m.emission_texture) << 8 | 5);
     }
     h.word(d.instances.size());
     for (const Instance& i : d.instances) {
@@ -74,6 +75,10 @@ std::string content_hash(const SceneDescription& d) {
         h.word(1);
         h.vec(l.position);
         h.vec(l.intensity);
+        if (l.cone.falloff == Falloff::kNone) continue;
+        h.word(uint64_t(l.cone.falloff));
+        h.vec(l.cone.axis);
+        h.floats({l.cone.cos_inner, l.cone.cos_outer});
     }
     for (const DirectionalLight& l : d.directional_lights) {
         h.word(2);

@@ -8,6 +8,7 @@
 #include "viscache/math/affine.h"
 #include "viscache/scene/camera.h"
 #include "viscache/scene/material.h"
+#include "viscache/scene/spot_cone.h"
 
 namespace viscache {
 
@@ -23,7 +24,8 @@ struct Mesh {
     std::vector<Vec3> normals;  ///< shading normals per vertex; empty: the geometric normal
     std::vector<Vec2> uvs;      ///< per vertex; empty: (0, 0). v grows upwards: row 0 of an image is v = 1
     int material = 0;
-    Rgb emission{};  ///< radiance of an area light; zero: not a light
+    Rgb emission{};             ///< radiance of an area light; zero: not a light
+    int emission_texture = -1;  ///< image that multiplies `emission`; -1: none
     bool emits_two_sided = false;
     bool in_world = true;  ///< false: visible only through instances
 };
@@ -36,7 +38,8 @@ struct Instance {
 
 struct PointLight {
     Vec3 position;
-    Rgb intensity;  ///< W/sr
+    Rgb intensity;  ///< W/sr; of a spot light: along its axis
+    SpotCone cone{};
 };
 
 struct DirectionalLight {

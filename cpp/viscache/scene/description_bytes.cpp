@@ -13,8 +13,8 @@ constexpr uint64_t kTag = 0x3245435343564cull;  // changes with the fields below
 /// The fields of each type, in one order for both directions.
 template <class Archive>
 void fields(Archive& a, Mesh& m) {
-    a(m.name, m.vertices, m.triangles, m.normals, m.uvs, m.material, m.emission, m.emits_two_sided,
-      m.in_world);
+    a(m.name, m.vertices, m.triangles, m.normals, m.uvs, m.material, m.emission, m.emission_texture,
+      m.emits_two_sided, m.in_world);
 }
 template <class Archive>
 void fields(Archive& a, Instance& i) {

@@ -181,14 +181,20 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
     return m;
 }
 
-Rgb GltfReader::emission(const tinygltf::Material& in, const std::string& where) {
-    Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
-    e = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
-    if (max_component(e) > 0 && in.emissiveTexture.index >= 0) {
-        loading_.warn(where, "an emissive image is not modelled; its mean is used");
-        if (const auto image = decoded(in.emissiveTexture.index, true, where)) e = e * mean_of(*image).color;
+/// Needs the texture coordinates of the look.
+void GltfReader::emission(Look& look, const tinygltf::Material& in, const std::string& where) {
+    const Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
+    look.emission = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
+    if (!(max_component(look.emission) > 0) || in.emissiveTexture.index < 0) return;
+    if (in.pbrMetallicRoughness.baseColorTexture.index < 0) look.texcoord = in.emissiveTexture.texCoord;
+    if (in.emissiveTexture.texCoord == look.texcoord) {
+        look.emission_texture = add_texture(in.emissiveTexture.index, where);
+        return;
     }
-    return e;
+    loading_.warn(where,
+                  "an emissive image with texture coordinates of its own is not modelled; its mean is used");
+    if (const auto image = decoded(in.emissiveTexture.index, true, where))
+        look.emission = look.emission * mean_of(*image).color;
 }
 
 const GltfReader::Look& GltfReader::look(int index) {
@@ -200,11 +206,11 @@ const GltfReader::Look& GltfReader::look(int index) {
     const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
     Look& look = found->second;
     look.material = loading_.add_material(surface(in, where));
-    look.emission = emission(in, where);
     look.two_sided = in.doubleSided;
     look.texcoord = in.pbrMetallicRoughness.baseColorTexture.index >= 0
                         ? in.pbrMetallicRoughness.baseColorTexture.texCoord
                         : 0;
+    emission(look, in, where);
     return look;
 }
 

@@ -137,6 +137,7 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
     add_triangles(mesh, known, where);
     mesh.material = seen.material;
     mesh.emission = seen.emission;
+    mesh.emission_texture = seen.emission_texture;
     mesh.emits_two_sided = seen.two_sided;
     check_mesh(mesh, where);
     return mesh;

@@ -18,6 +18,7 @@ private:
     struct Look {
         int material = -1;
         Rgb emission{};
+        int emission_texture = -1;
         bool two_sided = false;
         int texcoord = 0;  ///< index of the texture coordinate set
     };
@@ -56,7 +57,7 @@ private:
     const Look& look(int material);
     viscache::Material surface(const tinygltf::Material& in, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
-    Rgb emission(const tinygltf::Material& in, const std::string& where);
+    void emission(Look& look, const tinygltf::Material& in, const std::string& where);
     Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
     double extension_number(const tinygltf::Material& in, const char* extension, const char* name,
                             double fallback);

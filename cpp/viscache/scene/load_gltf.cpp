@@ -183,9 +183,20 @@ void GltfReader::add_light(const tinygltf::Node& node, const Affine& t, const st
     const Rgb color = in.color.size() == 3
                           ? Rgb{float(in.color[0]), float(in.color[1]), float(in.color[2])} * i
                           : Rgb{i, i, i};
-    // Candela and lux are taken as W/sr and W/m².
+    if (in.range > 0)
+        loading_.warn(where,
+                      "the range of a light is not modelled; its light falls off with the distance alone");
+    // One candela is taken as 1 W/sr, one lux as 1 W/m², as one nit of an emissive material is 1 W/(m²·sr).
     if (in.type == "point") {
         loading_.scene.point_lights.push_back({t.point({0, 0, 0}), color});
+    } else if (in.type == "spot") {
+        const double inner = in.spot.innerConeAngle, outer = in.spot.outerConeAngle;
+        if (!(inner >= 0 && inner <= outer && outer > 0 && outer <= M_PI))
+            fail(where, "a spot light needs 0 <= innerConeAngle <= outerConeAngle");
+        const Vec3 axis = normalize(t.vector({0, 0, -1}));
+        if (length2(axis) == 0) fail(where, "the transform of a spot light must not be singular");
+        const SpotCone cone{Falloff::kQuadratic, axis, float(std::cos(inner)), float(std::cos(outer))};
+        loading_.scene.point_lights.push_back({t.point({0, 0, 0}), color, cone});
     } else if (in.type == "directional") {
         loading_.scene.directional_lights.push_back({normalize(t.vector({0, 0, 1})), color});
     } else {

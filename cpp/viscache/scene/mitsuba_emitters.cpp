@@ -9,8 +9,9 @@ constexpr Rgb kWhite{1, 1, 1};
 
 }  // namespace
 
-Rgb MitsubaReader::area_emission(Node shape) {
-    Rgb sum{};
+/// Radiance of the shape's area lights. One of them may have an image.
+ColorTexture MitsubaReader::area_emission(Node shape) {
+    ColorTexture sum{{0, 0, 0}};
     for (Node child : shape.children()) {
         std::string_view tag = child.name();
         if (tag == "ref") {
@@ -22,7 +23,13 @@ Rgb MitsubaReader::area_emission(Node shape) {
             warn_at(child, "emitter '" + type + "' on a shape is not modelled; skipped");
             continue;
         }
-        sum += max({0, 0, 0}, color(child, "radiance", kWhite));
+        const ColorTexture radiance = color_texture(child, "radiance", kWhite);
+        if (sum.image >= 0 || (radiance.image >= 0 && max_component(sum.color) > 0)) {
+            warn_at(child, "a second area light on a shape is not modelled beside an image; skipped");
+            continue;
+        }
+        sum.color += max({0, 0, 0}, radiance.color);
+        sum.image = radiance.image;
     }
     return sum;
 }
@@ -36,6 +43,20 @@ void MitsubaReader::envmap(Node node) {
     loading_.set_environment(env, where(node));
 }
 
+void MitsubaReader::spot(Node node) {
+    const Affine t = transform(node);
+    const double outer = number(node, "cutoff_angle", 20), inner = number(node, "beam_width", outer * 3 / 4);
+    const Vec3 axis = normalize(t.vector({0, 0, 1}));
+    if (!(outer > 0 && outer <= 180)) fail_at(node, "the cutoff angle must be in (0, 180] degrees");
+    if (!(inner >= 0 && inner <= outer)) fail_at(node, "the beam width must be in [0, cutoff angle]");
+    if (length2(axis) == 0) fail_at(node, "the transform of a spot light must not be singular");
+    if (property(node, "texture")) warn_at(node, "the texture of a spot light is not modelled; ignored");
+    loading_.scene.point_lights.push_back(
+        {t.point({0, 0, 0}),
+         color(node, "intensity", kWhite),
+         {Falloff::kAngle, axis, std::cos(float(inner) * kDegree), std::cos(float(outer) * kDegree)}});
+}
+
 void MitsubaReader::emitter(Node node) {
     const std::string type = type_of(node);
     if (type == "point") {
@@ -44,6 +65,8 @@ void MitsubaReader::emitter(Node node) {
         light.intensity = color(node, "intensity", kWhite);
         if (property(node, "power")) light.intensity = color(node, "power", kWhite) / (4 * kPi);
         loading_.scene.point_lights.push_back(light);
+    } else if (type == "spot") {
+        spot(node);
     } else if (type == "directional") {
         const Vec3 travels = vector(node, "direction").value_or(transform(node).vector({0, 0, 1}));
         if (length2(travels) == 0) fail_at(node, "the direction must not be zero");
@@ -52,6 +75,8 @@ void MitsubaReader::emitter(Node node) {
         Environment env;
         env.scale = color(node, "radiance", kWhite);
         loading_.set_environment(env, where(node));
+    } else if (type == "sunsky" || type == "sky" || type == "sun") {
+        sky(node, type);
     } else if (type == "envmap") {
         envmap(node);
     } else {

@@ -106,9 +106,14 @@ private:
     const std::vector<int>& group_meshes(Node node);
 
     // mitsuba_emitters.cpp
-    Rgb area_emission(Node shape);
+    ColorTexture area_emission(Node shape);
     void emitter(Node node);
     void envmap(Node node);
+    void spot(Node node);
+
+    // mitsuba_sky.cpp
+    void sky(Node node, const std::string& type);
+    Vec3 sky_to_sun(Node node, const Affine& to_world, bool z_is_up);
 
     // mitsuba_sensor.cpp
     void sensor(Node node);

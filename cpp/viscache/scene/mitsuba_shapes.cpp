@@ -93,15 +93,19 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
 void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     const std::string type = type_of(node);
     const int material = material_of(node);
-    Rgb emission = area_emission(node);
-    if (group && max_component(emission) > 0) {
+    ColorTexture emission = area_emission(node);
+    if (group && max_component(emission.color) > 0) {
         warn_at(node, "emission inside a shapegroup is not modelled; skipped");
-        emission = {};
+        emission = {{0, 0, 0}};
     }
     for (const Node child : node.children())
         if (std::string_view(child.name()) == "medium") warn_at(child, "media are not modelled; skipped");
     if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
-    if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
+    if (type == "sphere") {
+        if (emission.image >= 0)
+            warn_at(node, "an image for the radiance of a sphere is not modelled; white is used");
+        return sphere(node, emission.color, material, group != nullptr, group);
+    }
     auto mesh = shape_mesh(node, type);
     if (!mesh) return;
     transform_uvs(*mesh, material_uv_[material]);
@@ -120,7 +124,10 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
     if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;
     mesh->material = material;
-    mesh->emission = emission;
+    if (emission.image >= 0 && mesh->uvs.empty())
+        warn_at(node, "the shape has no texture coordinates; one texel of its image is its radiance");
+    mesh->emission = emission.color;
+    mesh->emission_texture = emission.image;
     mesh->in_world = group == nullptr;
     const int index = loading_.add_mesh(std::move(*mesh), where(node));
     if (group) group->push_back(index);

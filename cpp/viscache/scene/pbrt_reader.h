@@ -104,6 +104,7 @@ private:
     int shape_material(const PbrtParams& params, const std::string& where);
     void orient(Mesh& mesh);
     void light(const std::string& where);
+    void spot_light(const PbrtParams& params, const std::string& where);
     void infinite_light(const PbrtParams& params, const std::string& where);
     void area_light(const std::string& where);
 

@@ -218,6 +218,20 @@ void PbrtReader::infinite_light(const PbrtParams& params, const std::string& whe
     loading_.set_environment(env, where);
 }
 
+void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) {
+    const Vec3 from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
+    const Vec3 axis = normalize(now_.ctm.vector(to - from));
+    const double outer = params.number("coneangle", 30),
+                 inner = std::max(0.0, outer - params.number("conedeltaangle", 5));
+    if (length2(axis) == 0) fail(where, "a spot light needs two different points");
+    if (!(outer > 0 && outer <= 180 && inner <= outer))
+        fail(where, "a spot light needs 0 < coneangle <= 180 and conedeltaangle >= 0");
+    const SpotCone cone{Falloff::kQuartic, axis, float(std::cos(inner * M_PI / 180)),
+                        float(std::cos(outer * M_PI / 180))};
+    loading_.scene.point_lights.push_back(
+        {now_.ctm.point(from), color(params, "I", kOne) * color(params, "scale", kOne), cone});
+}
+
 void PbrtReader::light(const std::string& where) {
     const std::string type = name_argument();
     const PbrtParams params = params_of("light");
@@ -227,6 +241,8 @@ void PbrtReader::light(const std::string& where) {
         loading_.scene.point_lights.push_back(
             {position, color(params, "I", kOne) * color(params, "scale", kOne) *
                            float(power > 0 ? power / (4 * kPi) : 1)});
+    } else if (type == "spot") {
+        spot_light(params, where);
     } else if (type == "distant") {
         const Vec3 towards = now_.ctm.vector(params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1}));
         if (length2(towards) == 0) fail(where, "a distant light needs two different points");

@@ -8,6 +8,7 @@ namespace viscache {
 
 namespace {
 
+constexpr size_t kEmissionSamples = size_t{1} << 25;  // of a mesh, for means of its emissive image
 constexpr int kSphereRings = 24;  // tessellation of a sphere light: 2·24·48 triangles, inscribed
 
 /// Inscribed tessellation: a segment from outside to a point of the analytic sphere does not cross it.
@@ -98,11 +99,39 @@ void Scene::warn_of_size() {
     if (std::none_of(d_.warnings.begin(), d_.warnings.end(), same)) d_.warnings.push_back({"", s.str()});
 }
 
+EmissiveImage Scene::emissive_image(const Mesh& mesh, Vec3u t) const {
+    EmissiveImage picture;
+    if (mesh.emission_texture < 0) return picture;
+    picture.image = &d_.images[size_t(mesh.emission_texture)];
+    picture.scale = mesh.emission;
+    if (!mesh.uvs.empty())
+        for (int k = 0; k < 3; ++k) picture.uv[k] = mesh.uvs[k == 0 ? t.x : k == 1 ? t.y : t.z];
+    return picture;
+}
+
+/// Mean radiance of every triangle whose emission has an image.
+void Scene::average_emission() {
+    const auto has_image = [](const Mesh& m) { return m.emission_texture >= 0; };
+    if (std::none_of(d_.meshes.begin(), d_.meshes.end(), has_image)) return;
+    // Sphere lights follow as meshes without images
+    emission_means_.resize(d_.meshes.size() + d_.sphere_lights.size());
+    for (size_t i = 0; i < d_.meshes.size(); ++i) {
+        const Mesh& mesh = d_.meshes[i];
+        if (!has_image(mesh)) continue;
+        const size_t samples = kEmissionSamples / std::max<size_t>(1, mesh.triangles.size());
+        for (Vec3u t : mesh.triangles)
+            emission_means_[i].push_back(mean_radiance(emissive_image(mesh, t), samples));
+    }
+}
+
 void Scene::build_lights(int threads) {
     std::vector<double> power;
-    auto add = [&](const Mesh& mesh, const Affine* to_world) {
+    average_emission();
+    auto add = [&](size_t index, const Affine* to_world) {
+        const Mesh& mesh = d_.meshes[index];
         if (!(max_component(mesh.emission) > 0)) return;
-        for (Vec3u t : mesh.triangles) {
+        for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const Vec3u t = mesh.triangles[i];
             Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
             if (to_world)
                 for (Vec3& q : p) q = to_world->point(q);
@@ -110,15 +139,18 @@ void Scene::build_lights(int threads) {
             if (to_world && to_world->determinant() < 0) n = -n;
             const float area = 0.5f * length(n);
             if (!(area > 0) || !std::isfinite(area)) continue;  // degenerate triangles emit nothing
+            const Rgb radiance = mean_emission(uint32_t(index), uint32_t(i));
+            if (!(max_component(radiance) > 0)) continue;
             area_lights_.triangles.push_back(
-                {p[0], p[1], p[2], normalize(n), mesh.emission, area, mesh.emits_two_sided});
-            power.push_back(double(area) * luminance(mesh.emission) * (mesh.emits_two_sided ? 2 : 1));
+                {p[0], p[1], p[2], normalize(n), radiance, area, mesh.emits_two_sided});
+            if (!emission_means_.empty()) area_lights_.images.push_back(emissive_image(mesh, t));
+            power.push_back(double(area) * luminance(radiance) * (mesh.emits_two_sided ? 2 : 1));
         }
     };
-    for (const Mesh& mesh : d_.meshes)
-        if (mesh.in_world) add(mesh, nullptr);
+    for (size_t i = 0; i < d_.meshes.size(); ++i)
+        if (d_.meshes[i].in_world) add(i, nullptr);
     for (const Instance& instance : d_.instances)
-        for (int index : instance.meshes) add(d_.meshes[size_t(index)], &instance.to_world);
+        for (int index : instance.meshes) add(size_t(index), &instance.to_world);
     for (const SphereLight& light : d_.sphere_lights) {
         if (!(max_component(light.radiance) > 0)) continue;
         area_lights_.spheres.push_back(light);
@@ -186,6 +218,8 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     if (material.base_texture >= 0)
         s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
     s.emission = mesh.emission;
+    if (mesh.emission_texture >= 0)
+        s.emission = s.emission * sample_image(d_.images[size_t(mesh.emission_texture)], s.uv).rgb;
     s.emits_two_sided = mesh.emits_two_sided;
     return s;
 }

@@ -46,6 +46,11 @@ public:
 
     /// Surface at the barycentric coordinates (u, v) of a triangle; instance < 0 for meshes of the world.
     SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v) const;
+    /// Mean radiance that a triangle of a mesh emits.
+    Rgb mean_emission(uint32_t mesh, uint32_t triangle) const {
+        return emission_means_.empty() || emission_means_[mesh].empty() ? d_.meshes[mesh].emission
+                                                                        : emission_means_[mesh][triangle];
+    }
     /// False where the material's alpha cuts a hole.
     bool solid_at(uint32_t mesh, uint32_t triangle, float u, float v) const;
     bool has_cutout(uint32_t mesh) const;
@@ -53,6 +58,8 @@ public:
 private:
     Scene() = default;
     void build_lights(int threads);
+    void average_emission();
+    EmissiveImage emissive_image(const Mesh& mesh, Vec3u triangle) const;
     void warn_of_size();
     void add_sphere_light_meshes();
     void measure();
@@ -63,6 +70,7 @@ private:
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
     AreaLights area_lights_;
+    std::vector<std::vector<Rgb>> emission_means_;  ///< of meshes whose emission has an image; else empty
     std::unique_ptr<EnvironmentMap> environment_;
 };
 

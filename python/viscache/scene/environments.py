@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from viscache import _core
 from viscache._core import SceneDescription, SceneError
+from viscache.scene.sky import Sky
 
 
 def read_exr(path: str | os.PathLike[str]) -> npt.NDArray[np.float32]:
@@ -62,14 +63,18 @@ def decode_images(description: SceneDescription, *, strict: bool) -> None:
 
 
 def apply_environment(description: SceneDescription, env: Any) -> None:
-    """Replace the environment by an image (path or (H, W, 3) array) or by constant radiance."""
+    """Replace the environment by a sky, an image (path or (H, W, 3) array) or constant radiance."""
+    if isinstance(env, Sky):
+        env.add_to(description)
+        return
     if isinstance(env, str | os.PathLike):
         pixels = read_image(env)
     else:
         try:
             pixels = np.asarray(env, dtype=np.float32)
         except (TypeError, ValueError):
-            raise ValueError(f"env must be a path, a number or pixels, got {env!r}") from None
+            what = "env must be a Sky, a path, a number or pixels"
+            raise ValueError(f"{what}, got {env!r}") from None
     if pixels.ndim == 3:
         description.set_environment((1.0, 1.0, 1.0), image=description.add_image(pixels))
         return

@@ -37,7 +37,7 @@ def load_scene(
     missing : {"error", "skip"}
         What happens where a Mitsuba or pbrt scene names a mesh file that is not there: an error, or
         the shape is left out with a warning.
-    env : path, float, (3,) or (H, W, 3), optional
+    env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
     threads : int, optional
         All cores by default.

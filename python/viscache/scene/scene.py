@@ -21,6 +21,7 @@ from viscache.scene.environments import apply_environment
 from viscache.scene.html import scene_html
 from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
 from viscache.scene.queries import Intersection
+from viscache.scene.sky import Sky
 from viscache.settings.checks import checked_threads, require
 from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
 from viscache.settings.spelling import spelled
@@ -28,7 +29,9 @@ from viscache.settings.visibility import Visibility
 
 __all__ = ["Intersection", "Scene", "SceneError"]
 
-Env: TypeAlias = "str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
+Env: TypeAlias = (
+    "Sky | str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
+)
 
 
 @spelled
@@ -88,7 +91,7 @@ class Scene:
             Shading normals of a single mesh.
         base_color : (3,) float in [0, 1]
             Albedo of meshes without a material.
-        env : path, float, (3,) or (H, W, 3), optional
+        env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light: a lat-long image or constant radiance.
 
         Raises
@@ -130,7 +133,7 @@ class Scene:
         meshes : trimesh.Trimesh, trimesh.Scene or a list of them
             A trimesh scene keeps its placements. The main colour of a mesh becomes its albedo;
             textures, shading and lights are ignored.
-        env : path, float, (3,) or (H, W, 3), optional
+        env : Sky, path, float, (3,) or (H, W, 3), optional
             Environment light, as in `from_arrays`.
 
         Raises

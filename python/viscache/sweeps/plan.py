@@ -16,6 +16,7 @@ from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.written import is_written
 from viscache.provenance import VERSION, cpu_model, provenance
 from viscache.scene.cameras import camera_in_words
+from viscache.scene.sky import Sky
 from viscache.settings import by_name
 from viscache.settings.spelling import nearest
 from viscache.sweeps import designs
@@ -304,4 +305,6 @@ def _env_hash(env: Any) -> str | None:
         return None
     if isinstance(env, (str, os.PathLike)):
         return hashlib.sha256(Path(env).read_bytes()).hexdigest()
+    if isinstance(env, Sky):
+        return hashlib.sha256(repr(env).encode()).hexdigest()
     return hashlib.sha256(np.asarray(env, dtype="<f8").tobytes()).hexdigest()

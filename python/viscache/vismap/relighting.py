@@ -13,7 +13,7 @@ from viscache import _core
 from viscache.frame import Frame
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
-from viscache.scene import Env
+from viscache.scene import Env, Sky
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.scene.environments import read_image
 from viscache.settings.checks import checked_threads, require
@@ -108,6 +108,8 @@ class Relighting:
             Rotation about the y axis, counter-clockwise as seen from above.
         """
         require(np.isfinite(rotation_deg), "rotation_deg must be finite", rotation_deg)
+        message = "env must not be a Sky: give its image(), which has no sun"
+        require(not isinstance(env, Sky), message, env)
         given = np.asarray(env, np.float32) if _is_numbers(env) else read_image(env)  # type: ignore[arg-type]
         if given.ndim < 3:
             require(
