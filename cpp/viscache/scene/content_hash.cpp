@@ -61,7 +61,8 @@ std::string content_hash(const SceneDescription& d) {
         h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
     }
     for (const Material& m : d.materials) {
-        h.word(uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
+        h.word(uint64_t(m.thin) << 11 | uint64_t(m.nonlinear) << 10 | uint64_t(m.coat) << 8 |
+               uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
         h.vec(m.base_color);
         h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});

@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr uint64_t kTag = 0x3145435343564cull;  // changes with the fields below
+constexpr uint64_t kTag = 0x3245435343564cull;  // changes with the fields below
 
 /// The fields of each type, in one order for both directions.
 template <class Archive>

@@ -49,6 +49,7 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description, int thr
     scene->warn_of_size();
     scene->build_lights(threads);
     scene->add_sphere_light_meshes();
+    scene->build_coats();
     uint64_t first = 0;
     for (const Mesh& mesh : scene->d_.meshes) {
         scene->first_triangle_.push_back(first);
@@ -142,6 +143,13 @@ void Scene::add_sphere_light_meshes() {
         d_.meshes.push_back(tessellate(light));
         d_.meshes.back().material = int(d_.materials.size()) - 1;
     }
+}
+
+void Scene::build_coats() {
+    const auto coated = [](const Material& m) { return m.coat != CoatKind::kNone; };
+    if (std::none_of(d_.materials.begin(), d_.materials.end(), coated)) return;
+    for (const Material& m : d_.materials)
+        coats_.push_back(coated(m) ? &coat_of(m.coat, m.eta, m.roughness, m.nonlinear) : nullptr);
 }
 
 SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "viscache/math/bounds.h"
+#include "viscache/scene/coat.h"
 #include "viscache/scene/description.h"
 #include "viscache/scene/envmap.h"
 #include "viscache/scene/lights.h"
@@ -21,6 +22,8 @@ public:
     const std::vector<Material>& materials() const { return d_.materials; }
     /// Number of meshes in the description. The meshes after them are tessellated sphere lights.
     size_t described_meshes() const { return described_meshes_; }
+    /// Coat of a material; nullptr if it has none.
+    const Coat* coat(int material) const { return coats_.empty() ? nullptr : coats_[size_t(material)]; }
     /// Number of materials in the description. One more material follows, for the sphere lights.
     size_t described_materials() const { return described_materials_; }
     /// Bounds of all placed meshes, without sphere lights.
@@ -53,6 +56,7 @@ public:
 private:
     Scene() = default;
     void build_lights(int threads);
+    void build_coats();
     void warn_of_size();
     void add_sphere_light_meshes();
     void measure();
@@ -62,6 +66,7 @@ private:
     Bounds bounds_;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
+    std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat
     AreaLights area_lights_;
     std::unique_ptr<EnvironmentMap> environment_;
 };
