@@ -48,7 +48,8 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
                     py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
                     py::arg("alpha_cutoff") = m.alpha_cutoff, py::arg("coat") = m.coat,
-                    py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin);
+                    py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
+                    py::arg("opacity") = m.opacity);
 }
 
 /// One dict per light with its kind and its values. Only the meshes in `meshes` are considered.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -180,6 +181,28 @@ def test_specular_scales_the_reflection_of_the_coat() -> None:
     assert part == pytest.approx(full * [0.5, 0.25, 0])
 
 
+def test_coats_and_plates_are_part_of_the_content_and_travel() -> None:
+    def scene(**material: Any) -> vc.Scene:
+        triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        return vc.Scene.from_arrays([(*triangle, material)])
+
+    glossy: dict[str, Any] = {"kind": "glossy", "specular": (1, 1, 1)}
+    made = [
+        scene(**glossy),
+        scene(**glossy, coat="smooth"),
+        scene(**glossy, coat="rough"),
+        scene(**glossy, coat="rough", nonlinear=True),
+        scene(kind="dielectric"),
+        scene(kind="dielectric", thin=True),
+    ]
+    assert len({s.content_hash for s in made}) == len(made)
+    assert [pickle.loads(pickle.dumps(s)).content_hash for s in made] == [
+        s.content_hash for s in made
+    ]
+    with pytest.raises(ValueError, match="coat of a material must be one of"):
+        scene(**glossy, coat="wet")
+
+
 def test_a_coat_needs_a_glossy_material() -> None:
     for wrong, said in (
         (
@@ -187,6 +210,7 @@ def test_a_coat_needs_a_glossy_material() -> None:
             "only a glossy material has a coat",
         ),
         ({"kind": MaterialKind.GLOSSY, "nonlinear": True}, "nonlinear needs a coat"),
+        ({"kind": MaterialKind.GLOSSY, "thin": True}, "only a dielectric can be thin"),
     ):
         d = vc.SceneDescription()
         d.add_material(**wrong)

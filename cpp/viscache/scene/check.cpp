@@ -62,6 +62,7 @@ void check_material(const Material& m, size_t index, size_t images) {
         fail(name, ": only a glossy material has a coat");
     if (m.nonlinear && m.coat == CoatKind::kNone) fail(name, ": nonlinear needs a coat");
     if (m.thin && m.kind != MaterialKind::kDielectric) fail(name, ": only a dielectric can be thin");
+    if (!(m.opacity >= 0 && m.opacity <= 1)) fail(name, ": opacity must be in [0, 1], got ", m.opacity);
     for (int t : {m.base_texture, m.alpha_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }

@@ -66,6 +66,7 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(m.base_color);
         h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
+        if (m.opacity < 1) h.floats({m.opacity});
     }
     for (const Image& i : d.images) {
         h.word(uint64_t(i.width) << 32 | uint64_t(i.channels));
@@ -110,6 +111,7 @@ std::string geometry_hash(const SceneDescription& d) {
         h.array(m.triangles);
         h.word(m.in_world);
         const Material& material = d.materials[size_t(m.material)];
+        if (material.opacity < 1) h.floats({material.opacity});
         if (material.alpha_texture < 0) continue;
         const Image& alpha = d.images[size_t(material.alpha_texture)];
         h.floats({material.alpha_cutoff});

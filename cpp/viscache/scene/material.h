@@ -33,6 +33,7 @@ struct Material {
     CoatKind coat = CoatKind::kNone;  ///< of glossy materials; under a coat, `specular` scales its reflection
     bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
     bool thin = false;       ///< a dielectric that is a plate without thickness
+    float opacity = 1;       ///< share of the surface that is there; the rest are small holes
 };
 
 }  // namespace viscache

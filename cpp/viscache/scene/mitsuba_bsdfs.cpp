@@ -129,9 +129,7 @@ Material MitsubaReader::mask(Node node, int depth) {
     const ColorTexture opacity = color_texture(node, "opacity", kGrey);
     m.alpha_texture = opacity.image;
     m.alpha_cutoff = 0.5f;
-    if (opacity.image < 0 && luminance(opacity.color) < 1)
-        warn_at(node,
-                "constant opacity " + std::to_string(luminance(opacity.color)) + " is not modelled; opaque");
+    if (opacity.image < 0) m.opacity = std::clamp(luminance(opacity.color), 0.f, 1.f);
     return m;
 }
 

@@ -49,7 +49,8 @@ public:
 
     /// Surface at the barycentric coordinates (u, v) of a triangle; instance < 0 for meshes of the world.
     SurfacePoint surface(uint32_t mesh, uint32_t triangle, int instance, float u, float v) const;
-    /// False where the material's alpha cuts a hole.
+    /// False where the material's alpha cuts a hole, and in the holes of a fixed pattern that leave
+    /// `opacity` of the surface: cells of 1/4096 of the triangle's edges, chosen by a hash.
     bool solid_at(uint32_t mesh, uint32_t triangle, float u, float v) const;
     bool has_cutout(uint32_t mesh) const;
 
