@@ -80,6 +80,13 @@ void bind_description(py::module_& m) {
         .value("DIELECTRIC", MaterialKind::kDielectric)
         .finalize();
 
+    py::native_enum<CoatKind>(m, "CoatKind", "enum.Enum", "Layers over a glossy material.")
+        .value("NONE", CoatKind::kNone)
+        .value("SMOOTH", CoatKind::kSmooth)
+        .value("ROUGH", CoatKind::kRough)
+        .value("BECKMANN", CoatKind::kBeckmann)
+        .finalize();
+
     py::class_<SceneDescription>(
         m, "SceneDescription",
         "A scene that can still be changed; `viscache.Scene.from_description` freezes it.\n\n"
@@ -98,17 +105,25 @@ void bind_description(py::module_& m) {
         .def(
             "add_material",
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
-               float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff) {
+               float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff,
+               CoatKind coat, bool nonlinear, bool thin, float opacity) {
                 d.materials.push_back({kind, vec3(base_color), vec3(specular), roughness, eta, two_sided,
-                                       base_texture, alpha_texture, alpha_cutoff});
+                                       base_texture, alpha_texture, alpha_cutoff, coat, nonlinear, thin,
+                                       opacity});
                 return int(d.materials.size()) - 1;
             },
             py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
             py::arg("base_color") = Float3{.5f, .5f, .5f}, py::arg("specular") = Float3{1, 1, 1},
             py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
             py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
+            py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
+            py::arg("opacity") = 1.f,
             "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
-            "refraction, textures are indices of images, -1 for none.")
+            "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
+            "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
+            "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
+            "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
+            "the rest are small holes in a fixed pattern.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {

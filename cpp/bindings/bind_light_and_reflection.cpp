@@ -70,14 +70,17 @@ void bind_environment(py::module_& s) {
 void bind_shading_point(py::module_& s, py::module_& t) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
-                         float roughness, float eta) {
-                 return ShadingPoint{
+                         float roughness, float eta, CoatKind coat, bool nonlinear) {
+                 ShadingPoint sp{
                      vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
                      kind,     eta};
+                 if (coat != CoatKind::kNone) sp.coat = &coat_of(coat, eta, roughness, nonlinear);
+                 return sp;
              }),
              py::arg("kind"), py::arg("wo"), py::kw_only(), py::arg("ns") = Float3{0, 0, 1},
              py::arg("ng") = Float3{0, 0, 1}, py::arg("base") = Float3{0, 0, 0},
-             py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f);
+             py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f,
+             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false);
     s.def(
         "eval_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {

@@ -47,7 +47,9 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
                     py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
                     py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
-                    py::arg("alpha_cutoff") = m.alpha_cutoff);
+                    py::arg("alpha_cutoff") = m.alpha_cutoff, py::arg("coat") = m.coat,
+                    py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
+                    py::arg("opacity") = m.opacity);
 }
 
 /// Names of the falloffs of spot lights, in the order of `Falloff`.

@@ -17,6 +17,12 @@ MIRROR = replace(BLOCK, look=Look(kind="mirror", specular=(0.9, 0.8, 0.7)))
 GLASS = ball((0.45, 0.4, 0.2), 0.35, 16, smooth=True, look=Look(kind="dielectric"))
 #: The same with a mirror and a glass ball: caustics.
 CAUSTICS = replace(ROOM, parts=(WALLS, LAMP, MIRROR, GLASS))
+#: With a thin plate across the room, and a wide lamp.
+PLATE = quad(
+    (-1, 0.2, 0.3), (2, 0, 0.1), (0, 1.5, 0.1), look=Look(kind="dielectric", eta=1.8, thin=True)
+)
+WIDE = quad((-0.9, 1.95, -0.9), (1.8, 0, 0), (0, 0, 1.8), emission=(2, 1.8, 1.5))
+PLATES = replace(ROOM, parts=(WALLS, WIDE, BLOCK, PLATE))
 #: With a rough metal.
 METAL = replace(BLOCK, look=Look(kind="glossy", base_color=(0, 0, 0), roughness=0.3))
 GLOSSY = replace(ROOM, parts=(WALLS, LAMP, METAL, GLOBE))

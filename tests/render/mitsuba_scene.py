@@ -26,6 +26,7 @@ class Look:
     roughness: float = 0.3
     eta: float = 1.5
     two_sided: bool = True
+    thin: bool = False
     texture: Array | None = None
 
 
@@ -73,6 +74,7 @@ class Model:
                 roughness=look.roughness,
                 eta=look.eta,
                 two_sided=look.two_sided,
+                thin=look.thin,
                 base_texture=texture,
             )
             d.add_mesh(
@@ -201,7 +203,8 @@ def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
                 "specular_reflectance": _rgb(look.specular),
             }
         case "dielectric":
-            return {"type": "dielectric", "int_ior": look.eta, "ext_ior": 1.0}
+            kind = "thindielectric" if look.thin else "dielectric"
+            return {"type": kind, "int_ior": look.eta, "ext_ior": 1.0}
         case _:
             raise ValueError(look.kind)
     return {"type": "twosided", "bsdf": inner} if look.two_sided else inner

@@ -349,6 +349,30 @@ def test_glass_shows_what_mitsuba_sees_through_it(eta: float, mi: Any, tmp_path:
     assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
 
 
+@pytest.mark.slow
+def test_thin_plates_show_what_mitsuba_sees_through_and_in_them(mi: Any, tmp_path: Path) -> None:
+    """Two plates behind each other, and a box of them, from both sides."""
+    plate = Look(kind="dielectric", eta=1.7, thin=True)
+    model = Model(
+        (
+            replace(FLOOR, look=DIM),
+            quad((-1.5, 0, -0.6), (3, 0, 0.4), (0, 1.6, 0), look=plate),
+            quad((-1.2, 0, 0.6), (1.8, 0, 0.3), (0, 1.2, 0.1), look=plate),
+            box((0.3, 0.05, 0.1), (0.9, 0.7, 0.6), look=plate),
+        ),
+        points=(((0.3, 2.0, 1.5), (8e3, 8e3, 8e3)),),
+        env=(0.3, 0.6, 0.9),
+    )
+    reference = theirs(mi, model.to_mitsuba(mi, SIZE, tmp_path), depth=14, spp=96)
+    image = ours(model.to_viscache(), replace(BARE, max_depth=12), spp=64)
+    assert_same(image, reference, SPECULAR_TOLERANCE)
+    for other in (replace(plate, eta=2.0), replace(plate, thin=False)):
+        wrong = tuple(replace(p, look=other) for p in model.parts[1:])
+        changed = replace(model, parts=(model.parts[0], *wrong)).to_viscache()
+        image = ours(changed, replace(BARE, max_depth=12), seeds=4)
+        assert not compare(image, reference, tolerance=SPECULAR_TOLERANCE).same
+
+
 def test_parts_are_what_they_say() -> None:
     """The helper's own fronts look outwards; else two-sidedness above would prove nothing."""
     for part in (box((0, 0, 0), (1, 1, 1)), ball((0.5, 0.5, 0.5), 0.5)):

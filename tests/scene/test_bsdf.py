@@ -6,7 +6,7 @@ import pytest
 
 from sampling.chi_square import sphere_mass, sphere_p_value, sphere_points, uniforms
 from viscache import _core
-from viscache._core import MaterialKind
+from viscache._core import CoatKind, MaterialKind
 from viscache._core._testing import diffuse_albedo, pdf_bsdf, sample_bsdf
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
@@ -24,6 +24,7 @@ def glossy(
     roughness: float = 0.3,
     base: Vector = (0, 0, 0),
     specular: Vector = (1, 1, 1),
+    coat: CoatKind = CoatKind.NONE,
     **normals: Vector,
 ) -> ShadingPoint:
     return ShadingPoint(
@@ -32,6 +33,7 @@ def glossy(
         base=base,
         specular=specular,
         roughness=roughness,
+        coat=coat,
         **normals,
     )
 
@@ -52,6 +54,8 @@ POINTS = {
     "rough metal at grazing angle": glossy(0.1, 1.0),
     "plastic": glossy(0.5, 0.2, (0.2, 0.6, 0.3), (0.04, 0.04, 0.04)),
     "plastic, tilted normals": glossy(0.5, 0.4, (0.2, 0.6, 0.3), (0.04, 0.1, 0.04), **TILTED),
+    "smooth coat": glossy(0.5, 0.2, (0.2, 0.6, 0.3), coat=CoatKind.SMOOTH),
+    "rough coat, tilted normals": glossy(0.5, 0.4, (0.2, 0.6, 0.3), coat=CoatKind.ROUGH, **TILTED),
 }
 each_point = pytest.mark.parametrize("name", POINTS)
 
@@ -115,6 +119,7 @@ def test_reflection_is_the_same_both_ways(name: str) -> None:
                 base=(0.2, 0.6, 0.3),
                 specular=(0.04, 0.3, 1),
                 roughness=0.4,
+                coat=CoatKind.ROUGH if "coat" in name else CoatKind.NONE,
                 **normals,
             )
         return eval_bsdf(sp, wi[None])[0]
@@ -190,7 +195,11 @@ def test_the_diffuse_part_of_other_materials_is_the_base_color_or_nothing() -> N
 def test_nothing_is_reflected_below_either_normal() -> None:
     w = _core._testing.square_to_uniform_sphere(uniforms(4000, 2))
     above = (w @ np.array(TILTED["ns"]) > 0) & (w @ np.array(TILTED["ng"]) > 0)
-    for name in ("diffuse, tilted normals", "plastic, tilted normals"):
+    for name in (
+        "diffuse, tilted normals",
+        "plastic, tilted normals",
+        "rough coat, tilted normals",
+    ):
         assert np.array_equal(eval_bsdf(POINTS[name], w).max(1) > 0, above)
         assert np.array_equal(pdf_bsdf(POINTS[name], w) > 0, above)
     # The eye below the geometric normal, above the shading normal

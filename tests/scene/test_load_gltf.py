@@ -139,7 +139,7 @@ def test_an_alpha_mask_cuts_out_with_its_cutoff(tmp_path):
     np.testing.assert_allclose(scene.image_pixels(0)[0], [[1, 0, 0, 0], [0, 1, 0, 1]], atol=1e-6)
 
 
-def test_blending_is_named_and_an_opaque_image_never_cuts(tmp_path):
+def test_blending_by_an_image_is_named_and_an_opaque_image_never_cuts(tmp_path):
     doc = with_material(
         alphaMode="BLEND",
         pbrMetallicRoughness={"metallicFactor": 0, "baseColorTexture": {"index": 0}},
@@ -148,9 +148,21 @@ def test_blending_is_named_and_an_opaque_image_never_cuts(tmp_path):
         [{"source": 0}],
         [{"uri": png(tmp_path, [[[9, 0, 0], [0, 9, 0]]])}],
     )
+    m = load(tmp_path, doc, strict=True).materials[0]
+    assert m["alpha_texture"] == -1 and m["opacity"] == 1
+    doc["images"] = [{"uri": png(tmp_path, [[[9, 0, 0, 0], [0, 9, 0, 255]]])}]
     scene = load(tmp_path, doc)
-    assert scene.materials[0]["alpha_texture"] == -1
-    assert any("'BLEND' is not modelled" in what for _, what in scene.warnings)
+    assert scene.materials[0]["alpha_texture"] == 0
+    assert any("'BLEND' with an image is a cut-out at 0.5" in what for _, what in scene.warnings)
+
+
+@pytest.mark.parametrize(
+    ("mode", "alpha", "opacity"),
+    [("BLEND", 0.25, 0.25), ("MASK", 0.25, 0), ("MASK", 0.75, 1), ("OPAQUE", 0.25, 1)],
+)
+def test_a_constant_alpha_is_the_opacity(tmp_path, mode, alpha, opacity):
+    doc = with_material(alphaMode=mode, pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, alpha]})
+    assert load(tmp_path, doc, strict=True).materials[0]["opacity"] == opacity
 
 
 def test_cameras_and_punctual_lights_stand_at_their_nodes(tmp_path):

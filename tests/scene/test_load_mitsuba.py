@@ -131,7 +131,7 @@ def test_the_reflectance_of_a_conductor_is_fresnel_at_normal_incidence(tmp_path)
     gold = material(
         tmp_path,
         '<bsdf type="roughconductor"><string name="material" value="Au"/>'
-        '<float name="alpha" value="0.3"/></bsdf>',
+        '<string name="distribution" value="ggx"/><float name="alpha" value="0.3"/></bsdf>',
     )
     assert gold["kind"] == K.GLOSSY and gold["roughness"] == pytest.approx(0.3)
     assert gold["base_color"] == [0, 0, 0] and gold["specular"][0] > 0.9 > 0.5 > gold["specular"][2]
@@ -142,11 +142,20 @@ def test_plastic_phong_and_glass_have_their_nearest_materials(tmp_path):
         tmp_path,
         """<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
         <float name="intIOR" value="1.5"/><float name="extIOR" value="1"/>
+        <string name="distribution" value="ggx"/><boolean name="nonlinear" value="true"/>
         <rgb name="diffuseReflectance" value="0.4 0.4 0.4"/></bsdf>""",
         version="0.6.0",
     )
-    assert m["kind"] == K.GLOSSY and m["specular"] == pytest.approx([0.04] * 3)
+    assert m["kind"] == K.GLOSSY and m["coat"] == core.CoatKind.ROUGH and m["nonlinear"]
+    assert m["specular"] == [1, 1, 1] and m["eta"] == 1.5
     assert m["base_color"] == pytest.approx([0.4] * 3) and m["roughness"] == pytest.approx(0.2)
+    m = material(tmp_path, '<bsdf type="plastic"/>')
+    assert m["coat"] == core.CoatKind.SMOOTH and not m["nonlinear"]
+    assert m["eta"] == pytest.approx(1.49 / 1.000277)
+    m = material(tmp_path, '<bsdf type="roughplastic"/>', strict=False)
+    assert m["coat"] == core.CoatKind.BECKMANN
+    m = material(tmp_path, '<bsdf type="thindielectric"/>')
+    assert m["kind"] == K.DIELECTRIC and m["thin"] and m["eta"] == pytest.approx(1.5046 / 1.000277)
     m = material(
         tmp_path, '<bsdf type="phong"><float name="exponent" value="48"/></bsdf>', version="0.6.0"
     )
@@ -344,7 +353,8 @@ def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, d
         ('<shape type="heightfield"/>', "heightfield"),
         ('<shape type="cube"><bsdf type="hair"/></shape>', "hair"),
         ('<medium type="homogeneous"/>', "medium"),
-        ('<shape type="cube"><bsdf type="thindielectric"/></shape>', "thindielectric"),
+        ('<shape type="cube"><bsdf type="roughdielectric"/></shape>', "roughdielectric"),
+        ('<shape type="cube"><bsdf type="roughplastic"/></shape>', "beckmann"),
     ],
 )
 def test_what_is_not_modelled_is_named_and_an_error_when_strict(tmp_path, body, name):

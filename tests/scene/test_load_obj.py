@@ -108,6 +108,13 @@ def test_materials_of_an_mtl_become_the_nearest_kinds(tmp_path):
     assert by_name["shiny"][1]["roughness"] == pytest.approx(np.sqrt(2 / 100))
 
 
+@pytest.mark.parametrize("line", ["d 0.25", "Tr 0.75"])
+def test_constant_transparency_is_the_opacity(tmp_path, line):
+    text = "mtllib m.mtl\n" + SQUARE + "usemtl veil\nf 1 2 3\n"
+    scene = load(tmp_path, text, strict=True, m_mtl=f"newmtl veil\nKd 1 1 1\n{line}\n")
+    assert scene.materials[scene.meshes[0]["material"]]["opacity"] == 0.25
+
+
 def test_textures_are_decoded_to_linear_with_alpha_as_it_is(tmp_path):
     pixels = np.zeros((2, 2, 4), np.uint8)
     pixels[0, 0] = [128, 0, 255, 128]

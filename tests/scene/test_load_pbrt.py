@@ -138,6 +138,17 @@ def test_blocks_of_attributes_and_objects_end_each_other_and_alpha_0_is_invisibl
         load(tmp_path, "AttributeBegin TransformEnd")
 
 
+def test_constant_alpha_and_opacity_leave_a_share_of_the_surface(tmp_path):
+    scene = load(
+        tmp_path,
+        f"""{TRIANGLE.strip()} "float alpha" .25
+        Material "uber" "rgb opacity" [.5 .5 .5] {TRIANGLE} Material "matte" {TRIANGLE}""",
+        strict=False,
+    )
+    shares = [scene.materials[m["material"]]["opacity"] for m in scene.meshes]
+    assert shares == pytest.approx([0.25, 0.5, 1])
+
+
 def test_attribute_blocks_restore_material_light_and_orientation(tmp_path):
     scene = load(
         tmp_path,

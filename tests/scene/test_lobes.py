@@ -5,7 +5,7 @@ import pytest
 
 from scene.test_bsdf import direction, glossy
 from viscache import _core
-from viscache._core import MaterialKind
+from viscache._core import CoatKind, MaterialKind
 from viscache._core._testing import pdf_bsdf, reflect_directions
 from viscache._core.sampling import ShadingPoint, eval_bsdf
 
@@ -21,6 +21,9 @@ POINTS = {
     "grazing": glossy(0.05, 0.1, base=(0.3, 0.2, 0.1), specular=(0.04, 0.04, 0.04)),
     "sharp": glossy(0.8, 1e-3, specular=(1, 1, 1)),
     "bent": glossy(0.7, 0.5, base=(0.3, 0.2, 0.1), specular=(0.2, 0.2, 0.2), **BENT),
+    "coat": glossy(0.7, 0.3, base=(0.3, 0.2, 0.1), coat=CoatKind.SMOOTH),
+    "grazing coat": glossy(0.05, 0.1, base=(0.3, 0.2, 0.1), coat=CoatKind.ROUGH),
+    "bent coat": glossy(0.7, 0.5, base=(0.3, 0.2, 0.1), coat=CoatKind.ROUGH, **BENT),
 }
 
 
@@ -37,7 +40,9 @@ def directions(sp_wo, n=4001):
 def test_batches_are_the_bsdf_times_the_cosine_and_its_density(name):
     """Up to rounding; zero on the same side of both planes."""
     sp = POINTS[name]
-    cosine = {"grazing": 0.05, "sharp": 0.8}.get(name, 0.6 if "diffuse" in name else 0.7)
+    cosine = {"grazing": 0.05, "grazing coat": 0.05, "sharp": 0.8}.get(
+        name, 0.6 if "diffuse" in name else 0.7
+    )
     w = directions(direction(cosine))
     ns = np.float32(BENT["ns"]) if "bent" in name else np.float32([0, 0, 1])
     f, pdf = reflect_directions(sp, w)

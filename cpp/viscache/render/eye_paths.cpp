@@ -233,6 +233,7 @@ private:
         sp.roughness = material.roughness;
         sp.kind = material.kind;
         sp.eta = material.eta;
+        sp.coat = t_.scene.coat(s.material);
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);
@@ -297,6 +298,7 @@ private:
 
     /// Follows the reflected and the refracted branch of glass.
     void split(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
+        if (material.thin) return pass(b, s, material, front);
         const Vec3 ng = front ? s.ng : -s.ng, n = front ? s.ns : -s.ns;
         const float cos_i = dot(s.ns, -b.ray.d);  // the sign tells the side
         const float fresnel = fresnel_dielectric(cos_i, material.eta);
@@ -311,6 +313,16 @@ private:
         if (!transmitted || dot(*transmitted, ng) >= 0) return lose(through);
         if (footprint_) refract_differential(through.d, b.ray, s, n, eta, *transmitted);
         follow(through, s, -ng, *transmitted, 1);
+    }
+
+    /// Follows the reflected branch of a thin plate, and the one that goes straight on.
+    void pass(const Branch& b, const SurfacePoint& s, const Material& material, bool front) {
+        const float reflectance = plate_reflectance(dot(s.ns, b.ray.d), material.eta);
+        if (reflectance > 0) reflect(b, s, front, Rgb{reflectance, reflectance, reflectance});
+        if (reflectance >= 1) return;
+        Branch through = b;
+        through.throughput = b.throughput * (1 - reflectance);
+        follow(through, s, front ? -s.ng : s.ng, b.ray.d, 1);
     }
 
     const EyePathTracer& t_;

@@ -20,8 +20,12 @@ std::optional<SpecularEvent> specular_event(const PathVertex& v, Vec3 from, bool
     Vec3 n = same_side ? v.surface.ns : -v.surface.ns;
     if (dot(n, from) <= 0) n = ng;
     const bool glass = v.surface.kind == MaterialKind::kDielectric;
+    const bool plate = glass && v.surface.thin;
     const double fresnel =
-        glass ? double(fresnel_dielectric(front ? dot(n, from) : -dot(n, from), v.surface.eta)) : 1.0;
+        plate   ? double(plate_reflectance(dot(n, from), v.surface.eta))
+        : glass ? double(fresnel_dielectric(front ? dot(n, from) : -dot(n, from), v.surface.eta))
+                : 1.0;
+    if (through && plate) return SpecularEvent{-from, n, 1 - fresnel, 1};
     if (through) {
         const float eta = front ? 1 / v.surface.eta : v.surface.eta;
         const auto direction = refract(from, n, eta);

@@ -131,6 +131,8 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     v.surface.roughness = material.roughness;
     v.surface.kind = material.kind;
     v.surface.eta = material.eta;
+    v.surface.coat = c_.scene.coat(s.material);
+    v.surface.thin = material.thin;
     v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
     return true;
 }

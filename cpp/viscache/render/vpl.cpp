@@ -28,6 +28,7 @@ struct Photon {
 struct Landing {
     const SurfacePoint& s;
     const Material& material;
+    const Coat* coat;
     Vec3 ng, ns, wi;  ///< wi: direction the photon came from
     bool front;
 };
@@ -52,6 +53,11 @@ bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
 
 /// Glass reflects or refracts at random. False where an eye path would end as well.
 bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
+    if (l.material.thin) {
+        const float reflectance = plate_reflectance(dot(l.ns, l.wi), l.material.eta);
+        if (rng.next() < reflectance) return mirror(photon, l, {1, 1, 1}, extent);
+        return leave(photon, l, -l.ng, -l.wi, photon.flux, extent);
+    }
     const float eta = l.material.eta, fresnel = fresnel_dielectric(dot(l.s.ns, l.wi), eta);
     if (rng.next() < fresnel) return mirror(photon, l, {1, 1, 1}, extent);
     const auto through = refract(l.wi, l.ns, l.front ? 1 / eta : eta);
@@ -70,6 +76,7 @@ bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<V
     sp.wo = l.wi;
     sp.base = l.s.base_color;
     sp.specular = l.material.specular;
+    sp.coat = l.coat;
     const Rgb albedo = diffuse_albedo(sp);
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));
     if (!(max_component(reflected) > 0) || !is_finite(reflected)) return false;
@@ -96,7 +103,9 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
         const Material& material = scene.materials()[size_t(s.material)];
         const bool front = dot(s.ng, photon.ray.d) < 0;
         if (!front && !material.two_sided && material.kind != MaterialKind::kDielectric) return;
-        const Landing l{s, material, front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d, front};
+        const Landing l{
+            s,    material, scene.coat(s.material), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
+            front};
         switch (material.kind) {
             case MaterialKind::kMirror: goes_on = mirror(photon, l, material.specular, extent); break;
             case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng, extent); break;

@@ -144,6 +144,12 @@ inline float fresnel_dielectric(float cos_i, float eta) {
     const float s = (c - n * t) / (c + n * t), p = (n * c - t) / (n * c + t);
     return 0.5f * (s * s + p * p);
 }
+/// Reflectance of a plate without thickness, with all reflections between its two sides:
+/// F + (1 − F)² F / (1 − F²) = 2F / (1 + F).
+inline float plate_reflectance(float cos, float eta) {
+    const float f = fresnel_dielectric(std::fabs(cos), eta);
+    return 2 * f / (1 + f);
+}
 /// Refracted direction for `wo` on the side of `n`. eta_ratio = index on wo's side over the index on the
 /// other side: 1/eta from outside, eta from inside. Empty at total internal reflection.
 inline std::optional<Vec3> refract(Vec3 wo, Vec3 n, float eta_ratio) {

@@ -11,10 +11,16 @@ bool reflects(const ShadingPoint& sp, Vec3 wi) {
            above(sp, sp.wo);
 }
 
+/// Fresnel term of the glossy lobe.
+Rgb lobe_fresnel(const ShadingPoint& sp, float cos) {
+    return sp.coat ? sp.specular * fresnel_outside(cos, sp.coat->eta) : schlick(sp.specular, cos);
+}
+
 /// Fraction of the light that the Fresnel term of the glossy lobe leaves to the diffuse part, towards an eye
 /// at cosine cos_o.
 Rgb under_lobe(const ShadingPoint& sp, float cos_o) {
     if (sp.kind != MaterialKind::kGlossy) return sp.base;
+    if (sp.coat) return coated_base(*sp.coat, sp.base) * transmitted(sp.coat->transmittance.data(), cos_o);
     return sp.base * (Rgb{1, 1, 1} - schlick(sp.specular, cos_o));
 }
 
@@ -26,15 +32,20 @@ constexpr float kEntry =
 /// cos_o = 0.63); this keeps the sum of both parts below one.
 float diffuse_entry(const ShadingPoint& sp, float cos_i) {
     if (sp.kind != MaterialKind::kGlossy) return 1;
+    if (sp.coat) return transmitted(sp.coat->transmittance.data(), cos_i);
     return kEntry * (1 - schlick(Rgb{}, cos_i).x);
 }
+
+/// Cosine-weighted mean of `diffuse_entry`, for a glossy surface.
+float mean_entry(const ShadingPoint& sp) { return sp.coat ? sp.coat->mean : kEntry * 20 / 21; }
 
 }  // namespace
 
 float glossy_share(const ShadingPoint& sp) {
     if (sp.kind != MaterialKind::kGlossy) return 0;
     const float cos_o = dot(sp.ns, sp.wo);
-    const float glossy = luminance(schlick(sp.specular, cos_o)), diffuse = luminance(under_lobe(sp, cos_o));
+    const float glossy = luminance(lobe_fresnel(sp, cos_o));
+    const float diffuse = luminance(under_lobe(sp, cos_o)) * (sp.coat ? sp.coat->mean : 1.f);
     return glossy > 0 ? glossy / (glossy + diffuse) : 0.f;
 }
 
@@ -55,7 +66,7 @@ Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
         const Vec3 h = normalize(wi + sp.wo);
         const float d = ggx_d(frame_around(sp.ns).to_local(h), sp.roughness);
         const float shadowed = d / (4 * cos_i * cos_o) * smith_g2(cos_i, cos_o, sp.roughness);
-        r.f += schlick(sp.specular, dot(wi, h)) * shadowed;
+        r.f += lobe_fresnel(sp, dot(wi, h)) * shadowed;
         // Density of the visible normal h times dω_h/dω_i = 1 / (4 cos(wo, h))
         r.pdf += share * d * smith_g1(cos_o, sp.roughness) / (4 * cos_o);
     }
@@ -67,7 +78,7 @@ Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
 Rgb diffuse_albedo(const ShadingPoint& sp) {
     if (!above(sp, sp.wo)) return {};
     if (sp.kind != MaterialKind::kGlossy) return sp.kind == MaterialKind::kDiffuse ? sp.base : Rgb{};
-    return under_lobe(sp, dot(sp.ns, sp.wo)) * (kEntry * 20 / 21);
+    return under_lobe(sp, dot(sp.ns, sp.wo)) * mean_entry(sp);
 }
 
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi) { return reflect(sp, wi).f; }

@@ -60,6 +60,11 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (!(m.roughness >= 1e-3f && m.roughness <= 1))
         fail(name, ": roughness must be in [0.001, 1], got ", m.roughness);
     if (!(m.eta > 0.1f && m.eta < 10)) fail(name, ": eta must be in (0.1, 10), got ", m.eta);
+    if (m.coat != CoatKind::kNone && m.kind != MaterialKind::kGlossy)
+        fail(name, ": only a glossy material has a coat");
+    if (m.nonlinear && m.coat == CoatKind::kNone) fail(name, ": nonlinear needs a coat");
+    if (m.thin && m.kind != MaterialKind::kDielectric) fail(name, ": only a dielectric can be thin");
+    if (!(m.opacity >= 0 && m.opacity <= 1)) fail(name, ": opacity must be in [0, 1], got ", m.opacity);
     for (int t : {m.base_texture, m.alpha_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }

@@ -62,10 +62,12 @@ std::string content_hash(const SceneDescription& d) {
         h.bytes(i.to_world.m.data(), sizeof i.to_world.m);
     }
     for (const Material& m : d.materials) {
-        h.word(uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
+        h.word(uint64_t(m.thin) << 11 | uint64_t(m.nonlinear) << 10 | uint64_t(m.coat) << 8 |
+               uint64_t(m.kind) << 1 | uint64_t(m.two_sided));
         h.vec(m.base_color);
         h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
+        if (m.opacity < 1) h.floats({m.opacity});
     }
     for (const Image& i : d.images) {
         h.word(uint64_t(i.width) << 32 | uint64_t(i.nearest) << 16 | uint64_t(i.channels));
@@ -115,6 +117,7 @@ std::string geometry_hash(const SceneDescription& d) {
         h.array(m.triangles);
         h.word(m.in_world);
         const Material& material = d.materials[size_t(m.material)];
+        if (material.opacity < 1) h.floats({material.opacity});
         if (material.alpha_texture < 0) continue;
         const Image& alpha = d.images[size_t(material.alpha_texture)];
         h.floats({material.alpha_cutoff});

@@ -9,7 +9,7 @@ namespace viscache {
 
 /// 32 hexadecimal digits. Equal content gives equal digits; names and file paths do not count.
 std::string content_hash(const SceneDescription& d);
-/// The same for visibility alone: shapes, their placement, and alpha cut-outs.
+/// The same for visibility alone: shapes, their placement, cut-outs and opacity.
 std::string geometry_hash(const SceneDescription& d);
 
 }  // namespace viscache

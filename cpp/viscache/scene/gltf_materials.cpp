@@ -131,14 +131,16 @@ void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, cons
     const auto& pbr = in.pbrMetallicRoughness;
     const double factor = pbr.baseColorFactor.size() == 4 ? pbr.baseColorFactor[3] : 1;
     const double cutoff = in.alphaMode == "MASK" ? in.alphaCutoff : 0.5;
-    if (in.alphaMode != "MASK")
-        loading_.warn(where, "alpha mode '" + in.alphaMode + "' is not modelled; a cut-out at 0.5 is used");
     const auto image = m.base_texture >= 0 ? decoded(pbr.baseColorTexture.index, true, where) : std::nullopt;
     if (image && (image->channels == 2 || image->channels == 4)) {
         m.alpha_texture = m.base_texture;
         m.alpha_cutoff = factor > 0 ? float(cutoff / factor) : kInfinity;
-    } else if (factor < cutoff) {
-        loading_.warn(where, "constant alpha " + std::to_string(factor) + " is not modelled; opaque");
+        if (in.alphaMode != "MASK")
+            loading_.warn(where, "alpha mode '" + in.alphaMode + "' with an image is a cut-out at 0.5 here");
+    } else if (in.alphaMode == "MASK") {
+        m.opacity = factor < cutoff ? 0.f : 1.f;
+    } else {
+        m.opacity = std::clamp(float(factor), 0.f, 1.f);
     }
 }
 

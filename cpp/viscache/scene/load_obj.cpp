@@ -125,9 +125,8 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
         m.base_texture = loading.add_image(resolve(mtl, in.diffuse_texname), where, true);
     if (!in.alpha_texname.empty())
         m.alpha_texture = loading.add_image(resolve(mtl, in.alpha_texname), where, false);
-    if (in.dissolve < 1 && m.kind != MaterialKind::kDielectric && in.alpha_texname.empty())
-        loading.warn(where,
-                     "constant transparency d = " + std::to_string(in.dissolve) + " is not modelled; opaque");
+    if (m.kind != MaterialKind::kDielectric && in.alpha_texname.empty())
+        m.opacity = std::clamp(float(in.dissolve), 0.f, 1.f);
     if (!in.bump_texname.empty() || !in.normal_texname.empty())
         loading.warn(where, "bump maps are not modelled");
     return m;

@@ -14,8 +14,12 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
     k.ng = p.ng;
     k.wo = p.wo;
     // Under a lobe, `diffuse_albedo` is a mean over cosines of a term proportional to 1 − (1 − cos)⁵, whose
-    // mean is 20/21
-    k.diffuse = diffuse_albedo(p) * ((k.glossy ? 21.f / 20 : 1.f) / kPi);
+    // mean is 20/21, or to the transmittance of the coat
+    k.diffuse = diffuse_albedo(p) * ((p.coat ? 1 / p.coat->mean : k.glossy ? 21.f / 20 : 1.f) / kPi);
+    if (p.coat) {
+        k.eta = p.coat->eta;
+        k.transmittance = p.coat->transmittance.data();
+    }
     k.f0 = p.specular;
     k.cos_o = cos_o;
     k.alpha2 = p.roughness * p.roughness;

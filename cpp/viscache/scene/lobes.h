@@ -18,11 +18,13 @@ struct RgbBlock {
 /// Reflection at one point: all terms that do not depend on the incoming direction.
 struct LobeConstants {
     Vec3 ns, ng, wo;
-    Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵
-    Rgb f0;       ///< F0 of the lobe
+    Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵ or T(cos_i)
+    Rgb f0;       ///< F0 of the lobe; under a coat, the factor of its reflection
     float cos_o = 0, alpha2 = 1;
-    float outgoing = 0;  ///< G1(cos_o)/(4 cos_o)
-    float share = 0;     ///< probability of sampling the lobe
+    float outgoing = 0;                    ///< G1(cos_o)/(4 cos_o)
+    float share = 0;                       ///< probability of sampling the lobe
+    float eta = 1;                         ///< of the coat
+    const float* transmittance = nullptr;  ///< steps of the coat's T; nullptr: no coat
     bool glossy = false;
     bool black = true;  ///< the surface reflects no light
 };
@@ -56,9 +58,29 @@ inline __attribute__((always_inline)) HalfVector half_vector(const LobeConstants
     return {k.alpha2 / (kPi * t * t), __builtin_sqrtf(sum2)};
 }
 
+/// f·cos of a glossy surface under a coat.
+inline __attribute__((always_inline)) void coated16(const LobeConstants& k, const float* x, const float* y,
+                                                    const float* z, RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
+        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
+        const bool above = c > 0 && g > 0;
+        const float cos = above ? c : 1.f;  // an arbitrary value that avoids division by zero
+        const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
+        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
+        const float fresnel = fresnel_outside(0.5f * h.sum, k.eta);
+        const float lobe = fresnel * (h.d * k.outgoing * (2 * cos / (cos + root)));
+        const float entry = transmitted(k.transmittance, cos) * cos, on = above ? 1.f : 0.f;
+        out.r[i] = on * (k.diffuse.x * entry + k.f0.x * lobe);
+        out.g[i] = on * (k.diffuse.y * entry + k.f0.y * lobe);
+        out.b[i] = on * (k.diffuse.z * entry + k.f0.z * lobe);
+    }
+}
+
 /// f·cos of a glossy surface.
 inline __attribute__((always_inline)) void glossy16(const LobeConstants& k, const float* x, const float* y,
                                                     const float* z, RgbBlock& out) {
+    if (k.transmittance) return coated16(k, x, y, z, out);
     for (int i = 0; i < 16; ++i) {
         const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
         const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];

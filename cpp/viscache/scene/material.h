@@ -12,16 +12,28 @@ enum class MaterialKind : uint8_t {
     kDielectric,  ///< smooth glass: `eta`; reflects and refracts
 };
 
+/// The layer over the Lambertian part of a glossy material.
+enum class CoatKind : uint8_t {
+    kNone,      ///< none: the lobe has Schlick's Fresnel term of `specular`
+    kSmooth,    ///< a smooth dielectric of index `eta`
+    kRough,     ///< a rough dielectric of index `eta` and of `roughness`
+    kBeckmann,  ///< the same for Beckmann's microfacets, whose lobe is GGX's here
+};
+
 struct Material {
     MaterialKind kind = MaterialKind::kDiffuse;
     Rgb base_color{0.5f, 0.5f, 0.5f};  ///< albedo of the Lambertian part, in [0, 1]
     Rgb specular{1, 1, 1};             ///< reflectance of the GGX or mirror part at normal incidence
     float roughness = 0.1f;            ///< GGX alpha, in [1e-3, 1]
-    float eta = 1.5f;                  ///< interior over exterior index of refraction
+    float eta = 1.5f;                  ///< interior over exterior index of refraction; of glass and of coats
     bool two_sided = true;             ///< false: the back side is black
     int base_texture = -1;             ///< image that multiplies `base_color`; -1: none
     int alpha_texture = -1;            ///< image whose alpha (or value) cuts holes; -1: none
     float alpha_cutoff = 0.5f;         ///< the surface is absent where alpha is below this value
+    CoatKind coat = CoatKind::kNone;  ///< of glossy materials; under a coat, `specular` scales its reflection
+    bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
+    bool thin = false;       ///< a dielectric that is a plate without thickness
+    float opacity = 1;       ///< share of the surface that is there; the rest are small holes
 };
 
 }  // namespace viscache

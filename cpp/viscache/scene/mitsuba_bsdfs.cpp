@@ -17,9 +17,15 @@ void MitsubaReader::set_base(Material& m, const ColorTexture& base) {
     m.base_texture = base.image;
 }
 
+/// Warns of lobes that are not GGX's: Mitsuba's own default is Beckmann's.
+bool MitsubaReader::is_ggx(Node node) {
+    const std::string wanted = lower(string(node, "distribution", "beckmann"));
+    if (wanted != "ggx")
+        warn_at(node, "microfacets are GGX here; the distribution '" + wanted + "' is not modelled");
+    return wanted == "ggx";
+}
+
 float MitsubaReader::roughness(Node node, double fallback) {
-    if (property(node, "distribution") && lower(string(node, "distribution", "")) != "ggx")
-        warn_at(node, "microfacets are GGX here; the distribution that is asked for is not modelled");
     if (property(node, "alpha_u") || property(node, "alpha_v"))
         return clamp_roughness(
             float(std::sqrt(std::max(0.0, number(node, "alpha_u", 0.1) * number(node, "alpha_v", 0.1)))));
@@ -42,18 +48,23 @@ double MitsubaReader::ior(Node owner, const char* name, double fallback) {
 }
 
 /// plastic, roughplastic: a diffuse base under a dielectric coating.
-Material MitsubaReader::glossy(Node node, Rgb base_fallback) {
+Material MitsubaReader::plastic(Node node, bool rough) {
     Material m;
     m.kind = MaterialKind::kGlossy;
-    set_base(m, color_texture(node, "diffuse_reflectance", base_fallback));
-    const float eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
-    m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}) * dielectric_f0(eta));
-    m.eta = eta;
+    m.coat = rough ? CoatKind::kRough : CoatKind::kSmooth;
+    if (rough && !is_ggx(node)) m.coat = CoatKind::kBeckmann;
+    m.nonlinear = boolean(node, "nonlinear", false);
+    m.two_sided = false;
+    set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
+    m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
+    m.eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
+    m.roughness = rough ? roughness(node, 0.1) : kSmoothRoughness;
     return m;
 }
 
 Material MitsubaReader::conductor(Node node, bool rough) {
     Material m;
+    if (rough) is_ggx(node);
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
     m.roughness = rough ? roughness(node, 0.1) : 0.1f;
@@ -78,6 +89,9 @@ Material MitsubaReader::dielectric(Node node) {
     Material m;
     m.kind = MaterialKind::kDielectric;
     m.eta = float(ior(node, "int_ior", 1.5046) / ior(node, "ext_ior", 1.000277));
+    for (const char* name : {"specular_reflectance", "specular_transmittance"})
+        if (const Node given = property(node, name); given && !(color(node, name, {1, 1, 1}) == Rgb{1, 1, 1}))
+            warn_at(given, "a factor of what glass reflects or transmits is not modelled; 1 is used");
     return m;
 }
 
@@ -115,9 +129,7 @@ Material MitsubaReader::mask(Node node, int depth) {
     const ColorTexture opacity = color_texture(node, "opacity", kGrey);
     m.alpha_texture = opacity.image;
     m.alpha_cutoff = 0.5f;
-    if (opacity.image < 0 && luminance(opacity.color) < 1)
-        warn_at(node,
-                "constant opacity " + std::to_string(luminance(opacity.color)) + " is not modelled; opaque");
+    if (opacity.image < 0) m.opacity = std::clamp(luminance(opacity.color), 0.f, 1.f);
     return m;
 }
 
@@ -139,9 +151,7 @@ Material MitsubaReader::bsdf(Node node, int depth) {
             warn_at(node, "'difftrans' is not modelled; diffuse reflection is used");
         }
     } else if (type == "plastic" || type == "roughplastic") {
-        m = glossy(node, kGrey);
-        m.two_sided = false;
-        m.roughness = type == "plastic" ? kSmoothRoughness : roughness(node, 0.1);
+        m = plastic(node, type == "roughplastic");
     } else if (type == "phong" || type == "ward") {
         m.kind = MaterialKind::kGlossy;
         set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
@@ -156,10 +166,7 @@ Material MitsubaReader::bsdf(Node node, int depth) {
         m = dielectric(node);
         if (type == "roughdielectric")
             warn_at(node, "'roughdielectric' is not modelled; smooth glass is used");
-        if (type == "thindielectric") {
-            m.eta = 1;
-            warn_at(node, "'thindielectric' is not modelled; light passes unchanged");
-        }
+        m.thin = type == "thindielectric";
     } else if (type == "principled" || type == "principledthin") {
         m = principled(node);
     } else if (type == "bumpmap" || type == "normalmap" || type == "coating" || type == "roughcoating" ||

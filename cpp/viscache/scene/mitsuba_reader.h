@@ -85,7 +85,8 @@ private:
     int material_of(Node shape);
     Material bsdf(Node node, int depth);
     Material nested(Node node, int depth);
-    Material glossy(Node node, Rgb base_fallback);
+    bool is_ggx(Node node);
+    Material plastic(Node node, bool rough);
     Material conductor(Node node, bool rough);
     Material dielectric(Node node);
     Material principled(Node node);

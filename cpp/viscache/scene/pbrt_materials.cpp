@@ -53,9 +53,11 @@ Material PbrtReader::coated(const std::string& type, const PbrtParams& params, c
     }
     m.base_color = clamp01(base.color);
     m.base_texture = base.image;
-    if (type == "uber" && params.has("opacity"))
-        if (const PbrtTexture opacity = color_texture(params, "opacity", kOne); opacity.image >= 0)
-            m.alpha_texture = opacity.image;
+    if (type == "uber" && params.has("opacity")) {
+        const PbrtTexture opacity = color_texture(params, "opacity", kOne);
+        m.alpha_texture = opacity.image;
+        if (opacity.image < 0) m.opacity = luminance(clamp01(opacity.color));
+    }
     if (type != "plastic")
         loading_.warn(where, "material '" + type +
                                  "' is not modelled in full; a glossy coat over a diffuse base is used");

@@ -138,12 +138,9 @@ int PbrtReader::shape_material(const PbrtParams& params, const std::string& wher
     const PbrtParam* alpha = params.find("alpha");
     if (!alpha) return now_.material;
     const PbrtTexture t = color_texture(params, "alpha", kOne);
-    if (t.image < 0) {
-        if (t.color.x < 1)
-            loading_.warn(where, "constant alpha " + std::to_string(t.color.x) + " is not modelled; opaque");
-        return now_.material;
-    }
+    if (t.image < 0 && t.color.x >= 1) return now_.material;
     Material m = loading_.scene.materials[size_t(now_.material)];
+    if (t.image < 0) m.opacity = t.color.x;
     m.alpha_texture = t.image;
     const int index = loading_.add_material(m);
     material_uv_[index] = m.base_texture >= 0 ? material_uv_[now_.material] : t.uv;

@@ -35,6 +35,16 @@ Mesh tessellate(const SphereLight& light) {
 
 Vec3 facing(Vec3 n, Vec3 side) { return dot(n, side) < 0 ? -n : n; }
 
+/// A number in [0, 1) for a cell of a triangle: a fixed pattern of `opacity`.
+float pattern(uint32_t mesh, uint32_t triangle, float u, float v) {
+    constexpr float kCells = 4096;  // along an edge
+    const auto cell = [](float x) { return uint64_t(uint32_t(int(std::floor(x * kCells)))); };
+    uint64_t h = (uint64_t(mesh) << 32 | triangle) * 0x9E3779B97F4A7C15ull;
+    h = (h ^ h >> 32 ^ (cell(u) << 32 | cell(v))) * 0xC2B2AE3D27D4EB4Full;
+    h = (h ^ h >> 29) * 0x9E3779B97F4A7C15ull;
+    return float(h >> 40) * 0x1p-24f;
+}
+
 float repeat(float x) { return x - std::floor(x); }
 
 }  // namespace
@@ -50,6 +60,7 @@ std::shared_ptr<const Scene> Scene::freeze(SceneDescription description, int thr
     scene->warn_of_size();
     scene->build_lights(threads);
     scene->add_sphere_light_meshes();
+    scene->build_coats();
     uint64_t first = 0;
     for (const Mesh& mesh : scene->d_.meshes) {
         scene->first_triangle_.push_back(first);
@@ -176,6 +187,13 @@ void Scene::add_sphere_light_meshes() {
     }
 }
 
+void Scene::build_coats() {
+    const auto coated = [](const Material& m) { return m.coat != CoatKind::kNone; };
+    if (std::none_of(d_.materials.begin(), d_.materials.end(), coated)) return;
+    for (const Material& m : d_.materials)
+        coats_.push_back(coated(m) ? &coat_of(m.coat, m.eta, m.roughness, m.nonlinear) : nullptr);
+}
+
 SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {
     const Mesh& mesh = d_.meshes[mesh_index];
     const Vec3u t = mesh.triangles[triangle];
@@ -225,12 +243,14 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
 }
 
 bool Scene::has_cutout(uint32_t mesh) const {
-    return d_.materials[size_t(d_.meshes[mesh].material)].alpha_texture >= 0;
+    const Material& material = d_.materials[size_t(d_.meshes[mesh].material)];
+    return material.alpha_texture >= 0 || material.opacity < 1;
 }
 
 bool Scene::solid_at(uint32_t mesh_index, uint32_t triangle, float u, float v) const {
     const Mesh& mesh = d_.meshes[mesh_index];
     const Material& material = d_.materials[size_t(mesh.material)];
+    if (material.opacity < 1 && !(pattern(mesh_index, triangle, u, v) < material.opacity)) return false;
     if (material.alpha_texture < 0 || mesh.uvs.empty()) return true;
     const Vec3u t = mesh.triangles[triangle];
     const Vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};

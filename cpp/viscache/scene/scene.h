@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "viscache/math/bounds.h"
+#include "viscache/scene/coat.h"
 #include "viscache/scene/description.h"
 #include "viscache/scene/envmap.h"
 #include "viscache/scene/lights.h"
@@ -21,6 +22,8 @@ public:
     const std::vector<Material>& materials() const { return d_.materials; }
     /// Number of meshes in the description. The meshes after them are tessellated sphere lights.
     size_t described_meshes() const { return described_meshes_; }
+    /// Coat of a material; nullptr if it has none.
+    const Coat* coat(int material) const { return coats_.empty() ? nullptr : coats_[size_t(material)]; }
     /// Number of materials in the description. One more material follows, for the sphere lights.
     size_t described_materials() const { return described_materials_; }
     /// Bounds of all placed meshes, without sphere lights.
@@ -51,7 +54,8 @@ public:
         return emission_means_.empty() || emission_means_[mesh].empty() ? d_.meshes[mesh].emission
                                                                         : emission_means_[mesh][triangle];
     }
-    /// False where the material's alpha cuts a hole.
+    /// False where the material's alpha cuts a hole, and in the holes of a fixed pattern that leave
+    /// `opacity` of the surface: cells of 1/4096 of the triangle's edges, chosen by a hash.
     bool solid_at(uint32_t mesh, uint32_t triangle, float u, float v) const;
     bool has_cutout(uint32_t mesh) const;
 
@@ -60,6 +64,7 @@ private:
     void build_lights(int threads);
     void average_emission();
     EmissiveImage emissive_image(const Mesh& mesh, Vec3u triangle) const;
+    void build_coats();
     void warn_of_size();
     void add_sphere_light_meshes();
     void measure();
@@ -69,6 +74,7 @@ private:
     Bounds bounds_;
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
+    std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat
     AreaLights area_lights_;
     std::vector<std::vector<Rgb>> emission_means_;  ///< of meshes whose emission has an image; else empty
     std::unique_ptr<EnvironmentMap> environment_;

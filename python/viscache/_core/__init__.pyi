@@ -15,6 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 __all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
@@ -26,6 +27,17 @@ class MaterialKind(enum.Enum):
     DIFFUSE: typing.ClassVar[MaterialKind]
     GLOSSY: typing.ClassVar[MaterialKind]
     MIRROR: typing.ClassVar[MaterialKind]
+    @classmethod
+    def __new__(cls, value):
+        ...
+class CoatKind(enum.Enum):
+    """
+    Layers over a glossy material.
+    """
+    BECKMANN: typing.ClassVar[CoatKind]
+    NONE: typing.ClassVar[CoatKind]
+    ROUGH: typing.ClassVar[CoatKind]
+    SMOOTH: typing.ClassVar[CoatKind]
     @classmethod
     def __new__(cls, value):
         ...
@@ -58,10 +70,14 @@ class SceneDescription:
         Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; returns
         its index.
         """
-    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5) -> int:
+    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5, coat: CoatKind = CoatKind.NONE, nonlinear: bool = False, thin: bool = False, opacity: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> int:
         """
         Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of
-        refraction, textures are indices of images, -1 for none.
+        refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a
+        dielectric layer of index eta, smooth or of the roughness; then specular scales its
+        reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be
+        thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;
+        the rest are small holes in a fixed pattern.
         """
     def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
         """

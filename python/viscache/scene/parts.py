@@ -61,15 +61,21 @@ def add_mesh(
 def _add_material(description: SceneDescription, material: Any) -> int:
     if isinstance(material, Mapping):
         given = dict(material)
-        kind = given.pop("kind", _core.MaterialKind.DIFFUSE)
-        if isinstance(kind, str):
-            known = [k.name.lower() for k in _core.MaterialKind]
-            require(kind in known, f"kind of a material must be one of {known}", kind)
-            kind = _core.MaterialKind[kind.upper()]
-        return description.add_material(kind, **given)
+        kind = _named(_core.MaterialKind, "kind", given.pop("kind", _core.MaterialKind.DIFFUSE))
+        coat = _named(_core.CoatKind, "coat", given.pop("coat", _core.CoatKind.NONE))
+        return description.add_material(kind, coat=coat, **given)
     rgb = tuple(float(v) for v in material)
     require(len(rgb) == 3, "base_color must have 3 values", len(rgb))
     return description.add_material(base_color=(rgb[0], rgb[1], rgb[2]))
+
+
+def _named(kinds: Any, what: str, given: Any) -> Any:
+    """A member of the enum, also by its name in lower case."""
+    if not isinstance(given, str):
+        return given
+    known = [k.name.lower() for k in kinds]
+    require(given in known, f"{what} of a material must be one of {known}", given)
+    return kinds[given.upper()]
 
 
 def add_trimesh(description: SceneDescription, given: Any) -> None:

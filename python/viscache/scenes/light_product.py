@@ -161,6 +161,9 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
         base=material["base_color"],
         specular=material["specular"],
         roughness=material["roughness"],
+        eta=material["eta"],
+        coat=material["coat"],
+        nonlinear=material["nonlinear"],
     )
     out = np.zeros_like(directions)
     out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))
