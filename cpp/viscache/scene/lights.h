@@ -14,13 +14,14 @@ struct EmissiveTriangle {
     Rgb radiance;
     float area;
     bool two_sided;
+    bool opaque;  ///< no holes: hides what lies behind it
 };
 
-/// Area lights: triangles first, then spheres, chosen with probability proportional to power.
+/// Area lights: triangles first, then spheres.
 struct AreaLights {
     std::vector<EmissiveTriangle> triangles;
     std::vector<SphereLight> spheres;
-    Distribution1D choice;  ///< over triangles, then spheres; empty when there are none
+    Distribution1D choice;  ///< by power, over triangles, then spheres; empty when there are none
     bool empty() const { return triangles.empty() && spheres.empty(); }
     size_t size() const { return triangles.size() + spheres.size(); }
 };

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "viscache/scene/check.h"
+#include "viscache/scene/light_tree.h"
 
 namespace viscache {
 
@@ -102,6 +103,7 @@ void Scene::build_lights(int threads) {
     std::vector<double> power;
     auto add = [&](const Mesh& mesh, const Affine* to_world) {
         if (!(max_component(mesh.emission) > 0)) return;
+        const bool opaque = !has_cutout(uint32_t(&mesh - d_.meshes.data()));
         for (Vec3u t : mesh.triangles) {
             Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
             if (to_world)
@@ -111,7 +113,7 @@ void Scene::build_lights(int threads) {
             const float area = 0.5f * length(n);
             if (!(area > 0) || !std::isfinite(area)) continue;  // degenerate triangles emit nothing
             area_lights_.triangles.push_back(
-                {p[0], p[1], p[2], normalize(n), mesh.emission, area, mesh.emits_two_sided});
+                {p[0], p[1], p[2], normalize(n), mesh.emission, area, mesh.emits_two_sided, opaque});
             power.push_back(double(area) * luminance(mesh.emission) * (mesh.emits_two_sided ? 2 : 1));
         }
     };
@@ -132,6 +134,11 @@ void Scene::build_lights(int threads) {
         e.image < 0
             ? EnvironmentMap::constant(e.scale)
             : EnvironmentMap::from_latlong(d_.images[size_t(e.image)], e.scale, e.to_world, 0, threads));
+}
+
+const LightTree& Scene::light_tree() const {
+    std::call_once(light_tree_once_, [&] { light_tree_ = std::make_shared<const LightTree>(area_lights_); });
+    return *light_tree_;
 }
 
 void Scene::add_sphere_light_meshes() {

@@ -1,6 +1,7 @@
 #pragma once
 // The immutable scene: a validated description and the values that every ray needs, computed once.
 #include <memory>
+#include <mutex>
 
 #include "viscache/math/bounds.h"
 #include "viscache/scene/description.h"
@@ -9,6 +10,8 @@
 #include "viscache/scene/surface.h"
 
 namespace viscache {
+
+class LightTree;
 
 class Scene {
 public:
@@ -35,6 +38,8 @@ public:
     uint64_t unique_triangles() const { return unique_triangles_; }
     uint64_t memory_bytes() const { return memory_bytes_; }
     const AreaLights& area_lights() const { return area_lights_; }
+    /// Tree over the area lights, of which there must be one at least. Built at the first call.
+    const LightTree& light_tree() const;
     /// nullptr if the scene has none.
     const EnvironmentMap* environment() const { return environment_.get(); }
     /// Index of the sphere light that a mesh tessellates, or -1.
@@ -63,6 +68,8 @@ private:
     uint64_t placed_triangles_ = 0, unique_triangles_ = 0, memory_bytes_ = 0;
     std::vector<uint64_t> first_triangle_;
     AreaLights area_lights_;
+    mutable std::once_flag light_tree_once_;
+    mutable std::shared_ptr<const LightTree> light_tree_;
     std::unique_ptr<EnvironmentMap> environment_;
 };
 
