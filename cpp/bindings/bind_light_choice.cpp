@@ -30,8 +30,8 @@ struct Receivers {
             throw py::value_error("positions and normals must have equal numbers of rows");
         const size_t lights = scene.area_lights().size();
         if (lights == 0) throw py::value_error("scene must have area lights");
-        if (way == ChoiceWay::kEach && lights > kFewLightsToChoose)
-            throw py::value_error("way must not be each for more than " + std::to_string(kFewLightsToChoose) +
+        if (way == ChoiceWay::kEach && lights > kMostLightsEach)
+            throw py::value_error("way must not be each for more than " + std::to_string(kMostLightsEach) +
                                   " lights, got " + std::to_string(lights));
     }
     size_t size() const { return positions.size(); }

@@ -12,9 +12,9 @@ import pytest
 from scipy import stats
 
 import viscache as vc
+from render.mitsuba_frames import assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, ball, box, quad
 from render.strip_lights import strip_lights
-from render.test_mitsuba import assert_same, ours, theirs
 from render.ztest import compare
 from viscache._core import _testing
 
@@ -208,24 +208,25 @@ def lamps(count: int) -> Model:
 @pytest.mark.mitsuba
 @pytest.mark.stat
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [6, 60], ids=["each", "tree"])
-def test_many_area_lights_are_mitsubas(count: int, mi: Any, tmp_path: Path) -> None:
-    model = lamps(count)
+@pytest.mark.parametrize(("count", "n_area"), [(6, 32), (60, 4)], ids=["each", "tree"])
+def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_path: Path) -> None:
+    model, direct = lamps(count), vc.Direct(n_area=n_area)
+    spp = 512 // n_area
     reference = theirs(mi, model.to_mitsuba(mi, (48, 32), tmp_path), spp=128)
-    image = ours(model.to_viscache(), vc.Direct(n_area=32))
+    image = ours(model.to_viscache(), direct, spp=spp)
     assert_same(image, reference)
     dropped = replace(model, parts=model.parts[:-1])
-    wrong = ours(dropped.to_viscache(), vc.Direct(n_area=32), seeds=4)
+    wrong = ours(dropped.to_viscache(), direct, spp=spp, seeds=4)
     assert not compare(wrong, reference).same
 
 
 @pytest.mark.stat
-@pytest.mark.parametrize("count", [6, 60], ids=["each", "tree"])
-def test_both_choices_have_the_same_mean(count: int) -> None:
+@pytest.mark.parametrize(("count", "n_area"), [(6, 64), (60, 4)], ids=["each", "tree"])
+def test_both_choices_have_the_same_mean(count: int, n_area: int) -> None:
     scene = lamps(count).to_viscache()
     size = (24, 16)
     by_power = ours(scene, vc.Direct(n_area=64, light_choice="power"), spp=16, seeds=8, size=size)
-    by_light = ours(scene, vc.Direct(n_area=64), spp=16, seeds=8, size=size)
+    by_light = ours(scene, vc.Direct(n_area=n_area), spp=1024 // n_area, seeds=8, size=size)
     assert compare(by_light, by_power).same
     assert not compare(0.98 * by_light, by_power).same
 

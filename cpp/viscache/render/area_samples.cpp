@@ -1,4 +1,7 @@
 // Samples of area lights: points on lights, and at glossy points also directions by the BRDF.
+#include <algorithm>
+#include <array>
+
 #include "viscache/render/emitter_rays.h"
 #include "viscache/render/eye_samples.h"
 #include "viscache/render/light_choice.h"
@@ -21,7 +24,8 @@ public:
           x_(eyes.block.position[eye]),
           origin_(eyes.block.origin[eye]),
           throughput_(eyes.throughput[eye]),
-          lights_(scene, choice_way(scene.area_lights(), settings.light_choice), {x_, sp_.ns}),
+          lights_(scene, choice_way(scene.area_lights(), settings.light_choice, settings.n_area),
+                  {x_, sp_.ns}),
           n_light_(settings.n_area),
           n_brdf_(sp_.kind == MaterialKind::kGlossy ? settings.n_brdf : 0),
           out_(out),
@@ -123,6 +127,12 @@ private:
 };
 
 }  // namespace
+
+int most_area_samples(const Scene& scene, const IntegratorSettings& settings) {
+    const auto glossy = [](const Material& m) { return m.kind == MaterialKind::kGlossy; };
+    const bool any = std::any_of(scene.materials().begin(), scene.materials().end(), glossy);
+    return settings.n_area + (any ? settings.n_brdf : 0);
+}
 
 void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                       const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,

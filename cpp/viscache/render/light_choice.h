@@ -13,15 +13,15 @@ namespace viscache {
 enum class ChoiceWay { kPower, kEach, kTree };
 
 /// At most this many lights are estimated one by one.
-constexpr size_t kFewLightsToChoose = 64;
+constexpr size_t kMostLightsEach = 256;
 
-/// The way of choice for a scene with area lights.
-ChoiceWay choice_way(const AreaLights& lights, LightChoice choice);
+/// The way of choice for a scene with area lights, and `n_area` samples per eye point.
+ChoiceWay choice_way(const AreaLights& lights, LightChoice choice, int n_area);
 
 /// The choice at one eye point.
 class LightsAt {
 public:
-    /// `scene` must have area lights, at most kFewLightsToChoose for kEach.
+    /// `scene` must have area lights, at most kMostLightsEach for kEach.
     LightsAt(const Scene& scene, ChoiceWay way, const Receiver& receiver);
 
     /// Chooses a light by u in [0, 1). Empty only where no light can contribute.
@@ -38,7 +38,7 @@ private:
     const ChoiceWay way_;
     const Receiver receiver_;
     const LightTree* tree_ = nullptr;
-    std::array<double, kFewLightsToChoose> sums_;  ///< running sums of the estimates, for kEach
+    std::array<double, kMostLightsEach> sums_;  ///< running sums of the estimates, for kEach
 };
 
 }  // namespace viscache

@@ -39,8 +39,8 @@ class Direct:
     light_choice : {"contribution", "power"}
         How each of these samples chooses its light. "contribution": by the light that it can send
         to the eye point, estimated from its radiance, solid angle and cosines, without shadows.
-        Up to 64 triangles and spheres are estimated one by one; a tree over the lights (Conty
-        Estevez, Kulla 2018) serves more. "power": alike at all eye points.
+        Up to 16 · `n_area` triangles and spheres (256 at most) are estimated one by one; a tree
+        over the lights (Conty Estevez, Kulla 2018) serves more. "power": alike at all eye points.
     n_environment : int >= 0
         Samples per eye point of the environment by its radiance.
     n_brdf : int >= 0
