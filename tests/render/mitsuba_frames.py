@@ -48,3 +48,20 @@ def assert_same(a: Images, b: Images, tolerance: float = ROUNDING) -> None:
     assert not compare(0.99 * a, b, tolerance=tolerance).same, (
         "the test has no power to see 1 % of the energy"
     )
+
+
+def area_layers(
+    scene: vc.Scene,
+    integrator: Any,
+    *,
+    spp: int = 4,
+    seeds: int = 6,
+    size: tuple[int, int] = (24, 16),
+    first: int = 0,
+) -> Images:
+    """Light of area lights alone, without what is seen directly."""
+    frames = [
+        vc.render(scene, integrator, size=size, spp=spp, seed=first + i) for i in range(seeds)
+    ]
+    assert all(f.counters["non_finite"] == 0 for f in frames)
+    return np.stack([f.layers["area"] for f in frames]).astype(np.float64)
