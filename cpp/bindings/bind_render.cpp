@@ -40,6 +40,10 @@ void bind_render(py::module_& m) {
         .value("LAST_VERTEX", PMode::kLastVertex)
         .value("FOOTPRINT", PMode::kFootprint)
         .finalize();
+    py::native_enum<LightChoice>(m, "LightChoice", "enum.Enum", "How one of several area lights is chosen.")
+        .value("CONTRIBUTION", LightChoice::kContribution)
+        .value("POWER", LightChoice::kPower)
+        .finalize();
     py::native_enum<EnvironmentSampling>(m, "EnvironmentSampling", "enum.Enum",
                                          "How the environment is sampled.")
         .value("MIS", EnvironmentSampling::kMis)
@@ -70,6 +74,7 @@ void bind_render(py::module_& m) {
         .def_readwrite("max_depth", &IntegratorSettings::max_depth)
         .def_readwrite("shade_after_specular", &IntegratorSettings::shade_after_specular)
         .def_readwrite("n_area", &IntegratorSettings::n_area)
+        .def_readwrite("light_choice", &IntegratorSettings::light_choice)
         .def_readwrite("n_environment", &IntegratorSettings::n_environment)
         .def_readwrite("n_brdf", &IntegratorSettings::n_brdf)
         .def_readwrite("environment", &IntegratorSettings::environment)

@@ -15,6 +15,7 @@ void bind_frames(py::module_& m);
 void bind_eye_paths(py::module_& m);
 void bind_kept_table(py::module_& m);
 void bind_light_and_reflection(py::module_& m);
+void bind_light_choice(py::module_& m);
 void bind_lobes(py::module_& m);
 void bind_loaders(py::module_& m);
 void bind_math(py::module_& m);
@@ -74,6 +75,7 @@ PYBIND11_MODULE(_core, m) {
     bind_vismap_cache(m);
     bind_relighting(m);
     bind_warp(m);
+    bind_light_choice(m);
     bind_lobes(m);
     bind_vismap_render(m);
     bind_vlf_directions(m);

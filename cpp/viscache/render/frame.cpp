@@ -215,8 +215,8 @@ private:
         const bool environment = s.direct && c_.scene.environment() && s.n_environment + s.n_brdf > 0 &&
                                  s.environment == EnvironmentSampling::kMis;
         if (area)
-            add_batches(Semantic::kSurface, LightGroup::kArea, s.n_area, counters, stages, clock, control,
-                        [&](uint32_t eye) {
+            add_batches(Semantic::kSurface, LightGroup::kArea, most_area_samples(c_.scene, s), counters,
+                        stages, clock, control, [&](uint32_t eye) {
                             if (!is_black(eyes_.shading[eye]))
                                 add_area_samples(c_.scene, eyes_, eye, s, c_.frame.seed, local_, counters);
                         });

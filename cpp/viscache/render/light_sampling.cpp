@@ -1,5 +1,6 @@
 #include "viscache/render/light_sampling.h"
 
+#include "viscache/render/light_choice.h"
 #include "viscache/sampling/warp.h"
 
 namespace viscache {
@@ -126,30 +127,78 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     return {};
 }
 
-std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u) {
-    const AreaLights& lights = scene.area_lights();
-    const auto pick = lights.choice.sample(u_choice);
-    const float extent = scene.offset_extent();
-    if (pick.index < lights.triangles.size()) {
-        const EmissiveTriangle& t = lights.triangles[pick.index];
+namespace {
+
+/// `weights`: barycentric weights of the vertices b and c at the point.
+AreaSample on_triangle(const LightsAt& at, float extent, size_t light, Vec3 p, Vec3 n, Vec2 weights,
+                       double pmf) {
+    const AreaLights& lights = at.lights();
+    const EmissiveTriangle& t = lights.triangles[light];
+    const auto by_power = float(lights.choice.pmf(light));
+    return {p,
+            n,
+            spawn(p, n, extent),
+            lights.radiance_at(light, weights),
+            float(pmf) / t.area,
+            by_power / t.area,
+            light};
+}
+
+/// Density of `sample_sphere_light` per area at a point of the sphere.
+float cone_pdf(const SphereLight& s, Vec3 from, Vec3 point, Vec3 normal) {
+    const Vec3 axis = s.center - from, back = from - point;
+    const double d2 = double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z;
+    const double share = double(s.radius) * s.radius / d2;
+    if (!(share < 1)) return 0;
+    const double cone = share / (1 + std::sqrt(1 - share)), distance2 = length2(back);
+    const double cosine = dot(normal, back) / std::sqrt(distance2);
+    return float(cosine / (2 * M_PI * cone * distance2));
+}
+
+/// `pdf_cone`: density per area of sampling the cone that the sphere spans.
+AreaSample on_sphere(const LightsAt& at, float extent, size_t light, Vec3 p, Vec3 n, double pmf,
+                     float pdf_cone) {
+    const AreaLights& lights = at.lights();
+    const SphereLight& s = lights.spheres[light - lights.triangles.size()];
+    const auto by_power = float(lights.choice.pmf(light));
+    // A point sees at most half of a sphere
+    return {p,
+            n,
+            spawn(p, n, extent),
+            s.radiance,
+            float(pmf) * pdf_cone,
+            by_power / (2 * kPi * s.radius * s.radius),
+            light};
+}
+
+}  // namespace
+
+std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, double u_choice, Vec2 u) {
+    const AreaLights& lights = at.lights();
+    const auto pick = at.pick(u_choice);
+    if (!pick) return std::nullopt;
+    if (pick->light < lights.triangles.size()) {
+        const EmissiveTriangle& t = lights.triangles[pick->light];
         const Vec2 b = square_to_triangle(u);
         const Vec3 p = t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y;
-        const bool behind = dot(t.normal, from - p) <= 0;
+        const bool behind = dot(t.normal, at.position() - p) <= 0;
         if (behind && !t.two_sided) return std::nullopt;
-        const Vec3 n = behind ? -t.normal : t.normal;
-        const float pdf = float(pick.pmf) / t.area;
-        return AreaSample{p, n, spawn(p, n, extent), lights.radiance_at(pick.index, b), pdf, pdf};
+        return on_triangle(at, extent, pick->light, p, behind ? -t.normal : t.normal, b, pick->pmf);
     }
-    const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
-    const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);
-    if (!on_sphere) return std::nullopt;
-    // A point sees at most half of a sphere
-    return AreaSample{on_sphere->p,
-                      on_sphere->n,
-                      spawn(on_sphere->p, on_sphere->n, extent),
-                      s.radiance,
-                      float(pick.pmf) * on_sphere->pdf_area,
-                      float(pick.pmf) / (2 * kPi * s.radius * s.radius)};
+    const SphereLight& s = lights.spheres[pick->light - lights.triangles.size()];
+    const auto sample = sample_sphere_light(s.center, s.radius, at.position(), u);
+    if (!sample) return std::nullopt;
+    return on_sphere(at, extent, pick->light, sample->p, sample->n, pick->pmf, sample->pdf_area);
+}
+
+AreaSample area_sample_at(const LightsAt& at, float extent, size_t light, Vec3 point, Vec3 normal,
+                          Vec2 weights) {
+    const double pmf = at.pmf(light);
+    const AreaLights& lights = at.lights();
+    if (light < lights.triangles.size()) return on_triangle(at, extent, light, point, normal, weights, pmf);
+    const SphereLight& s = lights.spheres[light - lights.triangles.size()];
+    const float pdf = cone_pdf(s, at.position(), point, normal);
+    return on_sphere(at, extent, light, point, normal, pmf, pdf);
 }
 
 }  // namespace viscache

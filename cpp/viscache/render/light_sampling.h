@@ -9,6 +9,8 @@
 
 namespace viscache {
 
+class LightsAt;
+
 enum class LightKind { kPoint, kDirectional, kTriangle, kSphere, kEnvironment };
 
 /// Whether the light comes from infinity, as parallel rays.
@@ -63,11 +65,17 @@ struct AreaSample {
     Vec3 ray_end;  ///< offset from the surface of the light
     Rgb radiance;
     float pdf_area;  ///< density per m², choice of the light included
-    float pdf_even;  ///< the same for even sampling of the side of a light that a point can see; independent
-                     ///< of the eye point
+    float pdf_even;  ///< the same for a choice by power and even sampling of the side of a light that a point
+                     ///< can see; independent of the eye point
+    size_t light;    ///< over triangles, then spheres
 };
-/// Chooses a light by power. Triangles are sampled uniformly, spheres in the cone they span. Empty if the
-/// light faces away.
-std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u);
+/// Chooses a light. Triangles are sampled uniformly, spheres in the cone they span. Empty if the light faces
+/// away. `extent`: Scene::offset_extent.
+std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, double u_choice, Vec2 u);
+
+/// A point on a light that was found in another way. `normal`: of the light, on the side of the eye point,
+/// which is outside of spheres; `weights`: barycentric weights of a triangle's vertices b and c.
+AreaSample area_sample_at(const LightsAt& at, float extent, size_t light, Vec3 point, Vec3 normal,
+                          Vec2 weights);
 
 }  // namespace viscache

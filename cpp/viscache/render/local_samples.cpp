@@ -1,9 +1,7 @@
 #include "viscache/render/local_samples.h"
 
-#include "viscache/render/light_sampling.h"
+#include "viscache/render/eye_samples.h"
 #include "viscache/sampling/hemisphere_batch.h"
-#include "viscache/sampling/low_discrepancy.h"
-#include "viscache/sampling/rng.h"
 #include "viscache/sampling/sphere_batch.h"
 #include "viscache/scene/lobes.h"
 
@@ -29,53 +27,6 @@ ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float 
     q.density = density;
     q.t_max = t_max;
     return q;
-}
-
-namespace {
-
-/// Randomised low-discrepancy samples of one eye point and purpose: a (0,2)-sequence for positions, and one
-/// number per sample for choices. The choices are shuffled, because they would be correlated with the
-/// positions otherwise.
-struct EyeSamples {
-    uint32_t sx, sy, choice_scramble, choice_shuffle;
-    EyeSamples(uint64_t seed, Purpose purpose, uint64_t stream) {
-        Rng rng(seed, purpose, stream, 0);
-        sx = rng.next_u32();
-        sy = rng.next_u32();
-        choice_scramble = rng.next_u32();
-        choice_shuffle = rng.next_u32();
-    }
-    Vec2 position(int i) const { return sobol02(uint32_t(i), sx, sy); }
-    float choice(int i) const {
-        return sobol02(owen_scramble(uint32_t(i), choice_shuffle), choice_scramble, 0).x;
-    }
-};
-
-}  // namespace
-
-void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
-                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
-                      Counters& counters) {
-    const EyeSamples samples(seed, Purpose::kAreaLight, eyes.stream[eye]);
-    const ShadingPoint& sp = eyes.shading[eye];
-    const Vec3 x = eyes.block.position[eye];
-    const int n = settings.n_area;
-    for (int i = 0; i < n; ++i) {
-        const auto y = sample_area_light(scene, x, samples.choice(i), samples.position(i));
-        if (!y) continue;
-        const Vec3 d = y->point - x;
-        const float d2 = length2(d);
-        const Vec3 wi = d / std::sqrt(d2);
-        const float cos_x = dot(sp.ns, wi), cos_y = -dot(y->normal, wi);
-        if (!(cos_x > 0 && dot(sp.ng, wi) > 0 && cos_y > 0)) continue;
-        const Rgb value = eyes.throughput[eye] * eval_bsdf(sp, wi) * y->radiance *
-                          (cos_x * cos_y / (d2 * y->pdf_area * float(n)));
-        if (out.add(y->point, value, float(n) * y->pdf_area, float(n) * y->pdf_even, counters)) {
-            out.at.normal.push_back(y->normal);
-            out.at.ray_end.push_back(y->ray_end);
-        }
-    }
-    out.at.close(eye);
 }
 
 namespace {

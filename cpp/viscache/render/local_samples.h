@@ -28,6 +28,9 @@ struct WeightedSamples {
 ShadowQuery query_towards(uint32_t eye, Vec3 direction, LightGroup group, float density,
                           float t_max = kInfinity);
 
+/// Largest number of samples of area lights per eye point.
+int most_area_samples(const Scene& scene, const IntegratorSettings& settings);
+
 // Each function adds the samples of one eye point and closes its row.
 void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
                       const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,

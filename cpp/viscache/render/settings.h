@@ -14,6 +14,12 @@ enum class PMode {
     kFootprint,   ///< ray differentials
 };
 
+/// How one of several area lights is chosen for a sample.
+enum class LightChoice {
+    kContribution,  ///< by its estimated contribution to the eye point, without shadows
+    kPower,
+};
+
 /// How the environment is sampled.
 enum class EnvironmentSampling {
     kMis,      ///< by radiance and by the BRDF, combined by the balance heuristic
@@ -40,9 +46,10 @@ struct IntegratorSettings {
     bool shade_after_specular = false;  ///< false (Direct): only emission is seen through mirrors and glass
 
     // Samples per eye point
-    int n_area = 16;         ///< over all area lights, chosen by power
+    int n_area = 16;  ///< light samples, over all area lights
+    LightChoice light_choice = LightChoice::kContribution;
     int n_environment = 16;  ///< light samples of the environment
-    int n_brdf = 16;         ///< BRDF samples of the environment
+    int n_brdf = 16;         ///< BRDF samples of the environment, and at glossy points of area lights
     EnvironmentSampling environment = EnvironmentSampling::kMis;
     int passes = 1;  ///< passes of n_environment product samples each
     PointSet points = PointSet::kZeroTwo;

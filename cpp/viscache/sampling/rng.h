@@ -26,7 +26,8 @@ enum class Purpose : uint32_t {
     kEyeSubpath,
     kLightSubpath,
     kRoulette,
-    kResidual
+    kResidual,
+    kAreaBrdf
 };
 
 /// Bijective 64-bit mixer (variant 13 of Stafford's murmur finalisers).

@@ -14,6 +14,7 @@ struct EmissiveTriangle {
     Rgb radiance;  ///< mean over the triangle
     float area;
     bool two_sided;
+    bool opaque;  ///< no holes: hides what lies behind it
 };
 
 /// The image of an emitting triangle: the radiance at a point is `scale` times the image at its uv.
@@ -27,12 +28,12 @@ Rgb image_radiance(const EmissiveImage& picture, Vec2 weights);
 /// Mean of `image_radiance` over the triangle: one sample per texel that it covers, or `most_samples`.
 Rgb mean_radiance(const EmissiveImage& picture, size_t most_samples);
 
-/// Area lights: triangles first, then spheres, chosen with probability proportional to power.
+/// Area lights: triangles first, then spheres.
 struct AreaLights {
     std::vector<EmissiveTriangle> triangles;
     std::vector<SphereLight> spheres;
     std::vector<EmissiveImage> images;  ///< one per triangle; empty if no light has an image
-    Distribution1D choice;              ///< over triangles, then spheres; empty when there are none
+    Distribution1D choice;              ///< by power, over triangles, then spheres; empty when there are none
     bool empty() const { return triangles.empty() && spheres.empty(); }
     size_t size() const { return triangles.size() + spheres.size(); }
     /// Radiance of a triangle at the barycentric weights of its vertices b and c.

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "viscache/scene/check.h"
+#include "viscache/scene/light_tree.h"
 
 namespace viscache {
 
@@ -141,6 +142,7 @@ void Scene::build_lights(int threads) {
     auto add = [&](size_t index, const Affine* to_world) {
         const Mesh& mesh = d_.meshes[index];
         if (!(max_component(mesh.emission) > 0)) return;
+        const bool opaque = !has_cutout(uint32_t(index));
         for (size_t i = 0; i < mesh.triangles.size(); ++i) {
             const Vec3u t = mesh.triangles[i];
             Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
@@ -153,7 +155,7 @@ void Scene::build_lights(int threads) {
             const Rgb radiance = mean_emission(uint32_t(index), uint32_t(i));
             if (!(max_component(radiance) > 0)) continue;
             area_lights_.triangles.push_back(
-                {p[0], p[1], p[2], normalize(n), radiance, area, mesh.emits_two_sided});
+                {p[0], p[1], p[2], normalize(n), radiance, area, mesh.emits_two_sided, opaque});
             if (!emission_means_.empty()) area_lights_.images.push_back(emissive_image(mesh, t));
             power.push_back(double(area) * luminance(radiance) * (mesh.emits_two_sided ? 2 : 1));
         }
@@ -175,6 +177,11 @@ void Scene::build_lights(int threads) {
         e.image < 0
             ? EnvironmentMap::constant(e.scale)
             : EnvironmentMap::from_latlong(d_.images[size_t(e.image)], e.scale, e.to_world, 0, threads));
+}
+
+const LightTree& Scene::light_tree() const {
+    std::call_once(light_tree_once_, [&] { light_tree_ = std::make_shared<const LightTree>(area_lights_); });
+    return *light_tree_;
 }
 
 void Scene::add_sphere_light_meshes() {

@@ -1,6 +1,7 @@
 #pragma once
 // The immutable scene: a validated description and the values that every ray needs, computed once.
 #include <memory>
+#include <mutex>
 
 #include "viscache/math/bounds.h"
 #include "viscache/scene/coat.h"
@@ -10,6 +11,8 @@
 #include "viscache/scene/surface.h"
 
 namespace viscache {
+
+class LightTree;
 
 class Scene {
 public:
@@ -38,6 +41,8 @@ public:
     uint64_t unique_triangles() const { return unique_triangles_; }
     uint64_t memory_bytes() const { return memory_bytes_; }
     const AreaLights& area_lights() const { return area_lights_; }
+    /// Tree over the area lights, of which there must be one at least. Built at the first call.
+    const LightTree& light_tree() const;
     /// nullptr if the scene has none.
     const EnvironmentMap* environment() const { return environment_.get(); }
     /// Index of the sphere light that a mesh tessellates, or -1.
@@ -77,6 +82,8 @@ private:
     std::vector<const Coat*> coats_;  ///< by material; empty if none has a coat
     AreaLights area_lights_;
     std::vector<std::vector<Rgb>> emission_means_;  ///< of meshes whose emission has an image; else empty
+    mutable std::once_flag light_tree_once_;
+    mutable std::shared_ptr<const LightTree> light_tree_;
     std::unique_ptr<EnvironmentMap> environment_;
 };
 

@@ -35,12 +35,17 @@ class Direct:
     Parameters
     ----------
     n_area : int >= 0
-        Samples per eye point over all area lights together, chosen by power.
+        Samples per eye point over all area lights together; 0 leaves area lights out.
+    light_choice : {"contribution", "power"}
+        How each of these samples chooses its light. "contribution": by the light that it can send
+        to the eye point, estimated from its radiance, solid angle and cosines, without shadows.
+        Up to 16 · `n_area` triangles and spheres (256 at most) are estimated one by one; a tree
+        over the lights (Conty Estevez, Kulla 2018) serves more. "power": alike at all eye points.
     n_environment : int >= 0
         Samples per eye point of the environment by its radiance.
     n_brdf : int >= 0
-        Samples per eye point of the environment by the BRDF; both are combined by the balance
-        heuristic.
+        Samples per eye point by the BRDF: of the environment, and at glossy points of area lights.
+        They are combined with those of the lights by the balance heuristic (Veach, Guibas 1995).
     environment : {"mis", "product", "shared"}
         "mis": as above. "product": `n_environment` directions per eye point and pass, drawn by
         light × reflection, without `n_brdf`. `VisMaps` always does this. "shared": `n_environment`
@@ -62,6 +67,7 @@ class Direct:
     """
 
     n_area: int = 16
+    light_choice: Literal["contribution", "power"] = "contribution"
     n_environment: int = 16
     n_brdf: int = 16
     environment: Literal["mis", "product", "shared"] = "mis"
@@ -107,7 +113,7 @@ class Whitted:
         Virtual point lights of your own; `n_vpls` and the parameters of tracing are not used.
     environment : {"mis", "shared"}
         As in `Direct`.
-    n_area, n_environment, n_brdf, p_mode, cosmin
+    n_area, light_choice, n_environment, n_brdf, p_mode, cosmin
         As in `Direct`.
     """
 
@@ -119,6 +125,7 @@ class Whitted:
     vpl_bound: float = 0.01
     vpls: Vpls | None = None
     n_area: int = 16
+    light_choice: Literal["contribution", "power"] = "contribution"
     n_environment: int = 16
     n_brdf: int = 16
     environment: Literal["mis", "shared"] = "mis"
@@ -293,8 +300,9 @@ def core_settings(integrator: Integrator) -> _core.IntegratorSettings:
         core.ambient_engine = _core.AmbientEngine[integrator.engine.upper()]
         return core
     for field in fields(integrator):
-        if field.name not in ("p_mode", "environment", "points", "vpls"):
+        if field.name not in ("p_mode", "light_choice", "environment", "points", "vpls"):
             setattr(core, field.name, getattr(integrator, field.name))
+    core.light_choice = _core.LightChoice[integrator.light_choice.upper()]
     core.environment = _core.EnvironmentSampling[integrator.environment.upper()]
     if isinstance(integrator, Direct):
         even = integrator.points == "even"

@@ -1,0 +1,98 @@
+// The choice among area lights, for tests.
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "checked_rows.h"
+#include "viscache/render/emitter_rays.h"
+#include "viscache/render/light_choice.h"
+
+namespace viscache::bindings {
+
+namespace {
+
+ChoiceWay way_named(const std::string& name) {
+    if (name == "power") return ChoiceWay::kPower;
+    if (name == "each") return ChoiceWay::kEach;
+    if (name == "tree") return ChoiceWay::kTree;
+    throw py::value_error("way must be power, each or tree, got " + name);
+}
+
+/// Receivers of a scene with area lights.
+struct Receivers {
+    const Scene& scene;
+    ChoiceWay way;
+    std::span<const Vec3> positions, normals;
+
+    Receivers(const Scene& s, const std::string& name, const FloatArray& x, const FloatArray& n)
+        : scene(s), way(way_named(name)), positions(usable(x, "positions")), normals(units(n, "normals")) {
+        if (normals.size() != positions.size())
+            throw py::value_error("positions and normals must have equal numbers of rows");
+        const size_t lights = scene.area_lights().size();
+        if (lights == 0) throw py::value_error("scene must have area lights");
+        if (way == ChoiceWay::kEach && lights > kMostLightsEach)
+            throw py::value_error("way must not be each for more than " + std::to_string(kMostLightsEach) +
+                                  " lights, got " + std::to_string(lights));
+    }
+    size_t size() const { return positions.size(); }
+    LightsAt at(size_t i) const { return {scene, way, {positions[i], normals[i]}}; }
+};
+
+std::tuple<py::array_t<int64_t>, py::array_t<double>> choose(const Scene& scene, const std::string& way,
+                                                             const FloatArray& positions,
+                                                             const FloatArray& normals,
+                                                             const DoubleArray& u) {
+    const Receivers receivers(scene, way, positions, normals);
+    if (u.ndim() != 1 || size_t(u.shape(0)) != receivers.size())
+        throw py::value_error("u must have shape (N,), got " + shape_text(u));
+    py::array_t<int64_t> light(u.shape(0));
+    py::array_t<double> pmf(u.shape(0));
+    for (size_t i = 0; i < receivers.size(); ++i) {
+        const auto pick = receivers.at(i).pick(u.data()[i]);
+        light.mutable_data()[i] = pick ? int64_t(pick->light) : -1;
+        pmf.mutable_data()[i] = pick ? pick->pmf : 0;
+    }
+    return {light, pmf};
+}
+
+py::array_t<double> probabilities(const Scene& scene, const std::string& way, const FloatArray& positions,
+                                  const FloatArray& normals) {
+    const Receivers receivers(scene, way, positions, normals);
+    const size_t lights = scene.area_lights().size();
+    py::array_t<double> pmf({py::ssize_t(receivers.size()), py::ssize_t(lights)});
+    for (size_t i = 0; i < receivers.size(); ++i) {
+        const LightsAt at = receivers.at(i);
+        for (size_t k = 0; k < lights; ++k) pmf.mutable_data()[i * lights + k] = at.pmf(k);
+    }
+    return pmf;
+}
+
+std::tuple<py::array_t<int64_t>, py::array_t<float>> nearest(const Scene& scene, const FloatArray& origins,
+                                                             const FloatArray& directions) {
+    const auto o = usable(origins, "origins"), d = units(directions, "directions");
+    if (d.size() != o.size()) throw py::value_error("origins and directions must have equal numbers of rows");
+    py::array_t<int64_t> light(origins.shape(0));
+    std::vector<Vec3> points(o.size());
+    for (size_t i = 0; i < o.size(); ++i) {
+        const auto hit = nearest_emitter(scene, {o[i], 0, d[i], kInfinity});
+        light.mutable_data()[i] = hit ? int64_t(hit->light) : -1;
+        if (hit) points[i] = hit->point;
+    }
+    return {light, from_vec3s(points)};
+}
+
+}  // namespace
+
+void bind_light_choice(py::module_& m) {
+    py::module_ t = m.def_submodule("_testing");
+    t.def("choose_light", &choose, py::arg("scene"), py::arg("way"), py::arg("positions"), py::arg("normals"),
+          py::arg("u"),
+          "Lights (N,) chosen at points with shading normals by numbers u, and their probabilities (N,). "
+          "Lights are counted over triangles, then spheres; -1: none contributes.");
+    t.def("light_probabilities", &probabilities, py::arg("scene"), py::arg("way"), py::arg("positions"),
+          py::arg("normals"), "Probabilities (N, lights) of the choice at points with shading normals.");
+    t.def("nearest_emitter", &nearest, py::arg("scene"), py::arg("origins"), py::arg("directions"),
+          "Lights (N,) that rays find among the lights alone, -1 for none, and the points (N, 3).");
+}
+
+}  // namespace viscache::bindings

@@ -1,0 +1,147 @@
+// Samples of area lights: points on lights, and at glossy points also directions by the BRDF.
+#include <algorithm>
+#include <array>
+
+#include "viscache/render/emitter_rays.h"
+#include "viscache/render/eye_samples.h"
+#include "viscache/render/light_choice.h"
+#include "viscache/render/light_sampling.h"
+#include "viscache/render/local_samples.h"
+#include "viscache/scene/lobes.h"
+
+namespace viscache {
+
+namespace {
+
+/// Samples of one eye point, weighted by the balance heuristic: f·cos·L / Σ_t n_t p_t. All densities are per
+/// area of the light.
+class AreaSampler {
+public:
+    AreaSampler(const Scene& scene, const EyeTile& eyes, uint32_t eye, const IntegratorSettings& settings,
+                WeightedSamples& out, Counters& counters)
+        : scene_(scene),
+          sp_(eyes.shading[eye]),
+          x_(eyes.block.position[eye]),
+          origin_(eyes.block.origin[eye]),
+          throughput_(eyes.throughput[eye]),
+          lights_(scene, choice_way(scene.area_lights(), settings.light_choice, settings.n_area),
+                  {x_, sp_.ns}),
+          n_light_(settings.n_area),
+          n_brdf_(sp_.kind == MaterialKind::kGlossy ? settings.n_brdf : 0),
+          out_(out),
+          counters_(counters) {}
+
+    void add_light_samples(const EyeSamples& numbers) {
+        for (int i = 0; i < n_light_; ++i) {
+            const double choice = lights_.is_fine() ? numbers.fine_choice(i) : double(numbers.choice(i));
+            const auto y = sample_area_light(lights_, scene_.offset_extent(), choice, numbers.position(i));
+            if (!y) continue;
+            const Vec3 d = y->point - x_;
+            const float d2 = length2(d);
+            const Vec3 wi = d / std::sqrt(d2);
+            const float cos_x = dot(sp_.ns, wi), cos_y = -dot(y->normal, wi);
+            if (!(cos_x > 0 && dot(sp_.ng, wi) > 0 && cos_y > 0)) continue;
+            if (n_brdf_ > 0) {
+                gather(*y, wi, cos_y / d2);
+                continue;
+            }
+            const Rgb value = throughput_ * eval_bsdf(sp_, wi) * y->radiance *
+                              (cos_x * cos_y / (d2 * y->pdf_area * float(n_light_)));
+            keep(*y, value, float(n_light_) * y->pdf_area);
+        }
+        flush();
+    }
+
+    bool draws_by_brdf() const { return n_brdf_ > 0; }
+
+    void add_brdf_samples(const EyeSamples& numbers) {
+        for (int i = 0; i < n_brdf_; ++i) {
+            const auto s = sample_bsdf(sp_, numbers.choice(i), numbers.position(i));
+            if (!s) continue;
+            const auto hit = nearest_emitter(scene_, {origin_, 0, s->wi, kInfinity});
+            if (!hit) continue;
+            const float cos_y = -dot(hit->normal, s->wi), d2 = length2(hit->point - x_);
+            if (!(cos_y > 0)) continue;
+            const AreaSample y = area_sample_at(lights_, scene_.offset_extent(), hit->light, hit->point,
+                                                hit->normal, hit->weights);
+            const float geometry = cos_y / d2;
+            const float density = float(n_light_) * y.pdf_area + float(n_brdf_) * s->pdf * geometry;
+            const Rgb reflected = s->weight * s->pdf;  // f·cos
+            keep(y, throughput_ * reflected * y.radiance * (geometry / density), density);
+        }
+    }
+
+private:
+    static constexpr size_t kBatch = 16;
+
+    /// Stores a light sample until the reflection of a batch is computed.
+    void gather(const AreaSample& y, Vec3 wi, float geometry) {
+        wx_[gathered_] = wi.x;
+        wy_[gathered_] = wi.y;
+        wz_[gathered_] = wi.z;
+        geometry_[gathered_] = geometry;
+        points_[gathered_] = y;
+        if (++gathered_ == kBatch) flush();
+    }
+
+    void flush() {
+        if (gathered_ == 0) return;
+        for (size_t i = gathered_; i < kBatch; ++i) {
+            wx_[i] = wx_[0];
+            wy_[i] = wy_[0];
+            wz_[i] = wz_[0];
+        }
+        if (!lobe_) lobe_ = lobe_constants(sp_);
+        reflect_directions(*lobe_, {wx_, wy_, wz_, r_, g_, b_, pdf_}, kBatch);
+        for (size_t i = 0; i < gathered_; ++i) {
+            const AreaSample& y = points_[i];
+            const float found = can_be_hit(lights_.lights(), y.light) ? float(n_brdf_) * pdf_[i] : 0.f;
+            const float density = float(n_light_) * y.pdf_area + found * geometry_[i];
+            const Rgb reflected{r_[i], g_[i], b_[i]};
+            keep(y, throughput_ * reflected * y.radiance * (geometry_[i] / density), density);
+        }
+        gathered_ = 0;
+    }
+
+    void keep(const AreaSample& y, Rgb value, float density) {
+        if (!out_.add(y.point, value, density, float(n_light_) * y.pdf_even, counters_)) return;
+        out_.at.normal.push_back(y.normal);
+        out_.at.ray_end.push_back(y.ray_end);
+    }
+
+    const Scene& scene_;
+    const ShadingPoint& sp_;
+    const Vec3 x_, origin_;
+    const Rgb throughput_;
+    const LightsAt lights_;
+    const int n_light_, n_brdf_;
+    WeightedSamples& out_;
+    Counters& counters_;
+
+    size_t gathered_ = 0;
+    std::optional<LobeConstants> lobe_;
+    alignas(64) float wx_[kBatch], wy_[kBatch], wz_[kBatch];
+    alignas(64) float r_[kBatch], g_[kBatch], b_[kBatch], pdf_[kBatch];
+    float geometry_[kBatch];
+    std::array<AreaSample, kBatch> points_;
+};
+
+}  // namespace
+
+int most_area_samples(const Scene& scene, const IntegratorSettings& settings) {
+    const auto glossy = [](const Material& m) { return m.kind == MaterialKind::kGlossy; };
+    const bool any = std::any_of(scene.materials().begin(), scene.materials().end(), glossy);
+    return settings.n_area + (any ? settings.n_brdf : 0);
+}
+
+void add_area_samples(const Scene& scene, const EyeTile& eyes, uint32_t eye,
+                      const IntegratorSettings& settings, uint64_t seed, WeightedSamples& out,
+                      Counters& counters) {
+    AreaSampler sampler(scene, eyes, eye, settings, out, counters);
+    sampler.add_light_samples(EyeSamples(seed, Purpose::kAreaLight, eyes.stream[eye]));
+    if (sampler.draws_by_brdf())
+        sampler.add_brdf_samples(EyeSamples(seed, Purpose::kAreaBrdf, eyes.stream[eye]));
+    out.at.close(eye);
+}
+
+}  // namespace viscache

@@ -1,0 +1,249 @@
+"""Light samples and BRDF samples of area lights at glossy points, by the balance heuristic."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render.mitsuba_frames import area_layers, assert_same, ours, theirs
+from render.mitsuba_scene import Look, Model, Part, box, quad
+from render.strip_lights import strip_lights
+from render.ztest import compare
+from viscache._core import _testing
+
+Array = npt.NDArray[Any]
+SIZE = (48, 32)
+
+
+def plate(y: float, z: float, tilt_deg: float, roughness: float) -> Part:
+    """A wide plate that reflects the lamps above into the camera."""
+    c, s = np.cos(np.radians(tilt_deg)), np.sin(np.radians(tilt_deg))
+    metal = Look(kind="glossy", base_color=(0, 0, 0), roughness=roughness)
+    depth = 0.55
+    return quad(
+        (-2, y - depth * s / 2, z + depth * c / 2),
+        (4, 0, 0),
+        (0, depth * s, -depth * c),
+        look=metal,
+    )
+
+
+#: After Veach and Guibas 1995: four plates under lamps of many sizes, of about equal power.
+PLATES = tuple(
+    plate(y, z, tilt, roughness)
+    for y, z, tilt, roughness in (
+        (0.05, 1.2, 9, 0.005),
+        (0.15, 0.55, 16, 0.03),
+        (0.32, -0.05, 24, 0.1),
+        (0.58, -0.6, 33, 0.3),
+    )
+)
+LAMPS = (
+    quad((-1.9, 2.2, -2.2), (0.12, 0, 0), (0, -0.08, 0.1), emission=(180, 160, 120)),
+    quad((0.9, 2.2, -2.2), (0.9, 0, 0), (0, -0.3, 0.35), emission=(3, 5, 6)),
+)
+GLOBES = (((-0.7, 2.2, -2.0), 0.05, (300, 300, 300)), ((0.25, 2.25, -2.0), 0.3, (9, 7, 6)))
+BACK = quad((-4, 0, -2.6), (8, 0, 0), (0, 1.6, 0), look=Look(base_color=(0.4, 0.4, 0.4)))
+VEACH = Model(
+    (*PLATES, *LAMPS, BACK),
+    spheres=GLOBES,
+    origin=(0, 1.6, 4.2),
+    target=(0, 0.25, 0),
+    fov_deg=32,
+)
+BOTH = vc.Direct(n_area=16, n_brdf=16, centred=True)
+LIGHT = replace(BOTH, n_brdf=0)
+#: Light samples alone, many of them.
+REFERENCE = replace(LIGHT, n_area=128)
+JITTERED = replace(BOTH, centred=False)
+
+
+def test_lamps_are_out_of_sight() -> None:
+    """Seen directly, the silhouette of a tessellated sphere would differ from Mitsuba's."""
+    frame = vc.render(VEACH.to_viscache(), BOTH, size=SIZE)
+    assert not frame.layers["emitted"].any()
+    assert (frame.image.max(axis=(1, 2)) > 0).any()
+
+
+@pytest.mark.mitsuba
+@pytest.mark.stat
+@pytest.mark.slow
+def test_veachs_plates_are_mitsubas(mi: Any, tmp_path: Path) -> None:
+    reference = theirs(mi, VEACH.to_mitsuba(mi, SIZE, tmp_path), spp=512)
+    assert_same(ours(VEACH.to_viscache(), JITTERED, spp=32), reference)
+    sharper = tuple(
+        replace(p, look=replace(p.look, roughness=p.look.roughness * 1.15)) for p in PLATES
+    )
+    wrong = replace(VEACH, parts=(*sharper, *LAMPS, BACK))
+    assert not compare(ours(wrong.to_viscache(), JITTERED, spp=32, seeds=6), reference).same
+
+
+ROUGH = Look(kind="glossy", base_color=(0.4, 0.3, 0.2), specular=(0.3, 0.3, 0.3), roughness=0.25)
+STAGE = Model(
+    (
+        quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=ROUGH),
+        box((-0.9, 0, -0.5), (-0.3, 0.9, 0.2), look=ROUGH),
+        quad((-0.2, 0.6, -0.9), (0.9, 0, 0), (0, 0.7, 0), emission=(5, 4, 3)),
+        quad((0.9, 0.02, 0.2), (0, 0, 0.5), (0, 0.5, 0), emission=(6, 8, 9)).reversed(),
+    ),
+    spheres=(((-0.2, 0.5, 0.7), 0.15, (8, 9, 7)),),
+    origin=(0.3, 1.6, 3.0),
+    target=(0, 0.2, 0),
+)
+
+
+@pytest.mark.stat
+def test_both_techniques_and_light_samples_alone_have_the_same_mean() -> None:
+    scene = STAGE.to_viscache()
+    light = area_layers(scene, REFERENCE, first=100)
+    both = area_layers(scene, BOTH, spp=16)
+    assert compare(both, light).same
+    assert not compare(0.98 * both, light).same
+
+
+@pytest.mark.stat
+def test_weights_that_do_not_sum_to_one_are_told_apart() -> None:
+    """The samples of `vc.connections`; in the control every second one counts 6 % too much."""
+    scene, size = STAGE.to_viscache(), (24, 16)
+    good, bad = [], []
+    for seed in range(6):
+        conn = vc.connections(scene, BOTH, size=size, spp=8, seed=seed)
+        visible = conn.answers(vc.Exact())["area"].visible
+        weights = np.where(np.arange(len(visible)) % 2, 1.06, 1).astype(np.float32)
+        good.append(conn.frame({"area": visible}).layers["area"])
+        bad.append(conn.frame({"area": (visible, weights)}).layers["area"])
+    reference = area_layers(scene, REFERENCE, first=100)
+    assert compare(np.stack(good).astype(float), reference).same
+    assert not compare(np.stack(bad).astype(float), reference).same
+
+
+def variance(scene: vc.Scene, integrator: vc.Direct) -> float:
+    return float(np.var(area_layers(scene, integrator, spp=1, size=SIZE), axis=0, ddof=1).mean())
+
+
+def test_brdf_samples_take_the_noise_from_sharp_reflections() -> None:
+    scene = VEACH.to_viscache()
+    assert variance(scene, BOTH) < variance(scene, LIGHT) / 20
+
+
+def test_brdf_samples_take_the_noise_from_a_floor_under_strip_lights() -> None:
+    scene = strip_lights(200, glossy=True)
+    assert variance(scene, BOTH) < variance(scene, LIGHT) / 1.5
+
+
+def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples() -> None:
+    plain = tuple(replace(p, look=Look()) for p in STAGE.parts)
+    scene = replace(STAGE, parts=plain).to_viscache()
+    frames = [vc.render(scene, i, size=SIZE) for i in (BOTH, LIGHT)]
+    assert frames[0].sha256 == frames[1].sha256
+    assert frames[0].counters["queries"] == frames[1].counters["queries"]
+    glossy = [vc.render(STAGE.to_viscache(), i, size=SIZE).sha256 for i in (BOTH, LIGHT)]
+    assert glossy[0] != glossy[1]
+
+
+@pytest.mark.stat
+def test_a_lamp_in_a_mirror_counts_once() -> None:
+    """Mirrors are followed by rays: BRDF samples at the glossy floor add nothing to them."""
+    mirror = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
+    parts = (*STAGE.parts, quad((-1.5, 0, -1.2), (3, 0, 0), (0, 2, 0), look=mirror))
+    scene = replace(STAGE, parts=parts).to_viscache()
+    whitted = vc.Whitted(n_vpls=0, n_area=16, n_brdf=16)
+    light = area_layers(scene, replace(whitted, n_area=64, n_brdf=0), spp=16, first=100)
+    both = area_layers(scene, whitted, spp=16)
+    assert compare(both, light).same
+    assert not compare(1.06 * both, light).same
+    frames = [vc.render(scene, i, size=SIZE) for i in (whitted, replace(whitted, n_brdf=0))]
+    assert frames[0].layers["emitted"].any()
+    np.testing.assert_array_equal(*(f.layers["emitted"] for f in frames))
+
+
+def holed_lamp(alpha: float) -> vc.Scene:
+    """A lamp with holes before another one, over a glossy floor."""
+    checks = np.full((8, 8, 4), 1, np.float32)
+    checks[::2, ::2, 3] = alpha
+    d = vc.SceneDescription()
+    kind = vc._core.MaterialKind.GLOSSY
+    floor = d.add_material(kind, base_color=(0.2, 0.2, 0.2), roughness=0.2)
+    holes = d.add_material(alpha_texture=d.add_image(checks))
+    plain = d.add_material()
+    for part, material in (
+        (quad((-3, 0, -3), (0, 0, 6), (6, 0, 0)), floor),
+        (quad((-1, 0.3, -0.5), (2, 0, 0), (0, 1, 0), emission=(2, 3, 4)), holes),
+        (quad((-1, 0.3, -1.0), (2, 0, 0), (0, 1, 0), emission=(9, 5, 2)), plain),
+    ):
+        d.add_mesh(
+            part.vertices, part.triangles, uvs=part.uvs, material=material, emission=part.emission
+        )
+    d.add_camera((0.3, 1.2, 3.0), (0, 0.2, 0), up=(0, 1, 0), fov_deg=45)
+    return vc.Scene.from_description(d)
+
+
+@pytest.mark.stat
+def test_lamps_with_holes_hide_nothing_from_brdf_samples() -> None:
+    light = area_layers(holed_lamp(0.0), REFERENCE, first=100)
+    assert compare(area_layers(holed_lamp(0.0), BOTH, spp=8), light).same
+    assert not compare(area_layers(holed_lamp(1.0), BOTH, spp=8), light).same
+
+
+@pytest.mark.parametrize("lights", [12, 500])
+def test_rays_find_the_nearest_light(lights: int) -> None:
+    """As Embree does among the lights alone, by the list and by the tree."""
+    random = np.random.default_rng(lights)
+    d = vc.SceneDescription()
+    d.add_material()
+    corners = random.normal(size=(lights, 1, 3)) * 2 + random.normal(size=(lights, 3, 3)) * 0.4
+    corners[: lights // 3, :, 1] = 0.5 + 0.01 * np.arange(lights // 3)[:, None]  # flat boxes
+    for t in corners.astype(np.float32):
+        d.add_mesh(t, np.array([[0, 1, 2]]), emission=(1, 1, 1))
+    scene = vc.Scene.from_description(d)
+    n = 20000
+    o = random.normal(size=(n, 3)).astype(np.float32) * 3
+    o[:2000, 1] = 0.5
+    way = corners[random.integers(0, lights, n)].mean(axis=1) + random.normal(size=(n, 3)) - o
+    way[1000:3000, 1] = 0
+    way = (way / np.linalg.norm(way, axis=1, keepdims=True)).astype(np.float32)
+    light, point = _testing.nearest_emitter(scene._core, o, way)
+    hit = scene.intersect(o, way)
+    same = light == hit.triangle
+    # Rays through an edge, and those in the plane of a triangle, may differ
+    assert same[3000:].mean() > 0.9999 and same[2000:].mean() > 0.999
+    assert (light[3000:] >= 0).mean() > 0.1
+    both = same & (light >= 0)
+    np.testing.assert_allclose(
+        point[both], (o + way * hit.t[:, None])[both], atol=1e-4 * max(1, float(hit.t[both].max()))
+    )
+
+
+def test_rays_find_spheres_and_what_they_hide() -> None:
+    d = vc.SceneDescription()
+    d.add_material()
+    d.add_sphere_light((0, 0, -3), 1, (1, 1, 1))
+    d.add_sphere_light((0, 0, -8), 4, (1, 1, 1))
+    scene = vc.Scene.from_description(d)
+    o = np.zeros((4, 3), np.float32)
+    o[3] = (0, 0, -3)
+    ways = np.array([(0, 0, -1), (0, 0, 0), (0, 0, 1), (0, 1, 0)], np.float32)
+    ways[1] = np.array([3.7, 0, -8]) / np.linalg.norm([3.7, 0, -8])
+    light, point = _testing.nearest_emitter(scene._core, o, ways)
+    assert list(light) == [0, 1, -1, 0]
+    np.testing.assert_allclose(point[0], (0, 0, -2), atol=1e-6)
+    np.testing.assert_allclose(point[3], (0, 1, -3), atol=1e-6)
+
+
+def test_caches_see_the_brdf_samples() -> None:
+    """Their queries go through the oracle as all others; a fine cache gives the exact picture."""
+    scene = STAGE.to_viscache()
+    frames = {
+        n: vc.render(scene, vc.Direct(n_brdf=n), size=SIZE, visibility=vc.Aqvc(c_e=1, c_l=0.05))
+        for n in (0, 16)
+    }
+    assert frames[16].counters["queries"] > 1.02 * frames[0].counters["queries"]
+    exact = vc.render(scene, BOTH, size=SIZE)
+    assert frames[16].counters["queries"] == exact.counters["queries"]
+    assert vc.metrics.compare(frames[16], exact)["rel_l1"] < 0.05

@@ -1,0 +1,280 @@
+"""Area lights are chosen by what they can contribute, and the picture's mean stays the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy import stats
+
+import viscache as vc
+from render.mitsuba_frames import area_layers, assert_same, ours, theirs
+from render.mitsuba_scene import Look, Model, ball, box, quad
+from render.strip_lights import strip_lights
+from render.ztest import compare
+from viscache._core import _testing
+
+Array = npt.NDArray[Any]
+WAYS = ("each", "tree")
+
+
+class Lights:
+    """Random triangles, some of them two-sided, and spheres: the scene and its shapes."""
+
+    def __init__(
+        self, seed: int, triangles: int = 24, spheres: int = 5, largest: float = 2.0
+    ) -> None:
+        random = np.random.default_rng(seed)
+        spread = 10 ** random.uniform(-1, 1)
+        centers = random.normal(size=(triangles, 1, 3)) * spread
+        sizes = largest * 10 ** random.uniform(-2.3, 0, (triangles, 1, 1))
+        self.corners = (centers + random.normal(size=(triangles, 3, 3)) * sizes).astype(np.float32)
+        if seed % 3 == 0:  # all in one plane
+            self.corners[..., 1] = np.float32(0.25)
+        self.radiance = 10 ** random.uniform(-3, 3, triangles)
+        self.two_sided = random.random(triangles) < 0.3
+        self.center = (random.normal(size=(spheres, 3)) * spread).astype(np.float32)
+        self.radius = (largest * 10 ** random.uniform(-2.3, -0.3, spheres)).astype(np.float32)
+        d = vc.SceneDescription()
+        d.add_material()
+        for t, watts, both in zip(self.corners, self.radiance, self.two_sided, strict=True):
+            d.add_mesh(
+                t, np.array([[0, 1, 2]]), emission=(watts, watts, watts), emits_two_sided=bool(both)
+            )
+        for c, r in zip(self.center, self.radius, strict=True):
+            d.add_sphere_light(tuple(map(float, c)), float(r), (1, 1, 1))
+        self.scene = vc.Scene.from_description(d)
+        n = 40
+        self.x = (random.normal(size=(n, 3)) * spread * 1.5).astype(np.float32)
+        # Half of the points lie beside an emitter, at any distance from it
+        near = self.corners[random.integers(0, triangles, n // 2)]
+        along = random.dirichlet((1, 1, 1), n // 2)[:, :, None]
+        off = random.normal(size=(n // 2, 3)) * 10 ** random.uniform(-4, 0, (n // 2, 1))
+        self.x[: n // 2] = (near * along).sum(axis=1) + off
+        normals = random.normal(size=(n, 3))
+        normals[::4] = np.eye(3)[random.integers(0, 3, len(normals[::4]))]
+        self.n = (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype(np.float32)
+
+    def light(self, samples: int = 400) -> Array:
+        """Brute-force irradiance (points, lights): means over points of each light's surface."""
+        random = np.random.default_rng(1)
+        bary = random.dirichlet((1, 1, 1), samples)
+        corners = self.corners.astype(float)
+        edges = corners[:, 1:] - corners[:, :1]
+        cross = np.cross(edges[:, 0], edges[:, 1])
+        double_area = np.linalg.norm(cross, axis=1)
+        normal = cross / double_area[:, None]
+        on = np.einsum("sk,tkd->tsd", bary, corners)
+        triangles = self._irradiance(on, normal[:, None], self.two_sided[:, None])
+        triangles *= self.radiance * double_area / 2
+        ways = random.normal(size=(samples, 3))
+        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+        on = self.center[:, None] + ways * self.radius[:, None, None].astype(float)
+        spheres = self._irradiance(on, np.broadcast_to(ways, on.shape), np.zeros((1, 1), bool))
+        spheres *= 4 * np.pi * self.radius.astype(float) ** 2
+        outside = np.linalg.norm(self.x[:, None] - self.center, axis=-1) > self.radius
+        return np.concatenate([triangles, spheres * outside], axis=1)
+
+    def _irradiance(self, on: Array, normal: Array, two_sided: Array) -> Array:
+        """Mean over points (lights, samples, 3) of cos·cos/d²; (receivers, lights)."""
+        out = []
+        for x, n in zip(self.x.astype(float), self.n.astype(float), strict=True):
+            d = on - x
+            d2 = np.maximum((d**2).sum(-1), 1e-300)
+            wi = d / np.sqrt(d2)[..., None]
+            cos_y = -(wi * normal).sum(-1)
+            cos_y = np.where(two_sided, np.abs(cos_y), np.maximum(cos_y, 0))
+            out.append((np.maximum(wi @ n, 0) * cos_y / d2).mean(axis=-1))
+        return np.array(out)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("seed", range(6))
+def test_every_light_that_contributes_can_be_chosen(way: str, seed: int) -> None:
+    lights = Lights(seed)
+    pmf = _testing.light_probabilities(lights.scene._core, way, lights.x, lights.n)
+    light = lights.light()
+    seen = light > 1e-9 * light.max(axis=1, keepdims=True)
+    assert seen.sum() > 100
+    assert (pmf[seen] > 0).all()
+    if way == "each":
+        # Lights that cannot contribute are not chosen, where rounding is out of the question
+        assert (pmf == 0).mean() > 0.2
+        assert (pmf[~seen] > 0).mean() < 0.3
+    # A choice that looks at the wrong light misses some
+    assert (np.roll(pmf, 1, axis=1)[seen] == 0).any()
+
+
+@pytest.mark.parametrize(("way", "largest", "share"), [("each", 2.0, 0.02), ("tree", 0.05, 0.5)])
+def test_estimates_follow_the_light(way: str, largest: float, share: float) -> None:
+    """Variance of one sample without shadows, against that of a choice by power."""
+    spread: dict[str, list[float]] = {w: [] for w in ("power", way)}
+    for seed in range(5):
+        lights = Lights(seed, largest=largest)
+        light = lights.light()
+        total = light.sum(axis=1)
+        for w, found in spread.items():
+            pmf = _testing.light_probabilities(lights.scene._core, w, lights.x, lights.n)
+            second = np.divide(light**2, pmf, where=light > 0, out=np.zeros_like(light)).sum(axis=1)
+            found += list(second[total > 0] / total[total > 0] ** 2 - 1)
+    assert np.median(spread[way]) < share * np.median(spread["power"])
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("seed", [1, 3])
+def test_choices_have_their_probabilities(way: str, seed: int) -> None:
+    """Chi-square of each receiver's choices; the choices of another receiver fail it."""
+    lights = Lights(seed)
+    draws = 4000
+    u = (np.arange(draws) + np.random.default_rng(7).random(draws)) / draws
+    u = np.random.default_rng(8).choice(u, 2000)  # independent: no stratification
+    fails, tests, turned = 0, 0, 0
+    for x, n, other in zip(lights.x, lights.n, np.roll(lights.n, 1, axis=0), strict=True):
+        points = np.broadcast_to(x, (len(u), 3))
+        normals = np.broadcast_to(n, (len(u), 3))
+        light, pmf = _testing.choose_light(lights.scene._core, way, points, normals, u)
+        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
+        np.testing.assert_allclose(pmf[light >= 0], told[light[light >= 0]], rtol=1e-9)
+        counts = np.bincount(light + 1, minlength=len(told) + 1)
+        wrong = _testing.light_probabilities(lights.scene._core, way, x[None], other[None])[0]
+        tests += 1
+        fails += chi_square(counts, told) < 1e-4
+        turned += chi_square(counts, wrong) < 1e-4
+    assert fails == 0
+    assert turned > 0.5 * tests
+
+
+def chi_square(counts: Array, pmf: Array) -> float:
+    """p-value of counts of (nothing, light 0, light 1, …); rare lights are one cell."""
+    expected = np.concatenate([[max(0.0, 1 - pmf.sum())], pmf]) * counts.sum()
+    impossible = expected < 1e-6
+    if counts[impossible].any():
+        return 0.0
+    rare = expected < 5
+    got = np.append(counts[~rare], counts[rare].sum())
+    want = np.append(expected[~rare], expected[rare].sum())
+    got, want = got[want > 0], want[want > 0]
+    if len(got) < 2:
+        return 1.0
+    return float(stats.chi2.sf(((got - want) ** 2 / want).sum(), len(got) - 1))
+
+
+@pytest.mark.parametrize("way", ["power", *WAYS])
+def test_probabilities_are_those_of_the_numbers(way: str) -> None:
+    """Each light gets an interval of u as long as its probability; what is left over gets none."""
+    lights = Lights(4)
+    u = (np.arange(20000) + 0.5) / 20000
+    for x, n in zip(lights.x[:6], lights.n[:6], strict=True):
+        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
+        light, _ = _testing.choose_light(
+            lights.scene._core,
+            way,
+            np.broadcast_to(x, (len(u), 3)),
+            np.broadcast_to(n, (len(u), 3)),
+            u,
+        )
+        share = np.bincount(light[light >= 0], minlength=len(told)) / len(u)
+        np.testing.assert_allclose(share, told, atol=1.01e-4)
+        assert told.sum() <= 1 + 1e-12
+
+
+# Frames
+
+GREY = Look(base_color=(0.6, 0.5, 0.4))
+FLOOR = quad((-3, 0, -3), (0, 0, 6), (6, 0, 0), look=GREY)
+BLOCK = box((-0.9, 0, -0.5), (-0.3, 0.9, 0.2), look=Look(base_color=(0.2, 0.5, 0.7)))
+BODIES = (FLOOR, BLOCK, ball((0.6, 0.5, 0.2), 0.5, look=Look(base_color=(0.8, 0.3, 0.2))))
+
+
+def lamps(count: int) -> Model:
+    """Small quads of many powers around the bodies, some turned, and a sphere."""
+    random = np.random.default_rng(count)
+    parts = []
+    for i in range(count):
+        corner = random.uniform((-2.5, 0.3, -2.5), (2.5, 2.5, 1.5))
+        a, b = random.normal(size=(2, 3)) * 0.15
+        watts = 20 * 30 ** random.random() / count
+        colour = tuple(map(float, random.uniform(0.3, 1, 3) * watts * 8))
+        quad_ = quad(tuple(corner), tuple(a), tuple(b), emission=colour)
+        parts.append(quad_.reversed() if i % 2 else quad_)
+    ceiling = quad((-0.5, 2.6, -0.5), (1, 0, 0), (0, 0, 1), emission=(1.5, 1.2, 1))
+    return Model((*BODIES, ceiling, *parts))
+
+
+@pytest.mark.mitsuba
+@pytest.mark.stat
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "n_area"), [(6, 32), (60, 4)], ids=["each", "tree"])
+def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_path: Path) -> None:
+    model, direct = lamps(count), vc.Direct(n_area=n_area)
+    spp = 512 // n_area
+    reference = theirs(mi, model.to_mitsuba(mi, (48, 32), tmp_path), spp=128)
+    image = ours(model.to_viscache(), direct, spp=spp)
+    assert_same(image, reference)
+    dropped = replace(model, parts=model.parts[:-1])
+    wrong = ours(dropped.to_viscache(), direct, spp=spp, seeds=4)
+    assert not compare(wrong, reference).same
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize(("count", "n_area"), [(6, 64), (60, 4)], ids=["each", "tree"])
+def test_both_choices_have_the_same_mean(count: int, n_area: int) -> None:
+    scene = lamps(count).to_viscache()
+    power = vc.Direct(n_area=128, light_choice="power", centred=True)
+    by_power = area_layers(scene, power, first=100)
+    by_light = area_layers(scene, vc.Direct(n_area=n_area, centred=True), spp=256 // n_area)
+    assert compare(by_light, by_power).same
+    assert not compare(0.96 * by_light, by_power).same
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_probability_of_another_light_is_told_apart(way: str) -> None:
+    """Irradiance estimated by chosen lights: the mean is the sum over all of them."""
+    lights = Lights(2)
+    light = lights.light(300)
+    u = (np.arange(8000) + 0.5) / 8000
+    good, bad = [], []
+    for i, (x, n) in enumerate(zip(lights.x, lights.n, strict=True)):
+        points, normals = (np.broadcast_to(v, (len(u), 3)) for v in (x, n))
+        chosen, pmf = _testing.choose_light(lights.scene._core, way, points, normals, u)
+        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
+        value = np.where(chosen >= 0, light[i][chosen], 0)
+        good.append(np.divide(value, pmf, where=chosen >= 0, out=np.zeros(len(u))).mean())
+        other = np.roll(told, 1)[chosen]
+        bad.append(np.divide(value, other, where=other > 0, out=np.zeros(len(u))).mean())
+    total = light.sum(axis=1)
+    lit = total > 0
+    error = np.abs(np.array(good) / np.where(lit, total, 1) - 1)[lit]
+    wrong = np.abs(np.array(bad) / np.where(lit, total, 1) - 1)[lit]
+    assert np.median(error) < 0.01 and np.quantile(error, 0.8) < 0.05
+    assert np.median(wrong) > 0.2
+
+
+def test_a_thousand_strip_lights_are_no_dots() -> None:
+    scene = strip_lights(1000)
+
+    def variance(choice: str) -> float:
+        direct = vc.Direct(n_area=8, light_choice=choice, centred=True)  # type: ignore[arg-type]
+        frames = area_layers(scene, direct, spp=1, size=(48, 32))
+        return float(np.var(frames, axis=0, ddof=1).mean())
+
+    assert variance("contribution") < variance("power") / 10
+
+
+def test_one_light_has_the_same_bytes_by_either_choice() -> None:
+    model = Model(BODIES, spheres=(((0.5, 2.6, 0.5), 0.3, (9, 8, 7)),))
+    frames = [
+        vc.render(model.to_viscache(), vc.Direct(light_choice=c), size=(24, 16)).sha256
+        for c in ("power", "contribution")
+    ]
+    assert frames[0] == frames[1]
+
+
+def test_a_choice_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ValueError, match="light_choice must be"):
+        vc.Direct(light_choice="distance")  # type: ignore[arg-type]
