@@ -51,6 +51,7 @@ void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     image.height = given.height;
     image.channels = given.channels;
     image.pixels = std::move(given.pixels);
+    image.bytes.clear();
 }
 
 }  // namespace
@@ -143,10 +144,11 @@ void bind_description(py::module_& m) {
                 for (const Image& i : d.images)
                     out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
                                         py::arg("srgb") = i.srgb, py::arg("width") = i.width,
-                                        py::arg("height") = i.height, py::arg("channels") = i.channels));
+                                        py::arg("height") = i.height, py::arg("channels") = i.channels,
+                                        py::arg("bits") = i.bytes.empty() ? 32 : 8));
                 return out;
             },
-            "Path, place, size of every image; width 0 = still to be decoded.")
+            "Path, place, size and bits per value of every image; width 0 = still to be decoded.")
         .def(
             "set_environment",
             [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {

@@ -45,7 +45,7 @@ std::string printable(std::string text) {
 
 std::string at_line(const std::string& file, size_t line) { return file + ":" + std::to_string(line); }
 
-std::string read_file(const std::string& path, const std::string& asked_at) {
+uint64_t check_file(const std::string& path, const std::string& asked_at) {
     namespace fs = std::filesystem;
     const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::error_code error;
@@ -57,6 +57,12 @@ std::string read_file(const std::string& path, const std::string& asked_at) {
     if (size == 0) fail(where, "the file is empty");
     if (size > kMaxFileBytes)
         fail(where, "the file has " + std::to_string(size) + " bytes, at most 8 GiB are read");
+    return size;
+}
+
+std::string read_file(const std::string& path, const std::string& asked_at) {
+    const uint64_t size = check_file(path, asked_at);
+    const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::ifstream in(path, std::ios::binary);
     std::string content(size, '\0');
     if (!in.read(content.data(), std::streamsize(size))) fail(where, "the file cannot be read");
