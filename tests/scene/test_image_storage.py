@@ -137,3 +137,12 @@ def test_bytes_of_a_description_with_too_few_values_are_refused(tmp_path, colors
     damaged = pickle.dumps(description).replace(size + size, b"\xff\x0f\0\0" + size)
     with pytest.raises(vc.SceneError, match="must have a value per channel and pixel"):
         vc.Scene.from_description(pickle.loads(damaged))
+
+
+def test_the_memory_of_a_scene_counts_its_sky(tmp_path, colors):
+    path = textured(tmp_path, colors)
+    bare = vc.load_scene(path).info()["memory_bytes"]
+    sky = RNG.random((64, 128, 3), dtype=np.float32)
+    lit = vc.load_scene(path, env=sky).info()["memory_bytes"]
+    # Its pixels, and the map of 128 x 128 texels with its tables: 12 bytes each.
+    assert lit - bare == pytest.approx(sky.nbytes + 128 * 128 * 24, rel=0.05)

@@ -123,6 +123,8 @@ void Scene::build_lights(int threads) {
         power.push_back(4 * M_PI * double(light.radius) * light.radius * luminance(light.radiance));
     }
     if (!power.empty()) area_lights_.choice = Distribution1D(power);
+    memory_bytes_ +=
+        area_lights_.triangles.size() * sizeof(EmissiveTriangle) + area_lights_.choice.memory_bytes();
 
     if (!d_.environment || !(max_component(d_.environment->scale) > 0)) return;
     const Environment& e = *d_.environment;
@@ -130,6 +132,7 @@ void Scene::build_lights(int threads) {
         e.image < 0
             ? EnvironmentMap::constant(e.scale)
             : EnvironmentMap::from_latlong(d_.images[size_t(e.image)], e.scale, e.to_world, 0, threads));
+    memory_bytes_ += environment_->memory_bytes();
 }
 
 void Scene::add_sphere_light_meshes() {

@@ -9,6 +9,7 @@ from viscache import _core
 from viscache._core import SceneError
 from viscache.scene.environments import apply_environment, decode_images
 from viscache.scene.scene import Env, Scene
+from viscache.settings.checks import checked_threads
 from viscache.settings.spelling import spelled
 
 __all__ = ["load_scene"]
@@ -47,4 +48,5 @@ def load_scene(
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)
-    return Scene.from_description(description, spec=str(Path(path)), threads=threads)
+    frozen = _core.Scene.freeze(description, checked_threads(threads), take=True)
+    return Scene(frozen, str(Path(path)))
