@@ -51,7 +51,7 @@ py::list camera_list(const SceneDescription& d) {
 
 void bind_loaders(py::module_& m) {
     m.def("load_scene_file", &load_scene_file, py::arg("path"), py::arg("strict") = false,
-          py::call_guard<py::gil_scoped_release>(),
+          py::arg("allow_outside") = false, py::call_guard<py::gil_scoped_release>(),
           "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
           "used.");
 

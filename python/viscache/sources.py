@@ -45,8 +45,10 @@ def absolute(spec: str, relative_to: str | os.PathLike[str] | None) -> str:
     return str(Path(relative_to) / spec)
 
 
-def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Scene:
-    """The scene of a spec.
+def open_scene(
+    spec: str, *, strict: bool = False, allow_outside: bool = False, env: str | None = None
+) -> Scene:
+    """The scene of a spec; `load_scene` explains the options.
 
     Raises
     ------
@@ -59,7 +61,7 @@ def open_scene(spec: str, *, strict: bool = False, env: str | None = None) -> Sc
     if is_builtin(spec):
         made: Scene = scenes.build(spec)
         return made
-    return load_scene(spec, strict=strict, env=env)
+    return load_scene(spec, strict=strict, allow_outside=allow_outside, env=env)
 
 
 def opened(scene: Any) -> Scene:

@@ -11,8 +11,9 @@ namespace viscache {
 /// Reads the scene file `path`. The extension selects the format (.obj .ply .gltf .glb .xml .pbrt
 /// .serialized). PNG, JPEG, TGA, BMP and HDR images are decoded; EXR images stay pending (width 0). Features
 /// that are not modelled are listed in `warnings`; with `strict` they throw SceneError. Throws SceneError
-/// (file, place, what was found) for unusable content.
-SceneDescription load_scene_file(const std::string& path, bool strict = false);
+/// (file, place, what was found) for unusable content, and for files outside of the scene's folder
+/// (allowed_files.h) unless `allow_outside`.
+SceneDescription load_scene_file(const std::string& path, bool strict = false, bool allow_outside = false);
 
 /// Number of triangles placed in the world; a mesh counts once for each instance.
 uint64_t count_placed_triangles(const SceneDescription& scene);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "viscache/scene/allowed_files.h"
+
 namespace viscache::loading {
 
 void fail(const std::string& where, const std::string& what) {
@@ -50,6 +52,8 @@ uint64_t check_file(const std::string& path, const std::string& asked_at) {
     const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::error_code error;
     if (path.find('\0') != std::string::npos) fail(asked_at, "a file name holds a zero byte");
+    if (const AllowedFiles* allowed = AllowedFiles::current(); allowed && !allowed->allows(path))
+        fail(where, "the file lies outside of the scene's folder; allow_outside=True permits that");
     if (!fs::exists(path, error)) fail(where, "the file does not exist");
     if (!fs::is_regular_file(path, error)) fail(where, "not a regular file");
     const uint64_t size = fs::file_size(path, error);

@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 
-from viscache import sources
-from viscache.commands.shared import print_json, print_table
+from viscache.commands.shared import add_scene, chosen_scene, print_json, print_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    add_scene(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    info = sources.open_scene(arguments.scene).info()
+    info = chosen_scene(arguments).info()
     if arguments.json:
         print_json(info)
         return 0

@@ -8,15 +8,22 @@ import sys
 from pathlib import Path
 
 import viscache as vc
-from viscache import sources
-from viscache.commands.shared import at_least_one, chosen_settings, print_json, print_table, size
+from viscache.commands.shared import (
+    add_scene,
+    at_least_one,
+    chosen_scene,
+    chosen_settings,
+    print_json,
+    print_table,
+    size,
+)
 from viscache.frame import checked_suffix
 from viscache.settings import by_name
 from viscache.settings.checks import require
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    add_scene(parser)
     parser.add_argument(
         "-o",
         "--output",
@@ -72,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     if target.is_dir() or not os.access(folder, os.W_OK):
         raise ValueError(f"output must be a file that can be written, got {arguments.output}")
     chosen = chosen_settings(arguments)
-    scene = sources.open_scene(arguments.scene)
+    scene = chosen_scene(arguments)
     known = [camera.name for camera in scene.cameras]
     wish: str | None = arguments.camera
     index = wish is not None and wish not in known and wish.isdecimal()

@@ -20,6 +20,7 @@ def load_scene(
     path: str | os.PathLike[str],
     *,
     strict: bool = False,
+    allow_outside: bool = False,
     env: Env | None = None,
     threads: int | None = None,
 ) -> Scene:
@@ -32,6 +33,10 @@ def load_scene(
     strict : bool
         Features that viscache does not model are errors. By default they are skipped and listed in
         `Scene.warnings`.
+    allow_outside : bool
+        Files outside of the scene's folder may be read. By default they are errors, and textures
+        are left out with a warning. Folders of assets beside the scene's folder, or one level
+        higher, are no outside: `../textures`, `../hdr`, `../../common`.
     env : path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
     threads : int, optional
@@ -44,7 +49,7 @@ def load_scene(
     """
     if str(path) and Path(path).is_dir():
         raise SceneError(f"{path}: is a directory, not a scene file")
-    description = _core.load_scene_file(os.fspath(path), strict=strict)
+    description = _core.load_scene_file(os.fspath(path), strict=strict, allow_outside=allow_outside)
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)
