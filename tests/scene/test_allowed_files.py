@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -154,6 +155,13 @@ def test_other_formats_follow_the_rule(folder):
         with pytest.raises(vc.SceneError, match="lies outside"):
             vc.load_scene(folder / name)
     assert any("lies outside" in w for w in vc.load_scene(folder / "s.obj").warnings)
+
+
+def test_a_scene_with_files_from_outside_travels(folder):
+    put(folder.parent / "m.ply")
+    scene = vc.load_scene(xml(folder, MESH.format("../m.ply")), allow_outside=True)
+    back = pickle.loads(pickle.dumps(scene))
+    assert back.content_hash == scene.content_hash and back.triangles == 1
 
 
 def test_the_command_line_allows_it(folder, capsys):
