@@ -66,6 +66,7 @@ void set_image(SceneDescription& d, size_t index, const FloatArray& pixels) {
     image.height = given.height;
     image.channels = given.channels;
     image.pixels = std::move(given.pixels);
+    image.bytes.clear();
 }
 
 }  // namespace
@@ -187,10 +188,11 @@ void bind_description(py::module_& m) {
                     out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
                                         py::arg("srgb") = i.srgb, py::arg("nearest") = i.nearest,
                                         py::arg("width") = i.width, py::arg("height") = i.height,
-                                        py::arg("channels") = i.channels));
+                                        py::arg("channels") = i.channels,
+                                        py::arg("bits") = i.bytes.empty() ? 32 : 8));
                 return out;
             },
-            "Path, place, size of every image; width 0 = still to be decoded.")
+            "Path, place, size and bits per value of every image; width 0 = still to be decoded.")
         .def(
             "set_environment",
             [](SceneDescription& d, Float3 scale, int image, const std::optional<DoubleArray>& to_world) {

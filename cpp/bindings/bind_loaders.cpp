@@ -50,10 +50,15 @@ py::list camera_list(const SceneDescription& d) {
 }  // namespace
 
 void bind_loaders(py::module_& m) {
-    m.def("load_scene_file", &load_scene_file, py::arg("path"), py::arg("strict") = false,
-          py::arg("skip_missing") = false, py::call_guard<py::gil_scoped_release>(),
-          "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
-          "used.");
+    m.def(
+        "load_scene_file",
+        [](const std::string& path, bool strict, bool skip_missing, bool allow_outside) {
+            return load_scene_file(path, {strict, skip_missing, allow_outside});
+        },
+        py::arg("path"), py::arg("strict") = false, py::arg("skip_missing") = false,
+        py::arg("allow_outside") = false, py::call_guard<py::gil_scoped_release>(),
+        "Read a scene file (.obj .ply .gltf .glb .xml .pbrt .serialized); SceneError says what cannot be "
+        "used.");
 
     auto cls = py::reinterpret_borrow<Class>(m.attr("SceneDescription"));
     cls.def_property_readonly("triangle_count", &count_placed_triangles, "Placed triangles.")

@@ -91,12 +91,13 @@ void bind_scene(py::module_& m) {
     py::class_<Scene, std::shared_ptr<Scene>>(m, "Scene", "An immutable scene.")
         .def_static(
             "freeze",
-            [](const SceneDescription& d, int threads) {
-                SceneDescription copy = d;
+            [](SceneDescription& d, int threads, bool take) {
+                SceneDescription given = take ? std::exchange(d, {}) : d;
                 const py::gil_scoped_release release;
-                return std::const_pointer_cast<Scene>(Scene::freeze(std::move(copy), threads));
+                return std::const_pointer_cast<Scene>(Scene::freeze(std::move(given), threads));
             },
-            py::arg("description"), py::arg("threads") = 0, "Validate and freeze a description.")
+            py::arg("description"), py::arg("threads") = 0, py::arg("take") = false,
+            "Validate and freeze a description. `take` leaves it empty, without a copy.")
         .def_property_readonly("name", [](const Scene& s) { return s.description().name; })
         .def_property_readonly("triangles", &Scene::placed_triangles)
         .def_property_readonly("unique_triangles", &Scene::unique_triangles)

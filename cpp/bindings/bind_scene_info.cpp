@@ -1,6 +1,4 @@
 // The contents of a frozen scene as plain Python objects.
-#include <fstream>
-
 #include "described.h"
 #include "viscache/scene/content_hash.h"
 #include "viscache/scene/decode_image.h"
@@ -71,12 +69,14 @@ void bind_scene_info(py::module_& m) {
     m.def(
         "read_image",
         [](const std::string& path) {
-            std::ifstream file(path, std::ios::binary);
-            if (!file) throw SceneError(path + ": no such file, or it cannot be read");
-            const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-            return pixels_of(loading::decode_image(bytes, path, true));
+            Image image;
+            {
+                const py::gil_scoped_release release;
+                image = loading::decode_image(loading::read_file(path), path, true);
+            }
+            return pixels_of(image);
         },
-        py::arg("path"), "Linear pixels (H, W, C) of a .hdr, .png or .jpg file.");
+        py::arg("path"), "Linear pixels (H, W, C) of a PNG, JPEG, HDR, TGA or BMP file.");
     m.def("scene_hash", [](const Scene& s) { return content_hash(s.description()); }, py::arg("scene"));
     m.def("scene_offset_extent", &Scene::offset_extent, py::arg("scene"),
           "The length that scales the offsets of ray origins.");

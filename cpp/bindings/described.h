@@ -36,9 +36,11 @@ inline Image image_from(const FloatArray& pixels) {
     return image;
 }
 
+/// Linear floats, also of images of bytes.
 inline py::array_t<float> pixels_of(const Image& i) {
     py::array_t<float> a({py::ssize_t(i.height), py::ssize_t(i.width), py::ssize_t(i.channels)});
-    if (!i.pixels.empty()) std::memcpy(a.mutable_data(), i.pixels.data(), i.pixels.size() * sizeof(float));
+    float* out = a.mutable_data();
+    for (size_t k = 0; k < i.size(); ++k) out[k] = i.value(k);
     return a;
 }
 

@@ -50,9 +50,10 @@ def open_scene(
     *,
     strict: bool = False,
     missing: Literal["error", "skip"] = "error",
+    allow_outside: bool = False,
     env: str | None = None,
 ) -> Scene:
-    """The scene of a spec.
+    """The scene of a spec; `load_scene` explains the options.
 
     Raises
     ------
@@ -65,7 +66,7 @@ def open_scene(
     if is_builtin(spec):
         made: Scene = scenes.build(spec)
         return made
-    return load_scene(spec, strict=strict, missing=missing, env=env)
+    return load_scene(spec, strict=strict, missing=missing, allow_outside=allow_outside, env=env)
 
 
 def opened(scene: Any) -> Scene:

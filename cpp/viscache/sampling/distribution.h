@@ -79,6 +79,7 @@ public:
     }
     size_t size() const { return sums_.empty() ? 0 : sums_.size() - 1; }
     double total() const { return sums_.empty() ? 0 : sums_.back(); }
+    size_t memory_bytes() const { return sums_.size() * (sizeof(double) + sizeof(uint32_t)); }
     double pmf(size_t i) const { return (sums_[i + 1] - sums_[i]) / total(); }
     /// Samples an index with probability pmf, for u in [0, 1). Indices of weight zero are never returned.
     Pick sample(double u) const { return SummedWeights{sums_, guide_}.sample(u); }

@@ -28,6 +28,9 @@ public:
         rows_ = Distribution1D(totals);
     }
     bool empty() const { return sums_.empty(); }
+    size_t memory_bytes() const {
+        return rows_.memory_bytes() + sums_.size() * (sizeof(double) + sizeof(uint32_t));
+    }
     /// Samples cells from pairs (row, column) of random numbers in [0, 1), at most kBatch of them. Cells of
     /// weight zero are never returned.
     template <class Numbers>

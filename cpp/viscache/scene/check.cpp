@@ -112,6 +112,12 @@ void check_description(const SceneDescription& d) {
         const Image& image = d.images[i];
         if (image.width <= 0)
             fail("image ", i, " '", image.path, "' (", image.where, ") has not been decoded");
+        const uint64_t values = uint64_t(image.width) * uint64_t(std::max(image.height, 0)) *
+                                uint64_t(std::max(image.channels, 0));
+        if (values == 0 || image.channels > 4 || image.size() != values ||
+            (!image.pixels.empty() && !image.bytes.empty()))
+            fail("image ", i, " '", image.path, "' must have a value per channel and pixel, got ",
+                 image.size(), " for ", image.width, " x ", image.height, " x ", image.channels);
         for (float v : image.pixels)
             if (!std::isfinite(v)) fail("image ", i, " '", image.path, "' must hold finite pixels, got ", v);
     }

@@ -31,6 +31,19 @@ public:
         word(v.size());
         bytes(v.data(), v.size() * sizeof(T));
     }
+    /// Linear values: an image of bytes has the hash of the floats that it stands for.
+    void values(const Image& image) {
+        if (image.bytes.empty()) return array(image.pixels);
+        const size_t n = image.size();
+        word(n);
+        for (size_t i = 0; i < n; i += 2) {
+            const float pair[2] = {image.value(i), i + 1 < n ? image.value(i + 1) : 0.f};
+            uint64_t w;
+            std::memcpy(&w, pair, 8);
+            word(w);
+        }
+        if (n % 2 == 0) word(0);  // the rest of `bytes`
+    }
     void floats(std::initializer_list<float> v) { bytes(v.begin(), v.size() * sizeof(float)); }
     void vec(Vec3 v) { floats({v.x, v.y, v.z}); }
     std::string hex() const {
@@ -71,7 +84,7 @@ std::string content_hash(const SceneDescription& d) {
     }
     for (const Image& i : d.images) {
         h.word(uint64_t(i.width) << 32 | uint64_t(i.nearest) << 16 | uint64_t(i.channels));
-        h.array(i.pixels);
+        h.values(i);
     }
     for (const PointLight& l : d.point_lights) {
         h.word(1);
@@ -123,7 +136,7 @@ std::string geometry_hash(const SceneDescription& d) {
         h.floats({material.alpha_cutoff});
         h.array(m.uvs);
         h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.nearest) << 16 | uint64_t(alpha.channels));
-        h.array(alpha.pixels);
+        h.values(alpha);
     }
     h.word(d.instances.size());
     for (const Instance& i : d.instances) {

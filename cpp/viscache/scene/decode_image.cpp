@@ -1,83 +1,38 @@
 #include "viscache/scene/decode_image.h"
 
-#include <array>
-#include <memory>
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_ONLY_HDR
-#define STBI_ONLY_TGA
-#define STBI_ONLY_BMP
-#define STBI_NO_STDIO
-#define STBI_ASSERT(x) ((void)0)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb_image.h>
-#pragma GCC diagnostic pop
-
-#include "viscache/scene/spectra.h"
+#include "viscache/scene/decoders.h"
 
 namespace viscache::loading {
 
-namespace {
-
-constexpr uint64_t kMaxPixels = uint64_t(1) << 28;
-
-struct StbFree {
-    void operator()(void* p) const { stbi_image_free(p); }
-};
-
-bool is_alpha(int channel, int channels) {
-    return (channels == 2 || channels == 4) && channel == channels - 1;
-}
-
-/// Converts 8-bit values to float with a lookup table.
-void decode_bytes(Image& image, const stbi_uc* data, bool srgb) {
-    std::array<float, 256> plain, linear;
-    for (int i = 0; i < 256; ++i) {
-        plain[i] = float(i) / 255.f;
-        linear[i] = srgb ? srgb_to_linear(plain[i]) : plain[i];
-    }
-    const int channels = image.channels;
-    for (size_t i = 0; i < image.pixels.size(); ++i)
-        image.pixels[i] = is_alpha(int(i % size_t(channels)), channels) ? plain[data[i]] : linear[data[i]];
-}
-
-}  // namespace
-
-Image decode_image(std::string_view bytes, const std::string& where, bool srgb) {
-    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-    if (bytes.size() > 0x7fffffff) fail(where, "the image file is larger than 2 GiB");
-    const int size = int(bytes.size());
+Image empty_image(uint64_t width, uint64_t height, int channels, const std::string& where, bool srgb,
+                  uint64_t most_pixels) {
+    if (width == 0 || height == 0) fail_broken(where, "it has no pixels");
+    if (width > most_pixels || height > most_pixels / width)
+        fail(where, "the image has " + std::to_string(width) + " x " + std::to_string(height) +
+                        " pixels; at most 2^" + (most_pixels == kMaxPixels ? "28" : "27") +
+                        " are read, or 2^27 with more than 8 bits");
     Image image;
     image.where = where;
     image.srgb = srgb;
-    if (!stbi_info_from_memory(data, size, &image.width, &image.height, &image.channels))
-        fail(where, std::string("the image cannot be read (PNG, JPEG, HDR, TGA or BMP is expected): ") +
-                        stbi_failure_reason());
-    const uint64_t pixels = uint64_t(image.width) * uint64_t(image.height);
-    if (pixels == 0 || pixels > kMaxPixels)
-        fail(where, "the image has " + std::to_string(pixels) + " pixels; 1 to 2^28 are read");
-    int w = 0, h = 0, c = 0;
-    if (stbi_is_hdr_from_memory(data, size)) {
-        std::unique_ptr<float, StbFree> loaded(stbi_loadf_from_memory(data, size, &w, &h, &c, 0));
-        if (!loaded) fail(where, std::string("the image is broken: ") + stbi_failure_reason());
-        image.width = w;
-        image.height = h;
-        image.channels = c;
-        image.pixels.assign(loaded.get(), loaded.get() + size_t(w) * size_t(h) * size_t(c));
-        return image;
-    }
-    std::unique_ptr<stbi_uc, StbFree> loaded(stbi_load_from_memory(data, size, &w, &h, &c, 0));
-    if (!loaded) fail(where, std::string("the image is broken: ") + stbi_failure_reason());
-    image.width = w;
-    image.height = h;
-    image.channels = c;
-    image.pixels.resize(size_t(w) * size_t(h) * size_t(c));
-    decode_bytes(image, loaded.get(), srgb);
+    image.width = int(width);
+    image.height = int(height);
+    image.channels = channels;
     return image;
+}
+
+void check_holds(uint64_t have, uint64_t needed, const Image& image) {
+    if (have < needed)
+        fail_broken(image.where, "the file is too short for the " + std::to_string(image.width) + " x " +
+                                     std::to_string(image.height) + " pixels of its header");
+}
+
+Image decode_image(std::string_view bytes, const std::string& where, bool srgb) {
+    if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, where, srgb);
+    if (bytes.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, where, srgb);
+    if (bytes.starts_with("#?")) return decode_hdr(bytes, where);
+    if (bytes.starts_with("BM")) return decode_bmp(bytes, where, srgb);
+    if (looks_like_tga(bytes)) return decode_tga(bytes, where, srgb);
+    fail(where, "the image cannot be read (PNG, JPEG, HDR, TGA or BMP is expected)");
 }
 
 namespace {
@@ -85,9 +40,9 @@ namespace {
 /// Decodes image `i` in place. Returns false if the file is unusable and that is not an error.
 bool decode_pending(Loading& loading, Image& image) {
     try {
-        const std::string bytes = read_file(image.path, image.where);
-        if (extension_of(image.path) == ".exr") return true;
-        Image decoded = decode_image(bytes, image.where + ": " + image.path, image.srgb);
+        if (extension_of(image.path) == ".exr") return check_file(image.path, image.where) > 0;
+        Image decoded =
+            decode_image(read_file(image.path, image.where), image.where + ": " + image.path, image.srgb);
         decoded.path = image.path;
         decoded.where = image.where;
         decoded.nearest = image.nearest;
@@ -128,9 +83,9 @@ void decode_images(Loading& loading) {
 ImageMean mean_of(const Image& image) {
     double sum[4] = {};
     const int n = image.channels;
-    const size_t pixels = n > 0 ? image.pixels.size() / size_t(n) : 0;
+    const size_t pixels = n > 0 ? image.size() / size_t(n) : 0;
     for (size_t i = 0; i < pixels; ++i)
-        for (int c = 0; c < n; ++c) sum[c] += image.pixels[i * size_t(n) + size_t(c)];
+        for (int c = 0; c < n; ++c) sum[c] += image.value(i * size_t(n) + size_t(c));
     for (double& s : sum) s /= double(std::max<size_t>(pixels, 1));
     ImageMean mean;
     mean.color = n >= 3 ? Rgb{float(sum[0]), float(sum[1]), float(sum[2])}

@@ -1,5 +1,5 @@
 #pragma once
-// Decodes PNG, JPEG, TGA, BMP and Radiance HDR images to linear float pixels.
+// Decodes PNG, JPEG, TGA, BMP and Radiance HDR images.
 #include <string>
 #include <string_view>
 
@@ -7,8 +7,8 @@
 
 namespace viscache::loading {
 
-/// Decodes a file in memory. 8- and 16-bit colour is linearised when `srgb` is set; alpha and HDR values
-/// stay unchanged.
+/// Decodes a file in memory; its content tells the format. Values of 8 bits stay bytes, others become linear
+/// floats. Colour of 8 and 16 bits is encoded when `srgb` is set; alpha and HDR values are linear.
 Image decode_image(std::string_view bytes, const std::string& where, bool srgb);
 
 /// Decodes every pending image of the scene except EXR images. When strict, a missing or unreadable file is

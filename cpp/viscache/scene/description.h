@@ -7,6 +7,7 @@
 
 #include "viscache/math/affine.h"
 #include "viscache/scene/camera.h"
+#include "viscache/scene/image.h"
 #include "viscache/scene/material.h"
 #include "viscache/scene/spot_cone.h"
 
@@ -53,15 +54,6 @@ struct SphereLight {
     Vec3 center;
     float radius = 1;
     Rgb radiance;
-};
-
-struct Image {
-    std::string path;                         ///< file that the scene names; empty for images given as arrays
-    std::string where;                        ///< "file:line" that names the file
-    bool srgb = true;                         ///< 8-bit values are sRGB-encoded colour (false: linear data)
-    bool nearest = false;                     ///< look-ups take the nearest pixel, without interpolation
-    int width = 0, height = 0, channels = 0;  ///< 0 until decoded
-    std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
 };
 
 struct Environment {

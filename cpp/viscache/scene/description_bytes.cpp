@@ -22,7 +22,7 @@ void fields(Archive& a, Instance& i) {
 }
 template <class Archive>
 void fields(Archive& a, Image& i) {
-    a(i.path, i.where, i.srgb, i.nearest, i.width, i.height, i.channels, i.pixels);
+    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels, i.bytes, i.nearest);
 }
 template <class Archive>
 void fields(Archive& a, Camera& c) {

@@ -11,6 +11,7 @@ namespace viscache {
 namespace {
 
 constexpr double kPowerTolerance = 0.02;
+constexpr size_t kMaxPixels = size_t(1) << 27;  // of the image: the resampling takes seconds then
 constexpr int kMaxResolution = 4096;
 constexpr int kMaxAutomatic = 2048;  // at most 200 MB of texels and tables, unless a larger map is requested
 
@@ -24,8 +25,12 @@ template <class... Parts>
 }
 
 Rgb pixel(const Image& image, int row, int column) {
-    const float* p = &image.pixels[(size_t(row) * image.width + column) * image.channels];
-    return image.channels >= 3 ? Rgb{p[0], p[1], p[2]} : Rgb{p[0], p[0], p[0]};
+    const size_t first = (size_t(row) * image.width + column) * image.channels;
+    const auto rgb = [&](auto value) {
+        return image.channels >= 3 ? Rgb{value(0), value(1), value(2)} : Rgb{value(0), value(0), value(0)};
+    };
+    if (image.bytes.empty()) return rgb([p = &image.pixels[first]](int c) { return p[c]; });
+    return rgb([p = &image.bytes[first], v = image.values_of(0)](int c) { return v[p[c]]; });
 }
 
 bool usable(Rgb c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; }
@@ -33,8 +38,11 @@ bool usable(Rgb c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; }
 void check(const Image& image, Rgb scale, const Affine& to_world, int resolution) {
     const size_t expected =
         size_t(std::max(0, image.width)) * std::max(0, image.height) * std::max(0, image.channels);
-    if (expected == 0 || image.pixels.size() != expected)
+    if (expected == 0 || image.size() != expected)
         fail(image, "must have pixels, got ", image.width, " x ", image.height, " x ", image.channels);
+    if (size_t(image.width) * image.height > kMaxPixels)
+        fail(image, "has ", image.width, " x ", image.height,
+             " pixels; skies have at most 2^27 (16384 x 8192): scale it down");
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column)
             if (const Rgb c = pixel(image, row, column); !usable(c * scale))

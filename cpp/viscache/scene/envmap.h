@@ -49,6 +49,7 @@ public:
     double power_ratio() const { return power_ratio_; }
     bool is_constant() const { return resolution_ == 1; }
     int resolution() const { return resolution_; }
+    size_t memory_bytes() const { return pixels_.size() * sizeof(Rgb) + texels_.memory_bytes(); }
     /// Row-major over the octahedral square; the row is the second coordinate.
     const std::vector<Rgb>& pixels() const { return pixels_; }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "viscache/scene/allowed_files.h"
 #include "viscache/scene/decode_image.h"
 #include "viscache/scene/loading.h"
 
@@ -62,10 +63,11 @@ void make_printable(SceneDescription& s) {
 
 }  // namespace
 
-SceneDescription load_scene_file(const std::string& path, bool strict, bool skip_missing) {
+SceneDescription load_scene_file(const std::string& path, const LoadOptions& options) {
     SceneDescription scene;
     scene.name = std::filesystem::path(path).stem().string();
-    loading::Loading state(scene, strict, skip_missing);
+    loading::Loading state(scene, options.strict, options.skip_missing);
+    const loading::AllowedFiles allowed(path, options.allow_outside);
     try {
         reader_for(path)(path, state);
         check_lights(scene, path);

@@ -8,12 +8,17 @@
 
 namespace viscache {
 
+struct LoadOptions {
+    bool strict = false;         ///< features that are not modelled are errors
+    bool skip_missing = false;   ///< shapes whose file is not there are left out with a warning
+    bool allow_outside = false;  ///< files outside of the scene's folder may be read (allowed_files.h)
+};
+
 /// Reads the scene file `path`. The extension selects the format (.obj .ply .gltf .glb .xml .pbrt
 /// .serialized). PNG, JPEG, TGA, BMP and HDR images are decoded; EXR images stay pending (width 0). Features
-/// that are not modelled are listed in `warnings`; with `strict` they throw SceneError. With `skip_missing`,
-/// shapes whose file is not there are left out with a warning. Throws SceneError (file, place, what was
-/// found) for unusable content.
-SceneDescription load_scene_file(const std::string& path, bool strict = false, bool skip_missing = false);
+/// that are not modelled are listed in `warnings`. Throws SceneError (file, place, what was found) for
+/// content that cannot be used.
+SceneDescription load_scene_file(const std::string& path, const LoadOptions& options = {});
 
 /// Number of triangles placed in the world; a mesh counts once for each instance.
 uint64_t count_placed_triangles(const SceneDescription& scene);

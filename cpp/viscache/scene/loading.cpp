@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "viscache/scene/allowed_files.h"
+
 namespace viscache::loading {
 
 void fail(const std::string& where, const std::string& what) {
@@ -45,11 +47,13 @@ std::string printable(std::string text) {
 
 std::string at_line(const std::string& file, size_t line) { return file + ":" + std::to_string(line); }
 
-std::string read_file(const std::string& path, const std::string& asked_at) {
+uint64_t check_file(const std::string& path, const std::string& asked_at) {
     namespace fs = std::filesystem;
     const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::error_code error;
     if (path.find('\0') != std::string::npos) fail(asked_at, "a file name holds a zero byte");
+    if (const AllowedFiles* allowed = AllowedFiles::current(); allowed && !allowed->allows(path))
+        fail(where, "the file lies outside of the scene's folder; allow_outside=True permits that");
     if (!fs::exists(path, error)) fail(where, "the file does not exist");
     if (!fs::is_regular_file(path, error)) fail(where, "not a regular file");
     const uint64_t size = fs::file_size(path, error);
@@ -57,6 +61,12 @@ std::string read_file(const std::string& path, const std::string& asked_at) {
     if (size == 0) fail(where, "the file is empty");
     if (size > kMaxFileBytes)
         fail(where, "the file has " + std::to_string(size) + " bytes, at most 8 GiB are read");
+    return size;
+}
+
+std::string read_file(const std::string& path, const std::string& asked_at) {
+    const uint64_t size = check_file(path, asked_at);
+    const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::ifstream in(path, std::ios::binary);
     std::string content(size, '\0');
     if (!in.read(content.data(), std::streamsize(size))) fail(where, "the file cannot be read");

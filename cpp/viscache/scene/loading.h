@@ -28,7 +28,9 @@ std::string printable(std::string text);
 /// "file:line".
 std::string at_line(const std::string& file, size_t line);
 
-/// Content of a file. Throws SceneError if it is missing, unreadable, empty or too large.
+/// Size of a file. Throws SceneError if it is missing, empty, too large or not allowed (allowed_files.h).
+uint64_t check_file(const std::string& path, const std::string& asked_at = "");
+/// Content of a file. Throws SceneError as `check_file` does, and if it is unreadable.
 std::string read_file(const std::string& path, const std::string& asked_at = "");
 
 /// Path of `name` relative to the folder of `base_file`.

@@ -87,12 +87,4 @@ private:
     std::unique_ptr<EnvironmentMap> environment_;
 };
 
-/// Bilinear lookup with repetition; row 0 of the image is v = 1. Returns RGBA; missing channels are grey or
-/// 1.
-struct Rgba {
-    Rgb rgb;
-    float a = 1;
-};
-Rgba sample_image(const Image& image, Vec2 uv);
-
 }  // namespace viscache

@@ -136,7 +136,7 @@ class SceneDescription:
     @property
     def images(self) -> list:
         """
-        Path, place, size of every image; width 0 = still to be decoded.
+        Path, place, size and bits per value of every image; width 0 = still to be decoded.
         """
     @property
     def instances(self) -> list:
@@ -191,9 +191,9 @@ class Scene:
     An immutable scene.
     """
     @staticmethod
-    def freeze(description: SceneDescription, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> Scene:
+    def freeze(description: SceneDescription, threads: typing.SupportsInt | typing.SupportsIndex = 0, take: bool = False) -> Scene:
         """
-        Validate and freeze a description.
+        Validate and freeze a description. `take` leaves it empty, without a copy.
         """
     @property
     def bounds(self) -> tuple[typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"]]:
@@ -812,7 +812,7 @@ def look_at(origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFlo
     """
 def read_image(path: str) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Linear pixels (H, W, C) of a .hdr, .png or .jpg file.
+    Linear pixels (H, W, C) of a PNG, JPEG, HDR, TGA or BMP file.
     """
 def render_bdpt(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptSettings, frame: FrameSettings, source: OracleSource, *, progress: typing.Any = None) -> dict:
     """

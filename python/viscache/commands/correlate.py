@@ -13,6 +13,7 @@ from viscache.commands.shared import (
     add_workers,
     at_least_one,
     chosen_executor,
+    chosen_scene,
     print_json,
     print_table,
     threads_of_a_worker,
@@ -78,7 +79,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from viscache.correlation import measure, save_dataset
-    from viscache.sources import open_scene
 
     target = Path(arguments.output)
     folder = target.resolve().parent
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
         Path(arguments.plot).mkdir(parents=True, exist_ok=True)
     if not folder.is_dir() or target.is_dir() or not os.access(folder, os.W_OK):
         raise ValueError(f"output must lie in a folder that can be written, got {target}")
-    scene = open_scene(arguments.scene, missing=arguments.missing)
+    scene = chosen_scene(arguments)
     wish: str | None = arguments.camera
     known = [camera.name for camera in scene.cameras]
     index = wish is not None and wish not in known and wish.isdecimal()

@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 
-from viscache import sources
-from viscache.commands.shared import add_scene, print_json, print_table
+from viscache.commands.shared import add_scene, chosen_scene, print_json, print_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    info = sources.open_scene(arguments.scene, missing=arguments.missing).info()
+    info = chosen_scene(arguments).info()
     if arguments.json:
         print_json(info)
         return 0

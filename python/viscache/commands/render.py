@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 import viscache as vc
-from viscache import sources
 from viscache.commands.shared import (
     add_scene,
     at_least_one,
+    chosen_scene,
     chosen_settings,
     print_json,
     print_table,
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     if target.is_dir() or not os.access(folder, os.W_OK):
         raise ValueError(f"output must be a file that can be written, got {arguments.output}")
     chosen = chosen_settings(arguments)
-    scene = sources.open_scene(arguments.scene, missing=arguments.missing)
+    scene = chosen_scene(arguments)
     known = [camera.name for camera in scene.cameras]
     wish: str | None = arguments.camera
     index = wish is not None and wish not in known and wish.isdecimal()

@@ -11,18 +11,9 @@ from typing import Any
 from viscache import workers
 from viscache.files import finite
 from viscache.provenance import thread_count
+from viscache.scene import Scene
 from viscache.settings import by_name
-
-
-def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the scene, and what happens where its mesh files are missing."""
-    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
-    parser.add_argument(
-        "--missing",
-        choices=("error", "skip"),
-        default="error",
-        help="skip: leave out shapes whose mesh file is not there (default: error)",
-    )
+from viscache.sources import open_scene
 
 
 def print_json(value: Any) -> None:
@@ -72,6 +63,29 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
         "visibility": by_name.make("visibility", visibility),
     }
     return by_name.assign(chosen, arguments.set)
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """`SCENE`, `--missing` and `--allow-outside`."""
+    parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    parser.add_argument(
+        "--missing",
+        choices=("error", "skip"),
+        default="error",
+        help="skip: leave out shapes whose mesh file is not there (default: error)",
+    )
+    parser.add_argument(
+        "--allow-outside",
+        action="store_true",
+        help="the scene may read files outside of its folder",
+    )
+
+
+def chosen_scene(arguments: argparse.Namespace) -> Scene:
+    """The scene chosen by the options of `add_scene`."""
+    return open_scene(
+        arguments.scene, missing=arguments.missing, allow_outside=arguments.allow_outside
+    )
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,14 @@ from __future__ import annotations
 import argparse
 import re
 
-from viscache import sources
-from viscache.commands.shared import add_scene, at_least_one, print_json, print_table, size
+from viscache.commands.shared import (
+    add_scene,
+    at_least_one,
+    chosen_scene,
+    print_json,
+    print_table,
+    size,
+)
 from viscache.settings import by_name
 from viscache.sweeps.tune import tune
 
@@ -76,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     }
     made = by_name.assign(chosen, arguments.set)
     found = tune(
-        sources.open_scene(arguments.scene, missing=arguments.missing),
+        chosen_scene(arguments),
         made["integrator"],
         rel_l1=arguments.error,
         visibility=made["visibility"],

@@ -10,7 +10,7 @@ from viscache import _core
 from viscache._core import SceneError
 from viscache.scene.environments import apply_environment, decode_images
 from viscache.scene.scene import Env, Scene
-from viscache.settings.checks import require
+from viscache.settings.checks import checked_threads, require
 from viscache.settings.spelling import spelled
 
 __all__ = ["load_scene"]
@@ -22,6 +22,7 @@ def load_scene(
     *,
     strict: bool = False,
     missing: Literal["error", "skip"] = "error",
+    allow_outside: bool = False,
     env: Env | None = None,
     threads: int | None = None,
 ) -> Scene:
@@ -37,6 +38,10 @@ def load_scene(
     missing : {"error", "skip"}
         What happens where a Mitsuba or pbrt scene names a mesh file that is not there: an error, or
         the shape is left out with a warning.
+    allow_outside : bool
+        Files outside of the scene's folder may be read. By default they are errors, and textures
+        are left out with a warning. Folders of assets beside the scene's folder, or one level
+        higher, are no outside: `../textures`, `../hdr`, `../../common`.
     env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light that replaces the file's.
     threads : int, optional
@@ -50,9 +55,14 @@ def load_scene(
     if str(path) and Path(path).is_dir():
         raise SceneError(f"{path}: is a directory, not a scene file")
     require(missing in ("error", "skip"), 'missing must be "error" or "skip"', missing)
-    skip = missing == "skip"
-    description = _core.load_scene_file(os.fspath(path), strict=strict, skip_missing=skip)
+    description = _core.load_scene_file(
+        os.fspath(path),
+        strict=strict,
+        skip_missing=missing == "skip",
+        allow_outside=allow_outside,
+    )
     decode_images(description, strict=strict)
     if env is not None:
         apply_environment(description, env)
-    return Scene.from_description(description, spec=str(Path(path)), threads=threads)
+    frozen = _core.Scene.freeze(description, checked_threads(threads), take=True)
+    return Scene(frozen, str(Path(path)))

@@ -1,0 +1,70 @@
+#include "viscache/scene/image.h"
+
+#include <array>
+#include <cmath>
+
+#include "viscache/scene/spectra.h"
+
+namespace viscache {
+
+namespace {
+
+using Table = std::array<float, 256>;
+
+Table table(bool srgb) {
+    Table values;
+    for (int i = 0; i < 256; ++i) {
+        const float plain = float(i) / 255.f;
+        values[size_t(i)] = srgb ? loading::srgb_to_linear(plain) : plain;
+    }
+    return values;
+}
+
+const Table kPlain = table(false), kDecoded = table(true);
+
+float repeat(float x) { return x - std::floor(x); }
+
+/// `texel(first, c)` is channel c of the pixel whose values start at `first`.
+template <class Texel>
+Rgba look_up(const Image& image, Vec2 uv, Texel texel) {
+    float x = repeat(uv.x) * image.width - 0.5f, y = (1 - repeat(uv.y)) * image.height - 0.5f;
+    if (image.nearest) {
+        x = std::floor(repeat(uv.x) * image.width);
+        y = image.height - 1 - std::floor(repeat(uv.y) * image.height);
+    }
+    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+    const float fx = x - x0, fy = y - y0;
+    float sum[4] = {};
+    for (int dy = 0; dy < 2; ++dy)
+        for (int dx = 0; dx < 2; ++dx) {
+            const int xi = (x0 + dx + image.width) % image.width,
+                      yi = (y0 + dy + image.height) % image.height;
+            const float weight = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy);
+            const size_t first = (size_t(yi) * image.width + xi) * image.channels;
+            for (int c = 0; c < image.channels && c < 4; ++c) sum[c] += weight * texel(first, c);
+        }
+    switch (image.channels) {
+        case 1: return {{sum[0], sum[0], sum[0]}, 1};
+        case 2: return {{sum[0], sum[0], sum[0]}, sum[1]};
+        case 3: return {{sum[0], sum[1], sum[2]}, 1};
+        default: return {{sum[0], sum[1], sum[2]}, sum[3]};
+    }
+}
+
+}  // namespace
+
+const float* byte_values(bool srgb) { return (srgb ? kDecoded : kPlain).data(); }
+
+Rgba sample_image(const Image& image, Vec2 uv) {
+    if (image.width <= 0 || !std::isfinite(uv.x) || !std::isfinite(uv.y)) return {{0.5f, 0.5f, 0.5f}, 1};
+    if (image.bytes.empty()) {
+        const float* pixels = image.pixels.data();
+        return look_up(image, uv, [=](size_t first, int c) { return pixels[first + size_t(c)]; });
+    }
+    const float* values[4];
+    for (int c = 0; c < 4; ++c) values[c] = image.values_of(c);
+    const uint8_t* bytes = image.bytes.data();
+    return look_up(image, uv, [&](size_t first, int c) { return values[c][bytes[first + size_t(c)]]; });
+}
+
+}  // namespace viscache
