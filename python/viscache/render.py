@@ -103,7 +103,8 @@ def render(
     Frame
         Layers of light: "color", "emitted", and one per light group. The layers of `Bdpt` are
         weighted; it also has "connection" (surface with surface) and "camera" (light paths with the
-        camera), and "emitted" has all lights that eye paths hit.
+        camera), and "emitted" has all lights that eye paths hit; "seen_emitters" is the part of it
+        that the camera sees directly, or through mirrors and glass.
 
         Layers of the first hit, mirrors and glass included: "depth" (H, W, 1), distance from the
         camera in scene units; "normal" (H, W, 3), shading normal towards the camera; "albedo"
