@@ -92,7 +92,7 @@ def search(measure: Callable[[float], Pilot], target: float, span: Span) -> list
     """Pilots towards the value whose error is the target, in the order of the search."""
     tried = [measure(value) for value in span.beginning]
     while len(tried) < MOST_PILOTS:
-        if any(abs(p.rel_l1 / target - 1) <= NEAR for p in tried):
+        if any(abs(p.error / target - 1) <= NEAR for p in tried):
             break
         value = _next_value(tried, target, span)
         if value is None or any(span.same(value, p.value) for p in tried):
@@ -106,8 +106,8 @@ def best(pilots: Sequence[Pilot], target: float, *, whole: bool = False) -> Pilo
 
     Whole numbers may all be far from it. Then one that reaches the target is preferred.
     """
-    reached = [p for p in pilots if p.rel_l1 <= target * TOLERANCE] if whole else []
-    return min(reached or pilots, key=lambda p: abs(math.log(max(p.rel_l1, 1e-12) / target)))
+    reached = [p for p in pilots if p.error <= target * TOLERANCE] if whole else []
+    return min(reached or pilots, key=lambda p: abs(math.log(max(p.error, 1e-12) / target)))
 
 
 def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | None:
@@ -118,7 +118,7 @@ def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | No
     # From the end of small errors to the end of large ones
     ordered = sorted(tried, key=lambda p: p.value, reverse=not rises)
     numbers = range(len(ordered))
-    below = [i for i in numbers if ordered[i].rel_l1 <= target]
+    below = [i for i in numbers if ordered[i].error <= target]
     if len(below) == len(ordered):
         return span.beyond(ordered[-1].value, up=rises)
     if not below:
@@ -130,13 +130,13 @@ def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | No
 
 def _rises(tried: Sequence[Pilot]) -> bool | None:
     """Whether the error rises with the value; None if it seems to stay the same."""
-    first = min(tried, key=lambda p: p.value).rel_l1
-    last = max(tried, key=lambda p: p.value).rel_l1
+    first = min(tried, key=lambda p: p.value).error
+    last = max(tried, key=lambda p: p.value).error
     return None if first == last else last > first
 
 
 def _crossing(low: Pilot, high: Pilot, target: float, span: Span) -> float | None:
     """Where the line through two pilots, in logarithms, has the target."""
-    a, b = (math.log(max(p.rel_l1, target * 1e-3)) for p in (low, high))
+    a, b = (math.log(max(p.error, target * 1e-3)) for p in (low, high))
     share = min(0.95, max(0.05, (math.log(target) - a) / (b - a)))
     return span.inside(low.value, high.value, share)
