@@ -22,6 +22,9 @@ MOST_PILOTS = 8
 FACTOR, SHARE = 2.5, 1 / 6
 #: Values that differ by less count as the same.
 SAME = 1e-3
+#: Between values that differ by less nothing is searched: a factor, or this share of a range that
+#: begins at zero or below.
+CLOSE = 0.03
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,11 +81,13 @@ class Span:
         low, high = min(a, b) + 1, max(a, b) - 1
         return min(high, max(low, value)) if low <= high else None
 
-    def same(self, a: float, b: float) -> bool:
+    def same(self, a: float, b: float, tolerance: float = SAME) -> bool:
         """Whether two values are too near to each other for two pilots."""
         if self.whole:
             return a == b
-        return abs(a / b - 1) < SAME if self.low > 0 else abs(a - b) < SAME * (self.high - self.low)
+        if self.low > 0:
+            return abs(a / b - 1) < tolerance
+        return abs(a - b) < tolerance * (self.high - self.low)
 
     def _rounded(self, value: float) -> float:
         return round(value) if self.whole else value
@@ -136,7 +141,9 @@ def _rises(tried: Sequence[Pilot]) -> bool | None:
 
 
 def _crossing(low: Pilot, high: Pilot, target: float, span: Span) -> float | None:
-    """Where the line through two pilots, in logarithms, has the target."""
+    """Where the line through two pilots, in logarithms, has the target; None if they are close."""
+    if span.same(low.value, high.value, CLOSE):
+        return None
     a, b = (math.log(max(p.error, target * 1e-3)) for p in (low, high))
     share = min(0.95, max(0.05, (math.log(target) - a) / (b - a)))
     return span.inside(low.value, high.value, share)
