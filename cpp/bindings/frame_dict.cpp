@@ -116,6 +116,7 @@ py::dict frame_dict(const FrameResult& f) {
     py::dict layers, out = account_dict(f), timings = out["timings"];
     layers["color"] = image_of(f, f.color);
     layers["emitted"] = image_of(f, f.emitted);
+    if (!f.seen_emitters.empty()) layers["seen_emitters"] = image_of(f, f.seen_emitters);
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
     if (!f.last_pass.empty()) layers["environment_last_pass"] = image_of(f, f.last_pass);

@@ -2,15 +2,22 @@
 
 Over linear RGB; sums run over pixels and channels; a = image, b = reference:
 
-========  =====================================================================================
-rmse      sqrt(mean((a - b)²))
-rel_l1    Σ|a - b| / Σb: L̂_INF of the AQVC paper
-energy    Σ(a - b) / Σb, signed
-rel_mse   mean((a - b)² / (b² + (0.01·mean b)²))
-ssim      scikit-image's on luminance: exposure (99th percentile of b → 1), clip, sRGB curve
-flip      mean HDR-FLIP at 67 pixels per degree [Andersson et al. 2021], flip-evaluator's
-max_abs   max|a - b|
-========  =====================================================================================
+================  =============================================================================
+rmse              sqrt(mean((a - b)²))
+rel_l1            Σ|a - b| / Σb: L̂_INF of the AQVC paper
+rel_l1_reflected  the same of the light on surfaces: a and b without the emitted light that the
+                  camera sees, directly or through mirrors and glass
+energy            Σ(a - b) / Σb, signed
+rel_mse           mean((a - b)² / (b² + (0.01·mean b)²))
+ssim              scikit-image's on luminance: exposure (99th percentile of b → 1), clip, sRGB curve
+flip              mean HDR-FLIP at 67 pixels per degree [Andersson et al. 2021], flip-evaluator's
+max_abs           max|a - b|
+================  =============================================================================
+
+A cache cannot err in light that comes straight from an emitter. If lamps or a sky are in the
+picture, they make rel_l1 smaller, but not the error that is seen; rel_l1_reflected leaves them out.
+It takes frames with a layer of that light (`viscache.emitted_light.seen_emitters`). Of arrays, and
+of files of other programs, it is undefined.
 """
 
 from __future__ import annotations
@@ -27,6 +34,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tonemap
+from viscache.emitted_light import light_on_surfaces
 from viscache.settings.spelling import nearest
 
 if TYPE_CHECKING:
@@ -45,7 +53,8 @@ class Metrics(Mapping[str, "float | None"]):
     """The requested metrics, as a mapping and as attributes.
 
     A value is None if the metric is undefined: rel_l1, energy, rel_mse and flip with a black
-    reference, ssim of images smaller than its window.
+    reference, ssim of images smaller than its window, rel_l1_reflected if no light falls on a
+    surface, or if a side has no layer of emitted light.
 
     Attributes
     ----------
@@ -141,6 +150,14 @@ def rel_l1(a: Image, b: Image) -> float | None:
     return float(np.abs(a - b).sum()) / total if total != 0.0 else None
 
 
+def rel_l1_reflected(a: Image, b: Image) -> float | None:
+    """`rel_l1` of light on surfaces.
+
+    `compare` takes the emitted light that the camera sees out of both images first. None if b is 0.
+    """
+    return rel_l1(a, b)
+
+
 def energy(a: Image, b: Image) -> float | None:
     """Σ(a - b) / Σb, signed; None if Σb is 0."""
     total = float(b.sum())
@@ -226,16 +243,21 @@ def max_abs(a: Image, b: Image) -> float:
     return float(np.abs(a - b).max())
 
 
-#: Name to function of two (H, W, C) scene-linear images, the image and its reference.
+#: Name to function of two (H, W, C) scene-linear images, the image and its reference. Those of
+#: `ON_SURFACES` take images without the emitted light that the camera sees.
 METRICS: dict[str, Callable[[Image, Image], float | None]] = {
     "rmse": rmse,
     "rel_mse": rel_mse,
     "rel_l1": rel_l1,
+    "rel_l1_reflected": rel_l1_reflected,
     "energy": energy,
     "flip": flip,
     "ssim": ssim,
     "max_abs": max_abs,
 }
+
+
+ON_SURFACES = ("rel_l1_reflected",)
 
 
 def check_names(metrics: Iterable[str] | None) -> list[str]:
@@ -293,8 +315,11 @@ def compare(
             raise ValueError(
                 f"a and b must have one shape, got {pair[0].shape} and {pair[1].shape}"
             )
+        sides = [light_on_surfaces(side) for side in (image, reference)]
+        known = [_linear(side, w) for side, w in zip(sides, "ab", strict=True) if side is not None]
         for name in names:
-            samples[name].append(METRICS[name](*pair))
+            of = pair if name not in ON_SURFACES else known
+            samples[name].append(METRICS[name](of[0], of[1]) if len(of) == 2 else None)
     return Metrics(samples)
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal, cast, get_args
 from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
 from viscache.combinations import Request, check
+from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct, in_words
 from viscache.oracles.sources import oracle_source, parameters_of
@@ -103,13 +104,17 @@ def render(
     Frame
         Layers of light: "color", "emitted", and one per light group. The layers of `Bdpt` are
         weighted; it also has "connection" (surface with surface) and "camera" (light paths with the
-        camera), and "emitted" has all lights that eye paths hit.
+        camera), and "emitted" has all lights that eye paths hit; "seen_emitters" is the part of it
+        that the camera sees directly, or through mirrors and glass.
 
         Layers of the first hit, mirrors and glass included: "depth" (H, W, 1), distance from the
         camera in scene units; "normal" (H, W, 3), shading normal towards the camera; "albedo"
         (H, W, 3), base colour. They are means over the samples of the pixel that hit a surface, or
         0 without a hit, so normals at edges are shorter than 1. "coverage" (H, W, 1) is the share
         of samples that hit.
+
+        `warnings` names light groups of the quantized cache for which exact visibility would have
+        been cheaper, by the rays that were counted (docs/aqvc.md).
 
         Counters, timings, parameters and provenance. The counter "sha256" is that of the color
         layer. "lost_throughput" in [0, 1] bounds the light that is missing behind mirrors and
@@ -283,6 +288,8 @@ def render_part(
     if frame.parts > 1:
         made.parameters["part"] = [frame.part, frame.parts]
         made.counters["tile_sums"] = [list(sums) for sums in result.get("tile_sums", [])]
+    else:
+        made.warnings += cost_warnings(made.parameters, made.counters)
     made.counters["sha256"] = made.sha256
     return made
 

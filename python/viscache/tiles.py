@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from viscache import sources, workers
+from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, Layer
 from viscache.render import render_part
 from viscache.scene import Scene
@@ -241,6 +242,7 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         provenance=first.provenance,
         warnings=first.warnings,
     )
+    made.warnings = made.warnings + cost_warnings(parameters, counters)
     made.counters["sha256"] = made.sha256
     return made
 

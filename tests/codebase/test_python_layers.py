@@ -18,7 +18,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("array_output", "files", "progress", "provenance", "tonemap", "workers"),
     ("frame_html", "settings"),
     ("oracles",),
-    ("frame", "scene", "variance"),
+    ("emitted_light", "exact_cost", "frame", "scene", "variance"),
     ("metrics", "notebook", "scenes", "temporal"),
     ("sources",),
     ("aqvc_table", "combinations", "vismap", "vlf"),

@@ -439,6 +439,24 @@ def test_local_visibility_sees_more_than_the_whole_scene_leaves_free() -> None:
     assert off[0] < off[1]
 
 
+def test_a_closed_scene_chooses_a_distance_and_reports_it() -> None:
+    closed = measure("room?triangles=3000", **SMALL)
+    assert closed.attrs["t_max_by"] == "closed scene"
+    diagonal = np.linalg.norm(np.diff(vc.scenes.room(triangles=3000).bounds, axis=0))
+    assert 0.1 * diagonal < closed.attrs["t_max"] < 0.6 * diagonal
+    endless = measure("room?triangles=3000", **SMALL, t_max=np.inf)
+    assert endless.attrs["t_max_by"] == "caller"
+    share = [float(ds["n"].sum() / (ds["n"] + ds["n_undefined"]).sum()) for ds in (closed, endless)]
+    assert share[0] > 0.9 and share[1] < 0.5
+    given = measure("room?triangles=3000", **SMALL, t_max=closed.attrs["t_max"])
+    assert_same(given, closed)
+
+
+def test_an_open_scene_keeps_rays_without_end(measured: xarray.Dataset) -> None:
+    assert measured.attrs["t_max"] == np.inf and measured.attrs["t_max_by"] == "open scene"
+    assert_same(measured, measure(SCENE, **SMALL, t_max=np.inf))
+
+
 @pytest.mark.slow
 def test_a_scene_measured_by_the_batch_gives_the_same_correlation(tmp_path: Any) -> None:
     """Rows within rounding of an edge may differ; the store keeps engines apart."""

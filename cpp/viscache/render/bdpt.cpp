@@ -91,6 +91,7 @@ FrameResult empty_result(const BdptContext& c) {
     const size_t n = size_t(out.width) * size_t(out.height);
     out.color.resize(n);
     out.emitted.resize(n);
+    out.seen_emitters.resize(n);
     out.depth.resize(n);
     out.normal.resize(n);
     out.albedo.resize(n);
@@ -116,6 +117,7 @@ void merge(const ItemResult& item, const Tile& tile, FrameResult& out) {
             const size_t from = size_t(y - tile.y0) * width + size_t(x - tile.x0);
             const size_t to = size_t(y) * size_t(out.width) + size_t(x);
             out.emitted[to] += item.light.emitted[from];
+            out.seen_emitters[to] += item.light.seen[from];
             for (size_t g = 0; g < item.sums.size(); ++g)
                 if (!item.sums[g].empty()) out.groups[g][to] += item.sums[g][from];
             const FirstHits& first = item.light.first[from];

@@ -57,6 +57,7 @@ void SubpathTracer::trace_eye(const SampleTile& work, Subpaths& out, EyeLight& l
     const size_t longest = size_t(c_.settings.max_depth) + 1;
     out.reset(places_.size(), longest);
     light.emitted.assign(places_.size(), {});
+    light.seen.assign(places_.size(), {});
     light.first.assign(places_.size(), {});
     for (uint32_t p = 0; p < places_.size(); ++p) {
         const auto [px, py] = places_[p];
@@ -168,6 +169,7 @@ bool SubpathTracer::go_on(Walker& w, Transport transport, std::span<PathVertex> 
     if (s->specular) {
         w.spread *= s->pdf;
     } else {
+        w.direct = false;
         w.spread = s->pdf;
         w.parallel_spread = false;
         w.distance = 0;
@@ -211,10 +213,12 @@ void SubpathTracer::add_emitted(const Walker& w, const PathVertex& emitter, doub
     const double weight = path_weight(out.of(w.path), {}, {pdf_point, pdf_before, 0, 0}, rules);
     --out.count[w.path];
     const Rgb value = w.beta * radiance * float(weight / c_.frame.spp);
-    if (is_finite(value))
-        light.emitted[pixel_of(w.path)] += value;
-    else
+    if (!is_finite(value)) {
         ++counters.non_finite;
+        return;
+    }
+    light.emitted[pixel_of(w.path)] += value;
+    if (w.direct) light.seen[pixel_of(w.path)] += value;
 }
 
 void SubpathTracer::add_first_hit(const Walker& w, const Hit& hit, const SurfacePoint& s,

@@ -61,6 +61,7 @@ struct Subpaths {
 /// Contributions of eye paths without connections: sums per pixel of the tile, row-major.
 struct EyeLight {
     std::vector<Rgb> emitted;  ///< weighted light of emitters that eye paths hit
+    std::vector<Rgb> seen;     ///< the part of it that met only mirrors and glass on its way
     std::vector<FirstHits> first;
 };
 
@@ -86,6 +87,7 @@ private:
         double spread = 0;  ///< density of the ray at that vertex × probabilities of later events
         bool parallel_spread = false;
         float distance = 0;
+        bool direct = true;  ///< only mirrors and glass so far
     };
     void walk(Transport transport, size_t edges, Subpaths& out, EyeLight* light, Counters& counters,
               const Control& control);

@@ -57,7 +57,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of the angle between points",
     )
     parser.add_argument(
-        "--t-max", type=float, metavar="T", help="local visibility: occluders within T only"
+        "--t-max",
+        type=float,
+        metavar="T",
+        help="local visibility: occluders within T only; chosen in closed scenes, else no limit",
     )
     parser.add_argument(
         "--engine",
@@ -161,6 +164,8 @@ def _summary(dataset: Any, path: str) -> dict[str, Any]:
         "n_pairs": a["n_pairs"],
         "n_rays": a["n_rays"],
         "batch_rays": a["batch_rays"],
+        "t_max": a["t_max"],
+        "t_max_by": a["t_max_by"],
         "rows_s": a["rows_s"],
         "pairs_s": a["pairs_s"],
         "corner": float(dataset["corner"]),

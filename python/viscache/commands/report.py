@@ -19,6 +19,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("directory", metavar="DIR")
     parser.add_argument("-o", "--output", metavar="FILE.html", help="DIR/report.html by default")
     parser.add_argument(
+        "--error", metavar="METRIC", help="of the plots: rel_l1_reflected; the sweep's first metric"
+    )
+    parser.add_argument(
         "--flip-maps",
         type=int,
         default=report.MOST_FLIP_MAPS,
@@ -48,6 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     written = report.write(
         arguments.directory,
         arguments.output,
+        error=arguments.error,
         flip_maps=arguments.flip_maps,
         width=arguments.width,
         progress=sys.stderr.isatty(),
@@ -55,7 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
     drawn: list[Path] = []
     if arguments.plots is not None:
         formats = arguments.format or plots.FORMATS
-        drawn = plots.save_all(open_dataset(arguments.directory), arguments.plots, formats)
+        dataset = open_dataset(arguments.directory)
+        drawn = plots.save_all(dataset, arguments.plots, formats, error=arguments.error)
     if arguments.json:
         found = {"report": str(written), "bytes": written.stat().st_size}
         print_json(found | ({"plots": [str(p) for p in drawn]} if drawn else {}))

@@ -30,6 +30,7 @@ from viscache.correlation.bins import N_D, N_THETA
 from viscache.correlation.dataset import to_dataset
 from viscache.correlation.local_means import add_local_means
 from viscache.correlation.pairs import Domain, Undefined
+from viscache.correlation.reach import closed_reach
 from viscache.correlation.rows import RowEngine
 from viscache.correlation.run import Run
 from viscache.correlation.tasks import (
@@ -75,7 +76,7 @@ def measure(
     normals: Literal["geometric", "shading"] = "geometric",
     undefined: Undefined = "skip",
     min_bits: int = 1,
-    t_max: float = np.inf,
+    t_max: float | Literal["auto"] = "auto",
     engine: RowEngine = "embree",
     spatial: bool = True,
     directory: str | os.PathLike[str] | None = None,
@@ -126,9 +127,11 @@ def measure(
         nothing.
     min_bits : int >= 1
         A row with fewer visible directions has no ρ.
-    t_max : float > 0
+    t_max : float > 0 or "auto"
         Length of the rays: farther occluders are ignored (local visibility). inf: visibility of the
-        sky.
+        sky. "auto": inf, but in a closed scene, whose points see no sky, the median free path of a
+        pilot's rays. The attribute `t_max` has the number, and `t_max_by` who chose it: "caller",
+        "open scene" or "closed scene".
     engine : {"embree", "batch", "field", "auto"}
         Engine that traces the rows, as in `visibility_rows`. The attribute "batch_rays" is the
         number of rays that the batch traced.
@@ -169,7 +172,7 @@ def measure(
     opened = sources.opened(scene)
     check_seed(seed)
     where = points or ("camera" if opened.cameras or camera is not None else "area")
-    require(t_max > 0, "t_max must be > 0", t_max)
+    require(t_max == "auto" or t_max > 0, 't_max must be > 0 or "auto"', t_max)
     fits = domain == "sphere" or normals == "geometric"
     require(fits, 'domain must be "sphere" with shading normals', domain)
     spec = scene if isinstance(scene, str) else opened.spec
@@ -177,6 +180,7 @@ def measure(
     found = _rows.surface_points(
         opened, n_points, points=where, camera=camera, seed=seed, normals=normals, threads=threads
     )
+    t_max, t_max_by = _reach(opened, found, t_max, threads)
     geometry = Points(positions=found.positions, normals=found.theta_normals, group=found.group)
     slices = (slice_d, slice_theta_deg)
     bins = chosen_bins(geometry.positions, d_edges, theta_edges_deg, slices, d_max=d_max, seed=seed)
@@ -240,6 +244,7 @@ def measure(
             "points": where,
             "normals": normals,
             "t_max": t_max,
+            "t_max_by": t_max_by,
             "camera": find_camera(opened, camera).name if where == "camera" else "",
             "domain": domain,
             "undefined": undefined,
@@ -252,6 +257,16 @@ def measure(
             "batch_rays": run.batch_rays,
         }
     )
+
+
+def _reach(
+    scene: Any, found: _rows.SurfacePoints, t_max: float | Literal["auto"], threads: int | None
+) -> tuple[float, str]:
+    """The length of the rays and who chose it."""
+    if t_max != "auto":
+        return float(t_max), "caller"
+    chosen = closed_reach(scene, found.positions, found.normals, threads)
+    return chosen, "closed scene" if np.isfinite(chosen) else "open scene"
 
 
 def _rows_per_block(engine: RowEngine) -> int | None:

@@ -40,6 +40,7 @@ LABELS: dict[str, tuple[str, str]] = {
     "spp": ("samples per pixel", ""),
     # Errors
     "rel_l1": (r"relative error $\hat L_{INF}$", ""),
+    "rel_l1_reflected": ("relative error of light on surfaces", ""),
     "rmse": ("RMSE", "radiance"),
     "rel_mse": ("relative MSE", ""),
     "energy": ("energy error", ""),

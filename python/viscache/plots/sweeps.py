@@ -252,7 +252,11 @@ def save(
 
 
 def save_all(
-    ds: xarray.Dataset, folder: str | os.PathLike[str], formats: Iterable[str] = FORMATS
+    ds: xarray.Dataset,
+    folder: str | os.PathLike[str],
+    formats: Iterable[str] = FORMATS,
+    *,
+    error: str | None = None,
 ) -> list[Path]:
     """Write every figure that a sweep's parameters allow.
 
@@ -265,13 +269,15 @@ def save_all(
     folder : path
         Receives `trade-total_s.pdf`, `heatmap-rel_l1.pdf`, `pairs-rel_l1.pdf` and so on.
     formats : iterable of {"svg", "png", "pdf"}
+    error : str, optional
+        A metric of the sweep; the first by default.
 
     Returns
     -------
     list of Path
         The files written.
     """
-    error = error_of(ds)
+    error = error_of(ds, error)
     costs = [c for c in ("total_s", "rays") if c in ds and bool(ds[c].notnull().any())]
     figures = {f"trade-{cost}": trade(ds, cost, error) for cost in costs}
     if is_grid(ds):

@@ -67,7 +67,9 @@ def write_difference(
     """
     require(width >= 1, "width must be >= 1", width)
     pixels, base = (_pixels(picture) for picture in (image, reference))
-    values = metrics.compare(pixels, base)
+    # Frames have the layers that some metrics need
+    sides = [p if isinstance(p, Frame) else _pixels(p) for p in (image, reference)]
+    values = metrics.compare(*sides)
     setting: dict[str, Any] = {
         "id": "s0",
         "text": name,

@@ -18,7 +18,7 @@ from viscache.report.embed import MOST_FLIP_MAPS, add_pictures
 from viscache.report.pictures import MAX_WIDTH_PX
 from viscache.settings.checks import require
 from viscache.sweeps.store import Store
-from viscache.sweeps.swept import MOST_NAMED, levels_of, settings_of
+from viscache.sweeps.swept import MOST_NAMED, error_of, levels_of, settings_of
 from viscache.sweeps.table import open_dataset
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ def write(
     sweep: xarray.Dataset | str | os.PathLike[str],
     path: str | os.PathLike[str] | None = None,
     *,
+    error: str | None = None,
     flip_maps: int = MOST_FLIP_MAPS,
     width: int = MAX_WIDTH_PX,
     progress: bool | Callable[[int, int], None] = False,
@@ -46,6 +47,8 @@ def write(
         The result of `viscache.sweep`, or its directory. Pictures require the directory.
     path : path, optional
         The HTML file; `report.html` in the directory by default.
+    error : str, optional
+        The metric of the plots and of the first column of errors; the sweep's first by default.
     flip_maps : int >= 0
         Maximum number of FLIP maps, which take seconds each; Pareto-optimal settings come first.
         Finished maps are kept in the directory of the sweep.
@@ -62,8 +65,8 @@ def write(
     Raises
     ------
     ValueError
-        There is no sweep, or none of its points is finished; `flip_maps` is below 0, or `width`
-        below 1.
+        There is no sweep, or none of its points is finished; it has no metric `error`; `flip_maps`
+        is below 0, or `width` below 1.
     """
     require(flip_maps >= 0, "flip_maps must be >= 0", flip_maps)
     require(width >= 1, "width must be >= 1", width)
@@ -80,7 +83,7 @@ def write(
         target = directory / "report.html"
     else:
         raise ValueError("path must be given for a sweep without a directory")
-    model = _model(dataset)
+    model = _model(dataset, error)
     if directory is not None:
         with Store(directory) as store, progress_bar(progress, "picture") as done:
             add_pictures(model, store, flip_maps, width, done)
@@ -98,9 +101,11 @@ def write(
     return target
 
 
-def _model(ds: xarray.Dataset) -> dict[str, Any]:
+def _model(ds: xarray.Dataset, error: str | None) -> dict[str, Any]:
     """The data that the page shows, for JSON."""
-    metrics = json.loads(ds.attrs["metrics"])
+    known = json.loads(ds.attrs["metrics"])
+    first = error_of(ds, error)
+    metrics = [first, *(m for m in known if m != first)]
     wanted = [
         *metrics[:1],
         "total_s",

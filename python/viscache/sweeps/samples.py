@@ -1,4 +1,4 @@
-"""Pixels on which `tune` measures errors: tiles of the frame, or whole frames of other seeds."""
+"""Pixels on which `tune` measures errors: tiles of the frame, or frames of two seeds."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,77 +17,122 @@ from viscache.scene import Scene
 from viscache.settings.checks import require
 from viscache.settings.visibility import Exact
 
-__all__ = ["Measured", "Sample", "Setting", "ratio", "samples"]
+__all__ = ["ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
 
 #: Visibility and use, as `render` takes them.
 Setting: TypeAlias = tuple[Any, Any]
 Piece: TypeAlias = dict[str, npt.NDArray[np.float64]]
+#: Errors that are quotients of sums over pixels.
+ErrorMetric: TypeAlias = Literal["rel_l1_reflected", "rel_l1"]
 
 EXACT: Setting = (Exact(), None)
-#: Pilots see this many tiles, or a 16th of the frame, and as many others check the result. Smaller
-#: frames are sampled by whole frames.
-ENOUGH_TILES, MOST_PARTS = 24, 16
-#: Whole frames that check the result.
-CHECK_FRAMES = 4
+#: Pilots see this many tiles, or a 16th of the frame, and as many others check the result. A frame
+#: of fewer tiles is halved, and one of less than `LEAST_TILES` is sampled by a frame of another
+#: seed.
+ENOUGH_TILES, MOST_PARTS, LEAST_TILES = 24, 16, 8
+#: Whole frames are cut into about this many blocks, whose edges are in this range.
+BLOCKS, BLOCK_PX = 16, (16, 64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """The error of one setting: `rel_l1` with its 95 % interval, and by light group."""
+    """The errors of one setting, and what a whole frame of it costs.
 
-    rel_l1: float
+    `interval` is the 95 % interval of the metric that was asked for; `seconds` are of the CPU.
+    """
+
+    errors: dict[ErrorMetric, float]
     interval: tuple[float, float]
     ray_reduction: float
     groups: dict[str, float]
+    seconds: float
 
 
 class Sample:
-    """Pieces of exact pictures, and errors of other settings on them.
+    """Pieces of an exact picture, and errors of other settings on them.
 
     Parameters
     ----------
     render : callable
-        Takes a setting and a run, returns tiles.
-    runs : sequence of int
-        Parts of a frame, or seeds. Of one run every tile is a sample, else every run.
+        Takes a setting, returns tiles.
+    metric : {"rel_l1_reflected", "rel_l1"}
+    share : float
+        Share of the frame's pixels that `render` renders.
+    block_px : int, optional
+        Cut tiles into blocks of this edge.
     """
 
     def __init__(
-        self, render: Callable[[Setting, int], tiles.Part], runs: Sequence[int], *, whole: bool
+        self,
+        render: Callable[[Setting], tiles.Part],
+        metric: ErrorMetric,
+        *,
+        share: float,
+        block_px: int | None = None,
     ) -> None:
-        self._render, self._runs, self.whole = render, runs, whole
-        self._exact = [_pieces(render(EXACT, run)) for run in runs]
-        self._light = sum(float(p["color"].sum()) for run in self._exact for p in run)
-        require(self._light > 0, "the picture must have light", "none")
+        self._render, self._metric = render, metric
+        self._share, self._block_px = share, block_px
+        part = render(EXACT)
+        self._exact = self._pieces(part)
+        #: CPU seconds of an exact frame.
+        self.seconds_exact = self._seconds(part)
+        lights = [_total(self._exact, name) for name in _LAYERS.values()]
+        require(min(lights) > 0, "the picture must have light on surfaces", "none")
+        self._light = _total(self._exact, _LAYERS[metric])
 
     @property
     def count(self) -> int:
         """Number of samples behind an interval."""
-        return len(self._runs) if self.whole else len(self._exact[0])
+        return len(self._exact)
 
     @property
     def groups(self) -> set[str]:
         """Light groups of the frame."""
-        return set(self._exact[0][0]) - {"color"}
+        return set(self._exact[0]) - set(_LAYERS.values())
 
     def measured(self, setting: Setting) -> Measured:
-        """The error of a setting."""
-        wrong, light, queries, rays = [], [], 0, 0
-        groups: dict[str, float] = {}
-        for run, exact in zip(self._runs, self._exact, strict=True):
-            part = self._render(setting, run)
-            queries += part.frame.counters["queries"]
-            rays += part.frame.counters["rays"]
-            pieces = list(zip(_pieces(part), exact, strict=True))
-            wrong.append([_difference(a, b, "color") for a, b in pieces])
-            light.append([float(b["color"].sum()) for _, b in pieces])
-            for name in [n for n in pieces[0][1] if n != "color" and n in pieces[0][0]]:
-                error = sum(_difference(a, b, name) for a, b in pieces)
-                groups[name] = groups.get(name, 0.0) + error / self._light
-        join = (lambda rows: [sum(r) for r in rows]) if self.whole else (lambda rows: rows[0])
-        found, interval = ratio(join(wrong), join(light))
-        reduction = queries / rays if rays else math.inf
-        return Measured(rel_l1=found, interval=interval, ray_reduction=reduction, groups=groups)
+        """The errors of a setting."""
+        part = self._render(setting)
+        pairs = list(zip(self._pieces(part), self._exact, strict=True))
+        errors: dict[ErrorMetric, float] = {
+            metric: sum(_difference(a, b, name) for a, b in pairs) / _total(self._exact, name)
+            for metric, name in _LAYERS.items()
+        }
+        name = _LAYERS[self._metric]
+        wrong = [_difference(a, b, name) for a, b in pairs]
+        _, interval = ratio(wrong, [float(b[name].sum()) for _, b in pairs])
+        groups = {
+            group: sum(_difference(a, b, group) for a, b in pairs) / self._light
+            for group in sorted(self.groups & set(pairs[0][0]))
+        }
+        rays, queries = (part.frame.counters[n] for n in ("rays", "queries"))
+        return Measured(
+            errors=errors,
+            interval=interval,
+            ray_reduction=queries / rays if rays else math.inf,
+            groups=groups,
+            seconds=self._seconds(part),
+        )
+
+    def _seconds(self, part: tiles.Part) -> float:
+        """CPU seconds of a whole frame. Lights are traced once for every part."""
+        timings = part.frame.timings
+        once = min(timings["cpu_s"], timings["lights_s"] * part.frame.provenance["threads"])
+        return float(once + (timings["cpu_s"] - once) / self._share)
+
+    def _pieces(self, part: tiles.Part) -> list[Piece]:
+        """The picture of each tile or block, its light on surfaces, and its light groups."""
+        names = ["color", *part.frame.counters["groups"]]
+        found: list[Piece] = []
+        for cut in part.cuts:
+            piece = {n: cut[n].astype(np.float64) for n in names if n in cut}
+            piece["surfaces"] = piece["color"] - cut["emitted"]
+            found += [piece] if self._block_px is None else _blocks(piece, self._block_px)
+        return found
+
+
+#: The picture of a piece that a metric compares.
+_LAYERS: dict[ErrorMetric, str] = {"rel_l1_reflected": "surfaces", "rel_l1": "color"}
 
 
 def ratio(over: Sequence[float], under: Sequence[float]) -> tuple[float, tuple[float, float]]:
@@ -106,9 +151,15 @@ def ratio(over: Sequence[float], under: Sequence[float]) -> tuple[float, tuple[f
 
 
 def samples(
-    scene: Scene, integrator: Any, given: dict[str, Any], seed: int, *, in_parts: bool
-) -> tuple[Sample, Sample]:
-    """What the pilots see, and what checks the result.
+    scene: Scene,
+    integrator: Any,
+    given: dict[str, Any],
+    seed: int,
+    *,
+    in_parts: bool,
+    metric: ErrorMetric,
+) -> tuple[Callable[[], Sample], Callable[[], Sample]]:
+    """What the pilots see, and what checks the result: functions that render the exact pictures.
 
     Tiles are independent of each other, so some tiles of a large frame have the frame's own error.
 
@@ -117,14 +168,8 @@ def samples(
     given : dict
         Other arguments of `render_part`.
     in_parts : bool
-        Whether the settings can render parts of a frame. Else whole frames of other seeds serve.
+        Whether the settings can render parts of a frame. Else frames of two seeds serve.
     """
-
-    def tiles_of(setting: Setting, number: int) -> tiles.Part:
-        return rendered(setting, seed, (number, parts))
-
-    def frame_of(setting: Setting, other: int) -> tiles.Part:
-        return rendered(setting, other, (0, 1))
 
     def rendered(setting: Setting, of_seed: int, part: tuple[int, int]) -> tiles.Part:
         visibility, use = setting
@@ -133,28 +178,54 @@ def samples(
         )
         return tiles.cut(made, *part)
 
-    parts = _parts(scene, integrator, given) if in_parts else 1
+    def sampled(of_seed: int, number: int) -> Callable[[], Sample]:
+        return lambda: Sample(
+            lambda setting: rendered(setting, of_seed, (number, parts)),
+            metric,
+            share=_share(size, edge, number, parts),
+            block_px=None if parts > 1 else _block_px(size),
+        )
+
+    # An empty part costs next to nothing and tells the size of tiles
+    size = typing.cast("tuple[int, int]", given["size"])
+    edge = int(
+        render_part(scene, integrator, (1 << 19, 1 << 20), **given).parameters["tile_edge_px"]
+    )
+    parts = _parts(len(tiles.tile_boxes(size, edge, 0, 1))) if in_parts else 1
     if parts < 2:
-        checks = [seed + 2 + i for i in range(CHECK_FRAMES)]
-        return Sample(frame_of, [seed + 1], whole=False), Sample(frame_of, checks, whole=True)
+        return sampled(seed + 1, 0), sampled(seed, 0)
     rng = np.random.Generator(np.random.Philox(key=[seed, 1]))
     one, other = (int(number) for number in rng.permutation(parts)[:2])
-    return Sample(tiles_of, [one], whole=False), Sample(tiles_of, [other], whole=False)
+    return sampled(seed, one), sampled(seed, other)
 
 
-def _parts(scene: Scene, integrator: Any, given: dict[str, Any]) -> int:
-    """Into how many parts of enough tiles a frame can be cut."""
-    # An empty part costs next to nothing and tells the size of tiles
-    empty = render_part(scene, integrator, (1 << 19, 1 << 20), **given).parameters
-    width, height = typing.cast("tuple[int, int]", given["size"])
-    count = len(tiles.tile_boxes((width, height), int(empty["tile_edge_px"]), 0, 1))
-    return min(MOST_PARTS, count // ENOUGH_TILES)
+def _parts(count: int) -> int:
+    """Into how many parts a frame of so many tiles is cut."""
+    return max(min(MOST_PARTS, count // ENOUGH_TILES), 2 if count >= LEAST_TILES else 1)
 
 
-def _pieces(part: tiles.Part) -> list[Piece]:
-    """The picture of each tile, and the layers of its light groups."""
-    names = ["color", *part.frame.counters["groups"]]
-    return [{n: cut[n].astype(np.float64) for n in names if n in cut} for cut in part.cuts]
+def _share(size: tuple[int, int], edge: int, number: int, parts: int) -> float:
+    """Share of the pixels in a part of a frame."""
+    boxes = tiles.tile_boxes(size, edge, number, parts)
+    return sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in boxes) / (size[0] * size[1])
+
+
+def _block_px(size: tuple[int, int]) -> int:
+    least, most = BLOCK_PX
+    return min(most, max(least, int(math.sqrt(size[0] * size[1] / BLOCKS))))
+
+
+def _blocks(piece: Piece, edge: int) -> list[Piece]:
+    height, width = piece["color"].shape[:2]
+    return [
+        {name: pixels[y : y + edge, x : x + edge] for name, pixels in piece.items()}
+        for y in range(0, height, edge)
+        for x in range(0, width, edge)
+    ]
+
+
+def _total(pieces: Sequence[Piece], name: str) -> float:
+    return sum(float(piece[name].sum()) for piece in pieces)
 
 
 def _difference(a: Piece, b: Piece, name: str) -> float:

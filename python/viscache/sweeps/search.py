@@ -22,6 +22,9 @@ MOST_PILOTS = 8
 FACTOR, SHARE = 2.5, 1 / 6
 #: Values that differ by less count as the same.
 SAME = 1e-3
+#: Between values that differ by less nothing is searched: a factor, or this share of a range that
+#: begins at zero or below.
+CLOSE = 0.03
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,11 +81,13 @@ class Span:
         low, high = min(a, b) + 1, max(a, b) - 1
         return min(high, max(low, value)) if low <= high else None
 
-    def same(self, a: float, b: float) -> bool:
+    def same(self, a: float, b: float, tolerance: float = SAME) -> bool:
         """Whether two values are too near to each other for two pilots."""
         if self.whole:
             return a == b
-        return abs(a / b - 1) < SAME if self.low > 0 else abs(a - b) < SAME * (self.high - self.low)
+        if self.low > 0:
+            return abs(a / b - 1) < tolerance
+        return abs(a - b) < tolerance * (self.high - self.low)
 
     def _rounded(self, value: float) -> float:
         return round(value) if self.whole else value
@@ -92,7 +97,7 @@ def search(measure: Callable[[float], Pilot], target: float, span: Span) -> list
     """Pilots towards the value whose error is the target, in the order of the search."""
     tried = [measure(value) for value in span.beginning]
     while len(tried) < MOST_PILOTS:
-        if any(abs(p.rel_l1 / target - 1) <= NEAR for p in tried):
+        if any(abs(p.error / target - 1) <= NEAR for p in tried):
             break
         value = _next_value(tried, target, span)
         if value is None or any(span.same(value, p.value) for p in tried):
@@ -106,8 +111,8 @@ def best(pilots: Sequence[Pilot], target: float, *, whole: bool = False) -> Pilo
 
     Whole numbers may all be far from it. Then one that reaches the target is preferred.
     """
-    reached = [p for p in pilots if p.rel_l1 <= target * TOLERANCE] if whole else []
-    return min(reached or pilots, key=lambda p: abs(math.log(max(p.rel_l1, 1e-12) / target)))
+    reached = [p for p in pilots if p.error <= target * TOLERANCE] if whole else []
+    return min(reached or pilots, key=lambda p: abs(math.log(max(p.error, 1e-12) / target)))
 
 
 def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | None:
@@ -118,7 +123,7 @@ def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | No
     # From the end of small errors to the end of large ones
     ordered = sorted(tried, key=lambda p: p.value, reverse=not rises)
     numbers = range(len(ordered))
-    below = [i for i in numbers if ordered[i].rel_l1 <= target]
+    below = [i for i in numbers if ordered[i].error <= target]
     if len(below) == len(ordered):
         return span.beyond(ordered[-1].value, up=rises)
     if not below:
@@ -130,13 +135,15 @@ def _next_value(tried: Sequence[Pilot], target: float, span: Span) -> float | No
 
 def _rises(tried: Sequence[Pilot]) -> bool | None:
     """Whether the error rises with the value; None if it seems to stay the same."""
-    first = min(tried, key=lambda p: p.value).rel_l1
-    last = max(tried, key=lambda p: p.value).rel_l1
+    first = min(tried, key=lambda p: p.value).error
+    last = max(tried, key=lambda p: p.value).error
     return None if first == last else last > first
 
 
 def _crossing(low: Pilot, high: Pilot, target: float, span: Span) -> float | None:
-    """Where the line through two pilots, in logarithms, has the target."""
-    a, b = (math.log(max(p.rel_l1, target * 1e-3)) for p in (low, high))
+    """Where the line through two pilots, in logarithms, has the target; None if they are close."""
+    if span.same(low.value, high.value, CLOSE):
+        return None
+    a, b = (math.log(max(p.error, target * 1e-3)) for p in (low, high))
     share = min(0.95, max(0.05, (math.log(target) - a) / (b - a)))
     return span.inside(low.value, high.value, share)

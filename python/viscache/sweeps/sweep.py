@@ -35,7 +35,7 @@ from viscache.sweeps.table import to_dataset, write_netcdf, write_parquet
 if TYPE_CHECKING:
     import xarray
 
-DEFAULT_METRICS = ("rel_l1", "rmse", "energy", "flip", "ssim")
+DEFAULT_METRICS = ("rel_l1", "rel_l1_reflected", "rmse", "energy", "flip", "ssim")
 
 
 @spelled

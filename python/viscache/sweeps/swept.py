@@ -55,9 +55,22 @@ def levels_of(settings: Sequence[dict[str, Any]], names: Sequence[str]) -> list[
     return [sorted(v) if n in numbers else v for n, v in zip(names, found, strict=True)]
 
 
-def error_of(ds: xarray.Dataset) -> str:
-    """The sweep's first metric."""
-    return str(json.loads(ds.attrs["metrics"])[0])
+def error_of(ds: xarray.Dataset, wanted: str | None = None) -> str:
+    """The metric that is wanted; the sweep's first by default.
+
+    Raises
+    ------
+    ValueError
+        The sweep has no such metric, or no value of it.
+    """
+    known = [str(name) for name in json.loads(ds.attrs["metrics"])]
+    if wanted is None:
+        return known[0]
+    if wanted not in known:
+        raise ValueError(f"error must be one of the sweep's metrics {known}, got {wanted!r}")
+    if wanted not in ds or not bool(ds[wanted].notnull().any()):
+        raise ValueError(f"error must be a metric that is defined, got {wanted!r}")
+    return wanted
 
 
 def is_grid(ds: xarray.Dataset) -> bool:

@@ -25,10 +25,10 @@ SYMBOLS = {"c_e": ("C_E", "C_E [px]")}
 
 @dataclass(frozen=True, slots=True)
 class Pilot:
-    """What one value gave on the pilots' pixels."""
+    """What one value gave on the pilots' pixels: the error in the metric that was asked for."""
 
     value: float
-    rel_l1: float
+    error: float
     ray_reduction: float
     parameter: str = "c_e"
 
@@ -50,19 +50,23 @@ class Tuned:
         Its value to use; `visibility` (or `use`) has it. If C_E was searched, `c_e` is the same.
     visibility, use
         What to render with: `vc.render(..., visibility=found.visibility, use=found.use)`.
-    rel_l1 : float
-        The error on pixels that no pilot saw.
+    metric : {"rel_l1_reflected", "rel_l1"}
+        The metric that should have the target; `error` is its value.
+    rel_l1, rel_l1_reflected : float
+        The errors on pixels that no pilot saw: over all light, and over light on surfaces.
     interval : (low, high)
-        95 % confidence interval of the error of such pixels (jackknife over tiles or frames).
+        95 % confidence interval of `error` on such pixels (jackknife over tiles or blocks).
     ray_reduction : float
         Queries per ray on the same pixels.
     pilots : tuple of Pilot
         What was tried, by value.
     samples : int
-        Number of tiles or frames behind the interval.
+        Number of tiles or blocks behind the interval.
     groups : dict of str to float
-        The error of each light group's layer on the same pixels, relative to the light of the whole
-        picture. If errors do not cancel, they add up to `rel_l1`.
+        The error of each light group's layer on the same pixels, relative to the light that the
+        metric divides by. If errors do not cancel, they add up to `error`.
+    seconds, seconds_exact : float
+        CPU seconds of a frame with this setting and of an exact one, measured on the same pixels.
     """
 
     target: float
@@ -70,12 +74,26 @@ class Tuned:
     value: float
     visibility: Any
     use: Any = None
+    metric: str = "rel_l1_reflected"
     rel_l1: float
+    rel_l1_reflected: float
     interval: tuple[float, float]
     ray_reduction: float
     pilots: tuple[Pilot, ...]
     samples: int
     groups: dict[str, float]
+    seconds: float
+    seconds_exact: float
+
+    @property
+    def error(self) -> float:
+        """The error in `metric`."""
+        return self.rel_l1 if self.metric == "rel_l1" else self.rel_l1_reflected
+
+    @property
+    def exact_is_cheaper(self) -> bool:
+        """Whether an exact frame took less CPU time."""
+        return self.seconds_exact < self.seconds
 
     @property
     def c_e(self) -> float:
@@ -85,29 +103,69 @@ class Tuned:
     @property
     def reached(self) -> bool:
         """Whether the error on unseen pixels is within 30 % of the target, or below it."""
-        return self.rel_l1 <= self.target * TOLERANCE
+        return self.error <= self.target * TOLERANCE
 
     @property
     def message(self) -> str:
-        """Why the target is not reached and which light group limits it; empty if it is reached."""
-        if self.reached:
-            return ""
-        symbol = SYMBOLS.get(self.parameter, (self.parameter,))[0]
+        """Why the error is not near the target, and what limits it; empty if it is near.
+
+        Then, if it is so, that an exact frame is cheaper, with both times.
+        """
+        texts = [self._off_target(), self._cost()]
+        return " ".join(text for text in texts if text)
+
+    def _off_target(self) -> str:
+        low, high = self.target / TOLERANCE, self.target * TOLERANCE
         near = min(self.pilots, key=lambda p: abs(p.value - self.value))
-        if near.rel_l1 <= self.target * TOLERANCE:
-            low, high = self.interval
-            text = (
-                f"rel_l1 {self.target:.3g} is not confirmed: pilots had {near.rel_l1:.3g} at"
-                f" {symbol} = {_text(self.value)}, pixels that they did not see have"
-                f" {self.rel_l1:.3g} [{low:.3g}, {high:.3g}]."
+        if self.error > high:
+            text = self._above() if near.error > high else self._not_confirmed(near)
+            return text + self._limits()
+        if self.error < low:
+            return self._below(near) if near.error < low else self._not_confirmed(near)
+        return ""
+
+    def _not_confirmed(self, near: Pilot) -> str:
+        """The pilots had the target, the other pixels have more or less."""
+        low, high = self.interval
+        return (
+            f"{self.metric} {self.target:.3g} is not confirmed: pilots had {near.error:.3g} at"
+            f" {self._symbol} = {_text(self.value)}, pixels that they did not see have"
+            f" {self.error:.3g} [{low:.3g}, {high:.3g}]."
+        )
+
+    def _above(self) -> str:
+        least = min(self.pilots, key=lambda p: p.error)
+        return (
+            f"No {self._symbol} reaches {self.metric} {self.target:.3g}: the smallest error found"
+            f" is {least.error:.3g}, at {_text(least.value)}."
+        )
+
+    def _below(self, near: Pilot) -> str:
+        """All tried values have smaller errors, or the error jumps over the target."""
+        above = [p for p in self.pilots if p.error > self.target]
+        text = f"The error is below {self.metric} {self.target:.3g}: "
+        if not above:
+            return (
+                f"{text}no {self._symbol} that was tried has more than {near.error:.3g}, at"
+                f" {_text(near.value)}."
             )
-        else:
-            least = min(self.pilots, key=lambda p: p.rel_l1)
-            text = (
-                f"No {symbol} reaches rel_l1 {self.target:.3g}: the smallest error found is"
-                f" {least.rel_l1:.3g}, at {_text(least.value)}."
-            )
-        return text + self._limits()
+        next_one = min(above, key=lambda p: abs(p.value - self.value))
+        return (
+            f"{text}it jumps from {near.error:.3g} at {self._symbol} = {_text(near.value)} to"
+            f" {next_one.error:.3g} at {_text(next_one.value)}."
+        )
+
+    def _cost(self) -> str:
+        if not self.exact_is_cheaper:
+            return ""
+        return (
+            f"Exact visibility is cheaper here: {self.seconds_exact:.3g} s of the CPU for a frame"
+            f" against {self.seconds:.3g} s with this setting. vc.Exact() has no error."
+        )
+
+    @property
+    def _symbol(self) -> str:
+        return SYMBOLS.get(self.parameter, (self.parameter,))[0]
 
     def _limits(self) -> str:
         if not self.groups:
@@ -133,15 +191,21 @@ class Tuned:
             "value": self.value,
             self.parameter: self.value,
             **light_cells,
+            "metric": self.metric,
+            "error": self.error,
             "rel_l1": self.rel_l1,
+            "rel_l1_reflected": self.rel_l1_reflected,
             "interval": list(self.interval),
             "reached": self.reached,
             "ray_reduction": self.ray_reduction,
             "samples": self.samples,
             "groups": self.groups,
+            "seconds": self.seconds,
+            "seconds_exact": self.seconds_exact,
+            "exact_is_cheaper": self.exact_is_cheaper,
             "message": self.message,
             "pilots": [
-                {p.parameter: p.value, "rel_l1": p.rel_l1, "ray_reduction": p.ray_reduction}
+                {p.parameter: p.value, "error": p.error, "ray_reduction": p.ray_reduction}
                 for p in self.pilots
             ],
         }
@@ -156,19 +220,22 @@ class Tuned:
         low, high = self.interval
         light_cells = "" if self.c_l is None else f" c_l={self.c_l:.3g},"
         return (
-            f"Tuned({self.parameter}={_text(self.value)},{light_cells} rel_l1={self.rel_l1:.3g}"
-            f" [{low:.3g}, {high:.3g}], target={self.target:.3g},"
+            f"Tuned({self.parameter}={_text(self.value)},{light_cells}"
+            f" {self.metric}={self.error:.3g} [{low:.3g}, {high:.3g}], target={self.target:.3g},"
             f" ray_reduction={self.ray_reduction:.3g})"
         )
 
+    def __str__(self) -> str:
+        return f"{self!r}\n{self.message}" if self.message else repr(self)
+
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{_text(p.value)}</td><td>{p.rel_l1:.3g}</td><td>{p.ray_reduction:.3g}</td>"
+            f"<tr><td>{_text(p.value)}</td><td>{p.error:.3g}</td><td>{p.ray_reduction:.3g}</td>"
             "</tr>"
             for p in self.pilots
         )
         name = html.escape(SYMBOLS.get(self.parameter, (self.parameter,))[-1])
-        head = f"<tr><th>{name}</th><th>rel_l1</th><th>queries per ray</th></tr>"
+        head = f"<tr><th>{name}</th><th>{self.metric}</th><th>queries per ray</th></tr>"
         said = f"<p>{html.escape(self.message)}</p>" if self.message else ""
         return f"<table><caption>{html.escape(repr(self))}</caption>{head}{rows}</table>{said}"
 
