@@ -28,6 +28,7 @@ SMALL = (
     "vismap-variance",
     "sweep",
     "notebook-slider",
+    "parity",
 )
 FIGURE_KEYS = {"name", "value", "unit", "baseline", "ratio", "goal", "holds", "low", "high"}
 SCENES = ("room?triangles=3000", "random_triangles?triangles=3000", "courtyard?triangles=30000")

@@ -29,7 +29,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("plots",),
     ("correlation", "report"),
     ("viscache",),
-    ("cases",),
+    ("cases", "parity"),
     ("bench", "figures"),
     ("commands", "demo"),
     ("cli",),

@@ -199,7 +199,7 @@ int MitsubaReader::material_of(Node shape) {
             if (const Node target = target_of(child); is_bsdf(target)) return material(target);
     }
     // Mitsuba's own default: a one-sided grey material, a black one for lamps.
-    const bool emits = max_component(area_emission(shape)) > 0;
+    const bool emits = max_component(area_emission(shape).color) > 0;
     const auto [found, is_new] = materials_.try_emplace(emits ? 1 : 0, -1);
     if (is_new) {
         Material m;

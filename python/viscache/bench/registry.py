@@ -15,6 +15,7 @@ from viscache.bench.frames import frames
 from viscache.bench.memory import memory
 from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
+from viscache.bench.parity import parity
 from viscache.bench.rays import rays
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
@@ -89,11 +90,17 @@ BENCHES: dict[str, BenchInfo] = {
         description="the C_E slider of a notebook, from the move to the picture that is shown",
         function=notebook_slider,
     ),
+    "parity": BenchInfo(
+        description="pictures of a zoo of scene files and of shared scenes against Mitsuba 3",
+        function=parity,
+    ),
 }
 
 
-def run(name: str, quick: bool = False) -> dict[str, Any]:
+def run(name: str, quick: bool = False, function: Bench | None = None) -> dict[str, Any]:
     """Run one bench: the object that `viscache bench NAME --json` prints.
+
+    `function` takes the place of the bench's own, e.g. with more arguments set.
 
     Returns
     -------
@@ -108,8 +115,7 @@ def run(name: str, quick: bool = False) -> dict[str, Any]:
     """
     if name not in BENCHES:
         raise ValueError(f"unknown bench {name!r}{nearest(name, BENCHES)}")
-    function = BENCHES[name].function
-    outcome = function(quick)
+    outcome = (function or BENCHES[name].function)(quick)
     return {
         "bench": name,
         "machine": machine(),

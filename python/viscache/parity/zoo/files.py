@@ -1,0 +1,137 @@
+"""The mesh and picture files that zoo scenes name; every file is made here."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["PICTURES", "SKY_MAP", "WEDGE", "write_files"]
+
+Array = npt.NDArray[Any]
+
+WEDGE = "wedge"
+#: Stem of the pictures of texture scenes, and their suffixes.
+PICTURES = {"png": "blocks.png", "jpeg": "blocks.jpg", "exr": "blocks.exr", "hdr": "blocks.hdr"}
+GREY, ALPHA, DEEP, PALETTE = "grey.png", "alpha.png", "deep.png", "palette.png"
+SKY_MAP = "sky"
+
+#: A wedge with a slanted top: positions, faces seen from outside, texture coordinates.
+_CORNERS = np.array(
+    [[-0.9, -0.8, 0.5], [0.8, -0.8, 0.6], [-0.7, -0.8, -0.6], [-0.8, 0.9, 0.3], [0.3, 0.2, -0.2]]
+)
+_FACES = np.array([[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 3, 4], [2, 0, 3], [0, 2, 1]])
+_UVS = np.array([[0.1, 0.0], [0.9, 0.2], [0.6, 1.0], [0.2, 0.8], [0.7, 0.5]])
+
+
+def write_files(folder: Path) -> None:
+    """Write all files into a folder."""
+    flat, smooth = _flat(), _smooth()
+    for name, mesh in ((WEDGE, flat), (f"{WEDGE}-smooth", smooth)):
+        (folder / f"{name}.obj").write_text(_obj(*mesh), encoding="ascii")
+        (folder / f"{name}.ply").write_text(_ply(*mesh), encoding="ascii")
+        (folder / f"{name}.serialized").write_bytes(_serialized(*mesh))
+    _write_pictures(folder)
+
+
+def picture(side: int = 16) -> Array:
+    """(side, side, 3) in [0, 1]: blocks of random colours, alike in no two directions."""
+    cells = np.random.default_rng(7).uniform(0.05, 0.95, (side // 4, side // 4, 3))
+    return np.repeat(np.repeat(cells, 4, axis=0), 4, axis=1)
+
+
+def sky_picture() -> Array:
+    """(32, 64, 3) radiance: a gradient, and one bright patch to one side."""
+    v, u = np.mgrid[0:32, 0:64] / np.array([32, 64]).reshape(2, 1, 1)
+    sky = np.stack([0.2 + 0.5 * u, 0.3 + 0.3 * v, 0.8 - 0.5 * u], axis=2)
+    sky[8:12, 20:26] = (9, 7, 4)
+    return sky
+
+
+def _flat() -> tuple[Array, Array | None, Array, Array]:
+    return _CORNERS, None, _UVS, _FACES
+
+
+def _smooth() -> tuple[Array, Array | None, Array, Array]:
+    """Normals are means of those of faces, as a smoothing editor makes them."""
+    normals = np.zeros_like(_CORNERS)
+    for face in _FACES:
+        a, b, c = _CORNERS[face]
+        normals[face] += np.cross(b - a, c - a)
+    return _CORNERS, normals / np.linalg.norm(normals, axis=1, keepdims=True), _UVS, _FACES
+
+
+def _obj(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> str:
+    lines = [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in positions]
+    lines += [f"vt {u:.6g} {v:.6g}" for u, v in uvs]
+    if normals is not None:
+        lines += [f"vn {x:.6g} {y:.6g} {z:.6g}" for x, y, z in normals]
+    for face in faces + 1:
+        corners = (f"{i}/{i}/{i}" if normals is not None else f"{i}/{i}" for i in face)
+        lines.append("f " + " ".join(corners))
+    return "\n".join(lines) + "\n"
+
+
+def _ply(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> str:
+    columns = [positions, *([] if normals is None else [normals]), uvs]
+    names = ["x", "y", "z", *([] if normals is None else ["nx", "ny", "nz"]), "u", "v"]
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(positions)}"]
+    lines += [f"property float {name}" for name in names]
+    lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    lines += [" ".join(f"{v:.6g}" for v in row) for row in np.concatenate(columns, axis=1)]
+    lines += ["3 " + " ".join(map(str, face)) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+def _serialized(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> bytes:
+    """Version 4 of Mitsuba's format: one mesh, then the table of offsets."""
+    flags = (
+        0x1000 | 0x0002 | (0x0001 if normals is not None else 0)
+    )  # single precision, uvs, normals
+    body = struct.pack("<I", flags) + b"wedge\0" + struct.pack("<QQ", len(positions), len(faces))
+    for values in (positions, normals, uvs):
+        body += b"" if values is None else values.astype("<f4").tobytes()
+    body += faces.astype("<u4").tobytes()
+    return struct.pack("<HH", 0x041C, 4) + zlib.compress(body) + struct.pack("<QI", 0, 1)
+
+
+def _write_pictures(folder: Path) -> None:
+    from PIL import Image
+
+    linear = picture()
+    eight = np.round(255 * linear).astype(np.uint8)
+    Image.fromarray(eight).save(folder / PICTURES["png"])
+    Image.fromarray(eight).save(folder / PICTURES["jpeg"], quality=95, subsampling=0)
+    Image.fromarray(eight).quantize(16).save(folder / PALETTE)
+    Image.fromarray(eight[..., 0]).save(folder / GREY)
+    Image.fromarray(eight[..., 1].astype(np.uint16) * 257).save(folder / DEEP)
+    cut = np.where(eight[..., 2:] > 128, 255, 0).astype(np.uint8)
+    Image.fromarray(np.concatenate([eight, cut], axis=2)).save(folder / ALPHA)
+    _write_exr(folder / PICTURES["exr"], linear)
+    (folder / PICTURES["hdr"]).write_bytes(_rgbe(linear))
+    _write_exr(folder / f"{SKY_MAP}.exr", sky_picture())
+    (folder / f"{SKY_MAP}.hdr").write_bytes(_rgbe(sky_picture()))
+
+
+def _write_exr(path: Path, pixels: Array) -> None:
+    import OpenEXR
+
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    channels = {"RGB": np.ascontiguousarray(pixels, np.float32)}
+    with OpenEXR.File(header, channels) as file:
+        file.write(str(path))
+
+
+def _rgbe(pixels: Array) -> bytes:
+    """Radiance's format without run lengths."""
+    height, width, _ = pixels.shape
+    largest = pixels.max(axis=2)
+    _, exponent = np.frexp(largest)
+    scaled = pixels * np.ldexp(256.0, -exponent)[..., None]
+    rows = np.concatenate([np.floor(scaled), (exponent + 128)[..., None]], axis=2)
+    head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
+    return head.encode("ascii") + rows.astype(np.uint8).tobytes()
