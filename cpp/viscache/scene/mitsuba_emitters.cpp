@@ -5,6 +5,7 @@ namespace viscache::loading {
 
 namespace {
 
+constexpr float kDegree = kPi / 180.f;
 constexpr Rgb kWhite{1, 1, 1};
 
 }  // namespace
