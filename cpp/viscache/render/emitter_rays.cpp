@@ -112,7 +112,8 @@ std::optional<EmitterHit> nearest_emitter(const Scene& scene, const Ray& ray) {
     if (nearest.light < lights.triangles.size()) {
         const EmissiveTriangle& t = lights.triangles[nearest.light];
         const bool behind = dot(t.normal, ray.d) > 0;
-        return EmitterHit{nearest.light, t.a + (t.b - t.a) * nearest.u + (t.c - t.a) * nearest.v,
+        return EmitterHit{nearest.light,
+                          t.a + (t.b - t.a) * nearest.u + (t.c - t.a) * nearest.v,
                           behind && t.two_sided ? -t.normal : t.normal,
                           {nearest.u, nearest.v}};
     }

@@ -11,8 +11,8 @@ namespace viscache {
 struct EmitterHit {
     size_t light;  ///< over triangles, then spheres
     Vec3 point;
-    Vec3 normal;  ///< unit; on the emitting side, or for two-sided triangles on the side of the ray
-    Vec2 weights;   ///< barycentric weights of a triangle's vertices b and c
+    Vec3 normal;   ///< unit; on the emitting side, or for two-sided triangles on the side of the ray
+    Vec2 weights;  ///< barycentric weights of a triangle's vertices b and c
 };
 
 /// Whether `nearest_emitter` can return the light. Lights with holes are not found, because they do not hide

@@ -17,7 +17,7 @@ struct FrameResult {
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
     std::vector<Rgb> seen_emitters;  ///< of bidirectional paths: the part of `emitted` that the camera sees
-    std::vector<Rgb> last_pass;  ///< environment from the last pass; empty if there is one pass only
+    std::vector<Rgb> last_pass;      ///< environment from the last pass; empty if there is one pass only
     std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty if the group does not exist
     // First hits: means over the samples of a pixel that hit anything; zero if none did
     std::vector<float> depth;
