@@ -126,6 +126,21 @@ Emission LightSampler::emit_from(const Entry& entry, Rng& rng) const {
     return {};
 }
 
+namespace {
+
+/// Radiance of an emitting triangle at one of its points.
+Rgb radiance_at(const AreaLights& lights, size_t triangle, Vec3 point) {
+    const EmissiveTriangle& t = lights.triangles[triangle];
+    if (lights.images.empty()) return t.radiance;
+    // Barycentric weights: signed areas of the parts over the area of the whole
+    const float twice = 2 * t.area;
+    const Vec3 whole = cross(t.b - t.a, t.c - t.a) / twice;
+    return lights.radiance_at(triangle, {dot(cross(point - t.a, t.c - t.a), whole) / twice,
+                                         dot(cross(t.b - t.a, point - t.a), whole) / twice});
+}
+
+}  // namespace
+
 std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float u_choice, Vec2 u) {
     const AreaLights& lights = scene.area_lights();
     const auto pick = lights.choice.sample(u_choice);
@@ -138,7 +153,7 @@ std::optional<AreaSample> sample_area_light(const Scene& scene, Vec3 from, float
         if (behind && !t.two_sided) return std::nullopt;
         const Vec3 n = behind ? -t.normal : t.normal;
         const float pdf = float(pick.pmf) / t.area;
-        return AreaSample{p, n, spawn(p, n, extent), lights.radiance_at(pick.index, b), pdf, pdf};
+        return AreaSample{p, n, spawn(p, n, extent), radiance_at(lights, pick.index, p), pdf, pdf};
     }
     const SphereLight& s = lights.spheres[pick.index - lights.triangles.size()];
     const auto on_sphere = sample_sphere_light(s.center, s.radius, from, u);
