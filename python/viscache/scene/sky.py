@@ -53,7 +53,7 @@ class Sky:
     ['directional', 'environment']
     >>> evening = vc.Sky.at(latitude=48.2, longitude=16.4, timezone=2, date=(2024, 6, 21), hour=19)
     >>> round(evening.elevation_deg)
-    14
+    17
     """
 
     sun_direction: Triple = (0.0, 0.8, 0.6)
