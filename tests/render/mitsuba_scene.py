@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import viscache as vc
-from viscache._core import MaterialKind
+from viscache._core import CoatKind, MaterialKind
 
 Array = npt.NDArray[Any]
 Color = tuple[float, float, float]
@@ -27,6 +27,8 @@ class Look:
     eta: float = 1.5
     two_sided: bool = True
     thin: bool = False
+    coat: CoatKind = CoatKind.NONE
+    nonlinear: bool = False
     texture: Array | None = None
 
 
@@ -75,6 +77,8 @@ class Model:
                 eta=look.eta,
                 two_sided=look.two_sided,
                 thin=look.thin,
+                coat=look.coat,
+                nonlinear=look.nonlinear,
                 base_texture=texture,
             )
             d.add_mesh(
@@ -190,6 +194,7 @@ def _bsdf(mi: Any, look: Look) -> dict[str, Any]:
             inner: dict[str, Any] = {"type": "diffuse", "reflectance": reflectance}
         case "glossy":
             assert max(look.base_color) == 0 and min(look.specular) == 1
+            assert look.coat == CoatKind.NONE
             inner = {
                 "type": "roughconductor",
                 "material": "none",

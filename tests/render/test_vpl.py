@@ -13,6 +13,9 @@ import pytest
 import viscache as vc
 from render.mitsuba_scene import Look, Model, Part, ball, box, quad
 from render.ztest import compare
+from viscache._core import CoatKind, MaterialKind
+from viscache._core._testing import diffuse_albedo
+from viscache._core.sampling import ShadingPoint
 
 Images = npt.NDArray[np.float64]
 #: Small, with many samples a pixel: an edge that crosses a pixel must be seen in every frame.
@@ -259,6 +262,40 @@ def test_a_glossy_surface_gives_its_virtual_lights_what_the_lobe_leaves(
     expected = share * on_the_wall(SHEET, direction)
     found = on_the_wall(replace(SHEET, look=plastic), direction)
     assert found == pytest.approx(expected, rel=1e-4, abs=1e-12)
+
+
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
+@pytest.mark.parametrize("coat", list(CoatKind)[1:])
+def test_a_coated_surface_gives_its_virtual_lights_what_leaves_the_coat(
+    cosine: float, coat: CoatKind
+) -> None:
+    direction = (float(np.sqrt(1 - cosine**2)), cosine, 0.0)
+    look = Look(kind="glossy", base_color=(0.8, 0.8, 0.8), coat=coat, nonlinear=True)
+    lit = ShadingPoint(
+        MaterialKind.GLOSSY,
+        (direction[0], 0, cosine),
+        base=look.base_color,
+        roughness=look.roughness,
+        coat=coat,
+        nonlinear=True,
+    )
+    expected = diffuse_albedo(lit)[0] / 0.8 * on_the_wall(SHEET, direction)
+    found = on_the_wall(replace(SHEET, look=look), direction)
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.stat
+def test_a_thin_plate_takes_from_virtual_lights_what_it_reflects() -> None:
+    def below(eta: float) -> float:
+        plate = Look(kind="dielectric", eta=eta, thin=True)
+        wall = quad((-1.5, 0.3, -1.6), (3, 0, 0), (0, 2, 0), look=WHITE)
+        parts = (SHEET, wall, quad((-1.5, 4, -1.5), (0, 0, 3), (3, 0, 0), look=plate))
+        view: dict[str, Any] = {"origin": (0, 1.2, 3), "target": (0, 1.2, -1.6), "fov_deg": 15}
+        scene = Model(parts, directions=(((0, 1, 0), (3, 3, 3)),), **view).to_viscache()
+        return float(indirect(scene, 4, n_vpls=1024, vpl_max_depth=2).mean())
+
+    fresnel = (1.5 / 3.5) ** 2
+    assert below(2.5) == pytest.approx((1 - 2 * fresnel / (1 + fresnel)) * below(1), rel=0.05)
 
 
 def test_virtual_lights_are_the_same_for_any_number_of_threads() -> None:

@@ -205,7 +205,7 @@ class Scene:
 
     @cached_property
     def geometry_hash(self) -> str:
-        """Hash of what determines visibility: shapes, their places, holes of alpha masks."""
+        """Hash of what determines visibility: shapes, their places, holes of alpha and opacity."""
         return _core.geometry_hash(self._core)
 
     def meshes(self) -> list[dict[str, Any]]:
