@@ -68,7 +68,7 @@ def orthographic(
     --------
     >>> import viscache as vc
     >>> plan = vc.orthographic((0, 5, 0), (0, 0, 0), up=(0, 0, -1), height=4)
-    >>> vc.render(vc.scenes.cornell(), vc.AmbientOcclusion(), camera=plan, size=(8, 8)).image.shape
+    >>> vc.render("cube_on_plane", vc.AmbientOcclusion(), camera=plan, size=(8, 8)).image.shape
     (8, 8, 3)
     """
     require(0 < height < float("inf"), "height must be > 0 and finite", height)
