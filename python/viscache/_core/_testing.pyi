@@ -12,7 +12,7 @@ import viscache._core.aqvc
 import viscache._core.sampling
 import viscache._core.vismap
 import viscache._core.vlf
-__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'learnt_map', 'least_residual_variance', 'light_cells', 'lit_by_light', 'map_differences', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
+__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'choose_light', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'learnt_map', 'least_residual_variance', 'light_cells', 'light_probabilities', 'lit_by_light', 'map_differences', 'nearest_emitter', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
 class BitTable:
     """
     The lossy table. `get` gives -1 for a miss.
@@ -148,6 +148,10 @@ def ambient_visibility(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint
     """
 def best_alpha(var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: typing.SupportsFloat | typing.SupportsIndex) -> float:
     ...
+def choose_light(scene: viscache._core.Scene, way: str, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Lights (N, K) chosen at points with shading normals by numbers u (N, K), and their probabilities. Lights are counted over triangles, then spheres; -1: none contributes.
+    """
 def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     Eq. 2 for one channel.
@@ -230,6 +234,10 @@ def light_cells(parameters: viscache._core.aqvc.AqvcParameters, center: typing.A
     """
     Columns of samples by light cell, and counts of clamped resolutions.
     """
+def light_probabilities(scene: viscache._core.Scene, way: str, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    Probabilities (N, lights) of the choice at points with shading normals.
+    """
 def lit_by_light(caster: viscache._core.RayCaster, settings: viscache._core.ShadowMapSettings, far: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], *, direction: bool, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], center: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> tuple:
     """
     Points with unit normals looked up in one light's map: lit (N,), depths (faces, rows, columns). `far` is a position, or a unit direction towards the light.
@@ -237,6 +245,10 @@ def lit_by_light(caster: viscache._core.RayCaster, settings: viscache._core.Shad
 def map_differences(a: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], b: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, isa: str | None = None) -> numpy.typing.NDArray[numpy.float32]:
     """
     δ of rows of maps, (N,).
+    """
+def nearest_emitter(scene: viscache._core.Scene, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float32]]:
+    """
+    Lights (N,) that rays find among the lights alone, -1 for none, and the points (N, 3).
     """
 def node_codes(bits: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], m: typing.SupportsInt | typing.SupportsIndex, level: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint8]:
     """
