@@ -11,6 +11,8 @@ namespace viscache::bindings {
 
 namespace {
 
+constexpr py::ssize_t kMostPicks = LightsAt::kMostPicks;
+
 ChoiceWay way_named(const std::string& name) {
     if (name == "power") return ChoiceWay::kPower;
     if (name == "each") return ChoiceWay::kEach;
@@ -43,14 +45,19 @@ std::tuple<py::array_t<int64_t>, py::array_t<double>> choose(const Scene& scene,
                                                              const FloatArray& normals,
                                                              const DoubleArray& u) {
     const Receivers receivers(scene, way, positions, normals);
-    if (u.ndim() != 1 || size_t(u.shape(0)) != receivers.size())
-        throw py::value_error("u must have shape (N,), got " + shape_text(u));
-    py::array_t<int64_t> light(u.shape(0));
-    py::array_t<double> pmf(u.shape(0));
+    if (u.ndim() != 2 || size_t(u.shape(0)) != receivers.size() || u.shape(1) > kMostPicks)
+        throw py::value_error("u must have shape (N, K) with K <= " + std::to_string(kMostPicks) + ", got " +
+                              shape_text(u));
+    const size_t count = size_t(u.shape(1));
+    py::array_t<int64_t> light({u.shape(0), u.shape(1)});
+    py::array_t<double> pmf({u.shape(0), u.shape(1)});
+    std::vector<LightPick> picks(count);
     for (size_t i = 0; i < receivers.size(); ++i) {
-        const auto pick = receivers.at(i).pick(u.data()[i]);
-        light.mutable_data()[i] = pick ? int64_t(pick->light) : -1;
-        pmf.mutable_data()[i] = pick ? pick->pmf : 0;
+        receivers.at(i).pick({u.data() + i * count, count}, picks);
+        for (size_t k = 0; k < count; ++k) {
+            light.mutable_data()[i * count + k] = picks[k].pmf > 0 ? int64_t(picks[k].light) : -1;
+            pmf.mutable_data()[i * count + k] = picks[k].pmf;
+        }
     }
     return {light, pmf};
 }
@@ -87,7 +94,7 @@ void bind_light_choice(py::module_& m) {
     py::module_ t = m.def_submodule("_testing");
     t.def("choose_light", &choose, py::arg("scene"), py::arg("way"), py::arg("positions"), py::arg("normals"),
           py::arg("u"),
-          "Lights (N,) chosen at points with shading normals by numbers u, and their probabilities (N,). "
+          "Lights (N, K) chosen at points with shading normals by numbers u (N, K), and their probabilities. "
           "Lights are counted over triangles, then spheres; -1: none contributes.");
     t.def("light_probabilities", &probabilities, py::arg("scene"), py::arg("way"), py::arg("positions"),
           py::arg("normals"), "Probabilities (N, lights) of the choice at points with shading normals.");

@@ -132,6 +132,10 @@ def cases() -> dict[str, Callable[[], str]]:
     found["sky shared"] = frame(
         "cube_on_plane", vc.Direct(environment="shared"), env=env, visibility=vc.Aqvc(c_e=8)
     )
+    for choice in ("power", "contribution"):
+        lamps = vc.Direct(light_choice=choice)  # type: ignore[arg-type]
+        found[f"cornell by {choice}"] = frame("cornell_box", lamps)
+        found[f"conference by {choice}"] = frame("conference?triangles=5000", lamps)
     found |= {
         "kept table": kept_frames,
         "correlation": correlation,

@@ -72,6 +72,10 @@ def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
     for name, value in changed.items():
         made = values(core_settings(dataclasses.replace(vc.Whitted(), **{name: value})))
         assert {n: v for n, v in made.items() if v != plain[n]} == {name: value}
+    by_power = values(core_settings(vc.Whitted(light_choice="power")))
+    assert {n: v for n, v in by_power.items() if v != plain[n]} == {
+        "light_choice": _core.LightChoice.POWER
+    }
     footprint = core_settings(vc.Whitted(p_mode="footprint"))
     assert footprint.p_mode == _core.PMode.FOOTPRINT
     ambient = core_settings(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +18,7 @@ from render.mitsuba_frames import area_layers, assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, Part, box, quad
 from render.strip_lights import strip_lights
 from render.ztest import compare
+from viscache import _core
 from viscache._core import _testing
 
 Array = npt.NDArray[Any]
@@ -38,10 +42,10 @@ def plate(y: float, z: float, tilt_deg: float, roughness: float) -> Part:
 PLATES = tuple(
     plate(y, z, tilt, roughness)
     for y, z, tilt, roughness in (
-        (0.05, 1.2, 9, 0.005),
-        (0.15, 0.55, 16, 0.03),
-        (0.32, -0.05, 24, 0.1),
-        (0.58, -0.6, 33, 0.3),
+        (0.05, 1.2, 3, 0.005),
+        (0.15, 0.55, 8, 0.03),
+        (0.32, -0.05, 13, 0.1),
+        (0.58, -0.6, 18, 0.3),
     )
 )
 LAMPS = (
@@ -108,6 +112,7 @@ def test_both_techniques_and_light_samples_alone_have_the_same_mean() -> None:
 
 
 @pytest.mark.stat
+@pytest.mark.slow
 def test_weights_that_do_not_sum_to_one_are_told_apart() -> None:
     """The samples of `vc.connections`; in the control every second one counts 6 % too much."""
     scene, size = STAGE.to_viscache(), (24, 16)
@@ -132,11 +137,6 @@ def test_brdf_samples_take_the_noise_from_sharp_reflections() -> None:
     assert variance(scene, BOTH) < variance(scene, LIGHT) / 20
 
 
-def test_brdf_samples_take_the_noise_from_a_floor_under_strip_lights() -> None:
-    scene = strip_lights(200, glossy=True)
-    assert variance(scene, BOTH) < variance(scene, LIGHT) / 1.5
-
-
 def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples() -> None:
     plain = tuple(replace(p, look=Look()) for p in STAGE.parts)
     scene = replace(STAGE, parts=plain).to_viscache()
@@ -148,6 +148,7 @@ def test_diffuse_points_have_the_same_bytes_with_and_without_brdf_samples() -> N
 
 
 @pytest.mark.stat
+@pytest.mark.slow
 def test_a_lamp_in_a_mirror_counts_once() -> None:
     """Mirrors are followed by rays: BRDF samples at the glossy floor add nothing to them."""
     mirror = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
@@ -168,7 +169,7 @@ def holed_lamp(alpha: float) -> vc.Scene:
     checks = np.full((8, 8, 4), 1, np.float32)
     checks[::2, ::2, 3] = alpha
     d = vc.SceneDescription()
-    kind = vc._core.MaterialKind.GLOSSY
+    kind = _core.MaterialKind.GLOSSY
     floor = d.add_material(kind, base_color=(0.2, 0.2, 0.2), roughness=0.2)
     holes = d.add_material(alpha_texture=d.add_image(checks))
     plain = d.add_material()
@@ -205,7 +206,7 @@ def test_rays_find_the_nearest_light(lights: int) -> None:
     n = 20000
     o = random.normal(size=(n, 3)).astype(np.float32) * 3
     o[:2000, 1] = 0.5
-    way = corners[random.integers(0, lights, n)].mean(axis=1) + random.normal(size=(n, 3)) - o
+    way = corners[random.integers(0, lights, n)].mean(axis=1) + random.normal(size=(n, 3)) * 0.2 - o
     way[1000:3000, 1] = 0
     way = (way / np.linalg.norm(way, axis=1, keepdims=True)).astype(np.float32)
     light, point = _testing.nearest_emitter(scene._core, o, way)
@@ -216,7 +217,7 @@ def test_rays_find_the_nearest_light(lights: int) -> None:
     assert (light[3000:] >= 0).mean() > 0.1
     both = same & (light >= 0)
     np.testing.assert_allclose(
-        point[both], (o + way * hit.t[:, None])[both], atol=1e-4 * max(1, float(hit.t[both].max()))
+        point[both], o[both] + way[both] * hit.t[both, None], atol=1e-5 * float(hit.t[both].max())
     )
 
 
@@ -240,10 +241,34 @@ def test_caches_see_the_brdf_samples() -> None:
     """Their queries go through the oracle as all others; a fine cache gives the exact picture."""
     scene = STAGE.to_viscache()
     frames = {
-        n: vc.render(scene, vc.Direct(n_brdf=n), size=SIZE, visibility=vc.Aqvc(c_e=1, c_l=0.05))
+        n: vc.render(scene, replace(BOTH, n_brdf=n), size=SIZE, visibility=vc.Aqvc(c_e=1, c_l=0.05))
         for n in (0, 16)
     }
-    assert frames[16].counters["queries"] > 1.02 * frames[0].counters["queries"]
+    assert frames[16].counters["queries"] > frames[0].counters["queries"]
     exact = vc.render(scene, BOTH, size=SIZE)
     assert frames[16].counters["queries"] == exact.counters["queries"]
     assert vc.metrics.compare(frames[16], exact)["rel_l1"] < 0.05
+
+
+def digests() -> str:
+    """Frames whose lights are chosen by the tree and one by one, by the BSP of the package."""
+    scene = strip_lights(60, glossy=True)
+    frames = [vc.render(scene, vc.Direct(n_area=n), size=(32, 24), rays="bsp") for n in (2, 16)]
+    return " ".join(f.sha256 for f in frames)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("isa", ["portable", "avx2", "avx512"])
+def test_every_instruction_set_gives_the_same_bytes(isa: str) -> None:
+    names = ["portable", "avx2", "avx512"]
+    if names.index(isa) > names.index(_core.best_isa()):
+        pytest.skip(f"this CPU has no {isa}")
+    code = (
+        f"import sys; sys.path[:0] = {sys.path!r}; "
+        "from render.test_area_mis import digests; print(digests())"
+    )
+    env = os.environ | {"VISCACHE_ISA": isa}
+    out = subprocess.run(
+        [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
+    )
+    assert out.stdout.strip() == digests()

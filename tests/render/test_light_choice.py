@@ -92,6 +92,21 @@ class Lights:
         return np.array(out)
 
 
+def chosen(lights: Lights, way: str, i: int, u: Array) -> tuple[Array, Array]:
+    """Lights and probabilities at point i for numbers u, a multiple of 50."""
+    rows = u.reshape(-1, 50)
+    points, normals = (np.broadcast_to(v[i], (len(rows), 3)) for v in (lights.x, lights.n))
+    light, pmf = _testing.choose_light(lights.scene._core, way, points, normals, rows)
+    return light.ravel(), pmf.ravel()
+
+
+def told(lights: Lights, way: str, i: int, n: Array | None = None) -> Array:
+    """Probabilities at point i, or with another normal there."""
+    normal = lights.n[i] if n is None else n
+    pmf = _testing.light_probabilities(lights.scene._core, way, lights.x[i][None], normal[None])
+    return np.asarray(pmf[0])
+
+
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("seed", range(6))
 def test_every_light_that_contributes_can_be_chosen(way: str, seed: int) -> None:
@@ -130,22 +145,19 @@ def test_estimates_follow_the_light(way: str, largest: float, share: float) -> N
 def test_choices_have_their_probabilities(way: str, seed: int) -> None:
     """Chi-square of each receiver's choices; the choices of another receiver fail it."""
     lights = Lights(seed)
-    draws = 4000
-    u = (np.arange(draws) + np.random.default_rng(7).random(draws)) / draws
-    u = np.random.default_rng(8).choice(u, 2000)  # independent: no stratification
-    fails, tests, turned = 0, 0, 0
-    for x, n, other in zip(lights.x, lights.n, np.roll(lights.n, 1, axis=0), strict=True):
-        points = np.broadcast_to(x, (len(u), 3))
-        normals = np.broadcast_to(n, (len(u), 3))
-        light, pmf = _testing.choose_light(lights.scene._core, way, points, normals, u)
-        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
-        np.testing.assert_allclose(pmf[light >= 0], told[light[light >= 0]], rtol=1e-9)
-        counts = np.bincount(light + 1, minlength=len(told) + 1)
-        wrong = _testing.light_probabilities(lights.scene._core, way, x[None], other[None])[0]
+    random = np.random.default_rng(7)
+    tests = turned = 0
+    smallest = 1.0
+    for i in range(len(lights.x)):
+        light, pmf = chosen(lights, way, i, random.random(2000))
+        here = told(lights, way, i)
+        np.testing.assert_allclose(pmf[light >= 0], here[light[light >= 0]], rtol=1e-9)
+        counts = np.bincount(light + 1, minlength=len(here) + 1)
+        wrong = told(lights, way, i, np.roll(lights.n, 1, axis=0)[i])
         tests += 1
-        fails += chi_square(counts, told) < 1e-4
+        smallest = min(smallest, chi_square(counts, here))
         turned += chi_square(counts, wrong) < 1e-4
-    assert fails == 0
+    assert 1 - (1 - smallest) ** tests > 1e-3
     assert turned > 0.5 * tests
 
 
@@ -169,18 +181,12 @@ def test_probabilities_are_those_of_the_numbers(way: str) -> None:
     """Each light gets an interval of u as long as its probability; what is left over gets none."""
     lights = Lights(4)
     u = (np.arange(20000) + 0.5) / 20000
-    for x, n in zip(lights.x[:6], lights.n[:6], strict=True):
-        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
-        light, _ = _testing.choose_light(
-            lights.scene._core,
-            way,
-            np.broadcast_to(x, (len(u), 3)),
-            np.broadcast_to(n, (len(u), 3)),
-            u,
-        )
-        share = np.bincount(light[light >= 0], minlength=len(told)) / len(u)
-        np.testing.assert_allclose(share, told, atol=1.01e-4)
-        assert told.sum() <= 1 + 1e-12
+    for i in range(6):
+        here = told(lights, way, i)
+        light, _ = chosen(lights, way, i, np.random.default_rng(i).permutation(u))
+        share = np.bincount(light[light >= 0], minlength=len(here)) / len(u)
+        np.testing.assert_allclose(share, here, atol=1.01e-4)
+        assert here.sum() <= 1 + 1e-12
 
 
 # Frames
@@ -225,7 +231,7 @@ def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_pat
 @pytest.mark.parametrize(("count", "n_area"), [(6, 64), (60, 4)], ids=["each", "tree"])
 def test_both_choices_have_the_same_mean(count: int, n_area: int) -> None:
     scene = lamps(count).to_viscache()
-    power = vc.Direct(n_area=128, light_choice="power", centred=True)
+    power = vc.Direct(n_area=512, light_choice="power", centred=True)
     by_power = area_layers(scene, power, first=100)
     by_light = area_layers(scene, vc.Direct(n_area=n_area, centred=True), spp=256 // n_area)
     assert compare(by_light, by_power).same
@@ -239,13 +245,11 @@ def test_the_probability_of_another_light_is_told_apart(way: str) -> None:
     light = lights.light(300)
     u = (np.arange(8000) + 0.5) / 8000
     good, bad = [], []
-    for i, (x, n) in enumerate(zip(lights.x, lights.n, strict=True)):
-        points, normals = (np.broadcast_to(v, (len(u), 3)) for v in (x, n))
-        chosen, pmf = _testing.choose_light(lights.scene._core, way, points, normals, u)
-        told = _testing.light_probabilities(lights.scene._core, way, x[None], n[None])[0]
-        value = np.where(chosen >= 0, light[i][chosen], 0)
-        good.append(np.divide(value, pmf, where=chosen >= 0, out=np.zeros(len(u))).mean())
-        other = np.roll(told, 1)[chosen]
+    for i in range(len(lights.x)):
+        picked, pmf = chosen(lights, way, i, u)
+        value = np.where(picked >= 0, light[i][picked], 0)
+        good.append(np.divide(value, pmf, where=picked >= 0, out=np.zeros(len(u))).mean())
+        other = np.roll(told(lights, way, i), 1)[picked]
         bad.append(np.divide(value, other, where=other > 0, out=np.zeros(len(u))).mean())
     total = light.sum(axis=1)
     lit = total > 0
@@ -273,6 +277,14 @@ def test_one_light_has_the_same_bytes_by_either_choice() -> None:
         for c in ("power", "contribution")
     ]
     assert frames[0] == frames[1]
+
+
+@pytest.mark.parametrize("n_area", [4, 16], ids=["tree", "each"])
+def test_any_number_of_threads_gives_the_same_bytes(n_area: int) -> None:
+    scene = strip_lights(100, glossy=True)
+    direct = vc.Direct(n_area=n_area)
+    frames = {vc.render(scene, direct, size=(64, 48), spp=16, threads=n).sha256 for n in (1, 2, 5)}
+    assert len(frames) == 1
 
 
 def test_a_choice_that_there_is_not_is_refused() -> None:

@@ -32,22 +32,16 @@ public:
           counters_(counters) {}
 
     void add_light_samples(const EyeSamples& numbers) {
-        for (int i = 0; i < n_light_; ++i) {
-            const double choice = lights_.is_fine() ? numbers.fine_choice(i) : double(numbers.choice(i));
-            const auto y = sample_area_light(lights_, scene_.offset_extent(), choice, numbers.position(i));
-            if (!y) continue;
-            const Vec3 d = y->point - x_;
-            const float d2 = length2(d);
-            const Vec3 wi = d / std::sqrt(d2);
-            const float cos_x = dot(sp_.ns, wi), cos_y = -dot(y->normal, wi);
-            if (!(cos_x > 0 && dot(sp_.ng, wi) > 0 && cos_y > 0)) continue;
-            if (n_brdf_ > 0) {
-                gather(*y, wi, cos_y / d2);
-                continue;
-            }
-            const Rgb value = throughput_ * eval_bsdf(sp_, wi) * y->radiance *
-                              (cos_x * cos_y / (d2 * y->pdf_area * float(n_light_)));
-            keep(*y, value, float(n_light_) * y->pdf_area);
+        constexpr int kBlock = int(LightsAt::kMostPicks);
+        std::array<double, size_t(kBlock)> u;
+        std::array<LightPick, size_t(kBlock)> picks;
+        for (int first = 0; first < n_light_; first += kBlock) {
+            const int count = std::min(kBlock, n_light_ - first);
+            for (int i = 0; i < count; ++i)
+                u[size_t(i)] =
+                    lights_.is_fine() ? numbers.fine_choice(first + i) : double(numbers.choice(first + i));
+            lights_.pick({u.data(), size_t(count)}, picks);
+            for (int i = 0; i < count; ++i) add_light_sample(picks[size_t(i)], numbers.position(first + i));
         }
         flush();
     }
@@ -73,6 +67,20 @@ public:
 
 private:
     static constexpr size_t kBatch = 16;
+
+    void add_light_sample(const LightPick& pick, Vec2 u) {
+        const auto y = sample_area_light(lights_, scene_.offset_extent(), pick, u);
+        if (!y) return;
+        const Vec3 d = y->point - x_;
+        const float d2 = length2(d);
+        const Vec3 wi = d / std::sqrt(d2);
+        const float cos_x = dot(sp_.ns, wi), cos_y = -dot(y->normal, wi);
+        if (!(cos_x > 0 && dot(sp_.ng, wi) > 0 && cos_y > 0)) return;
+        if (n_brdf_ > 0) return gather(*y, wi, cos_y / d2);
+        const Rgb value = throughput_ * eval_bsdf(sp_, wi) * y->radiance *
+                          (cos_x * cos_y / (d2 * y->pdf_area * float(n_light_)));
+        keep(*y, value, float(n_light_) * y->pdf_area);
+    }
 
     /// Stores a light sample until the reflection of a batch is computed.
     void gather(const AreaSample& y, Vec3 wi, float geometry) {

@@ -27,20 +27,31 @@ LightsAt::LightsAt(const Scene& scene, ChoiceWay way, const Receiver& receiver)
     }
 }
 
-std::optional<LightPick> LightsAt::pick(double u) const {
-    if (way_ == ChoiceWay::kTree) return tree_->sample(receiver_, u);
+void LightsAt::pick(std::span<const double> u, std::span<LightPick> picks) const {
+    if (way_ != ChoiceWay::kTree) {
+        for (size_t i = 0; i < u.size(); ++i) picks[i] = pick_one(u[i]);
+        return;
+    }
+    std::array<LightDraw, kMostPicks> draws;
+    for (size_t i = 0; i < u.size(); ++i) draws[i] = {u[i], uint32_t(i)};
+    const auto end = draws.begin() + ptrdiff_t(u.size());
+    std::sort(draws.begin(), end, [](const LightDraw& a, const LightDraw& b) { return a.u < b.u; });
+    tree_->sample(receiver_, {draws.data(), u.size()}, picks);
+}
+
+LightPick LightsAt::pick_one(double u) const {
     if (way_ == ChoiceWay::kPower) {
         const Pick pick = lights_.choice.sample(u);
-        return LightPick{pick.index, pick.pmf};
+        return {pick.index, pick.pmf};
     }
     const auto end = sums_.begin() + ptrdiff_t(lights_.size());
     const double total = end[-1];
-    if (!(total > 0)) return std::nullopt;
+    if (!(total > 0)) return {};
     auto at = std::upper_bound(sums_.begin(), end, u * total);
     // u·total was rounded up to the total
     if (at == end) at = std::lower_bound(sums_.begin(), end, total);
     const size_t light = size_t(at - sums_.begin());
-    return LightPick{light, pmf(light)};
+    return {light, pmf(light)};
 }
 
 double LightsAt::pmf(size_t light) const {

@@ -1,7 +1,7 @@
 #pragma once
 // Chooses one of the area lights for a sample: by power, or by the contribution to the eye point.
 #include <array>
-#include <optional>
+#include <span>
 
 #include "viscache/render/settings.h"
 #include "viscache/scene/light_tree.h"
@@ -24,8 +24,10 @@ public:
     /// `scene` must have area lights, at most kMostLightsEach for kEach.
     LightsAt(const Scene& scene, ChoiceWay way, const Receiver& receiver);
 
-    /// Chooses a light by u in [0, 1). Empty only where no light can contribute.
-    std::optional<LightPick> pick(double u) const;
+    /// Largest number of choices at once.
+    static constexpr size_t kMostPicks = 64;
+    /// Chooses a light by each u in [0, 1). None only where no light can contribute.
+    void pick(std::span<const double> u, std::span<LightPick> picks) const;
     /// Probability that `pick` returns this light. Positive for every light that can contribute.
     double pmf(size_t light) const;
     const Vec3& position() const { return receiver_.position; }
@@ -34,6 +36,8 @@ public:
     bool is_fine() const { return way_ == ChoiceWay::kTree; }
 
 private:
+    LightPick pick_one(double u) const;
+
     const AreaLights& lights_;
     const ChoiceWay way_;
     const Receiver receiver_;

@@ -173,22 +173,21 @@ AreaSample on_sphere(const LightsAt& at, float extent, size_t light, Vec3 p, Vec
 
 }  // namespace
 
-std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, double u_choice, Vec2 u) {
+std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, const LightPick& pick, Vec2 u) {
+    if (!(pick.pmf > 0)) return std::nullopt;
     const AreaLights& lights = at.lights();
-    const auto pick = at.pick(u_choice);
-    if (!pick) return std::nullopt;
-    if (pick->light < lights.triangles.size()) {
-        const EmissiveTriangle& t = lights.triangles[pick->light];
+    if (pick.light < lights.triangles.size()) {
+        const EmissiveTriangle& t = lights.triangles[pick.light];
         const Vec2 b = square_to_triangle(u);
         const Vec3 p = t.a + (t.b - t.a) * b.x + (t.c - t.a) * b.y;
         const bool behind = dot(t.normal, at.position() - p) <= 0;
         if (behind && !t.two_sided) return std::nullopt;
-        return on_triangle(at, extent, pick->light, p, behind ? -t.normal : t.normal, b, pick->pmf);
+        return on_triangle(at, extent, pick.light, p, behind ? -t.normal : t.normal, b, pick.pmf);
     }
-    const SphereLight& s = lights.spheres[pick->light - lights.triangles.size()];
+    const SphereLight& s = lights.spheres[pick.light - lights.triangles.size()];
     const auto sample = sample_sphere_light(s.center, s.radius, at.position(), u);
     if (!sample) return std::nullopt;
-    return on_sphere(at, extent, pick->light, sample->p, sample->n, pick->pmf, sample->pdf_area);
+    return on_sphere(at, extent, pick.light, sample->p, sample->n, pick.pmf, sample->pdf_area);
 }
 
 AreaSample area_sample_at(const LightsAt& at, float extent, size_t light, Vec3 point, Vec3 normal,

@@ -10,6 +10,7 @@
 namespace viscache {
 
 class LightsAt;
+struct LightPick;
 
 enum class LightKind { kPoint, kDirectional, kTriangle, kSphere, kEnvironment };
 
@@ -69,9 +70,9 @@ struct AreaSample {
                      ///< can see; independent of the eye point
     size_t light;    ///< over triangles, then spheres
 };
-/// Chooses a light. Triangles are sampled uniformly, spheres in the cone they span. Empty if the light faces
-/// away. `extent`: Scene::offset_extent.
-std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, double u_choice, Vec2 u);
+/// A point on a chosen light: triangles are sampled uniformly, spheres in the cone they span. Empty if the
+/// light faces away. `extent`: Scene::offset_extent.
+std::optional<AreaSample> sample_area_light(const LightsAt& at, float extent, const LightPick& pick, Vec2 u);
 
 /// A point on a light that was found in another way. `normal`: of the light, on the side of the eye point,
 /// which is outside of spheres; `weights`: barycentric weights of a triangle's vertices b and c.

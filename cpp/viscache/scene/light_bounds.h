@@ -99,12 +99,17 @@ struct LightGroupBounds {
     double intensity = 0;
 };
 
-/// Importance of a group (Conty Estevez and Kulla 2018): intensity × cosines / distance², where the cosines
-/// are at least those of any emitter in the group, and zero only where they all are.
-inline double importance(const LightGroupBounds& g, const Receiver& r) {
+/// Importance of a group (after Conty Estevez and Kulla 2018): intensity × cosines / distance², where the
+/// cosines are at least those of any emitter in the group, and zero only where they all are. The squared
+/// distance is the product of that to the box and that to the far side: from nearby, the group may hold a
+/// light that is much closer than its centre. Measured over random scenes against the distance to the
+/// centre, this halves the variance under flat groups and keeps it elsewhere.
+inline double importance(const LightGroupBounds& g, const Bounds& box, const Receiver& r) {
     const Vec3 to = g.center - r.position;
+    const Vec3 outside = max(max(box.lo - r.position, r.position - box.hi), Vec3{});
     const float d2 = length2(to), r2 = g.radius * g.radius;
-    const double distance2 = std::max({d2, r2, std::numeric_limits<float>::min()});
+    const double near = std::max(length(outside), 0.25f * g.radius), far = std::sqrt(double(d2) + r2);
+    const double distance2 = std::max(near * far, double(std::numeric_limits<float>::min()));
     if (!(d2 > r2)) return g.intensity / distance2;
     const float d = std::sqrt(d2), sine = g.radius / d;
     const AnglePair spanned{std::sqrt(std::max(0.f, 1 - sine * sine)), sine};

@@ -211,27 +211,48 @@ LightTree::LightTree(const AreaLights& lights) : lights_(lights) {
 
 double LightTree::node_importance(uint32_t node, const Receiver& r) const {
     const Node& n = nodes_[node];
-    return n.leaf ? estimated_light(lights_, n.other, r) : importance(n.bounds, r);
+    return n.leaf ? estimated_light(lights_, n.other, r) : importance(n.bounds, n.box, r);
 }
 
 namespace {
-constexpr double kBelowOne = 0x1.fffffffffffffp-1;
-}
 
-std::optional<LightPick> LightTree::sample(const Receiver& r, double u) const {
-    uint32_t at = 0;
-    double pmf = 1;
-    while (!nodes_[at].leaf) {
-        const uint32_t one = at + 1, other = nodes_[at].other;
-        const double a = node_importance(one, r), b = node_importance(other, r);
-        if (!(a + b > 0)) return std::nullopt;
+constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+constexpr size_t kStack = 128;  // above the depth of any tree: 40 levels, then halves
+
+/// Draws whose ways have reached a node.
+struct Arrived {
+    uint32_t node;
+    uint32_t first, last;
+    double pmf;
+};
+
+}  // namespace
+
+void LightTree::sample(const Receiver& r, std::span<LightDraw> draws, std::span<LightPick> picks) const {
+    std::array<Arrived, kStack> stack;
+    size_t size = 0;
+    stack[size++] = {0, 0, uint32_t(draws.size()), 1};
+    while (size > 0) {
+        const Arrived at = stack[--size];
+        const Node& node = nodes_[at.node];
+        if (node.leaf) {
+            for (uint32_t i = at.first; i < at.last; ++i) picks[draws[i].sample] = {node.other, at.pmf};
+            continue;
+        }
+        const double a = node_importance(at.node + 1, r), b = node_importance(node.other, r);
+        if (!(a + b > 0)) {
+            for (uint32_t i = at.first; i < at.last; ++i) picks[draws[i].sample] = {};
+            continue;
+        }
         const double share = a / (a + b);
-        const bool first = u < share;
-        u = std::min(first ? u / share : (u - share) / (1 - share), kBelowOne);
-        pmf *= first ? share : 1 - share;
-        at = first ? one : other;
+        uint32_t middle = at.first;
+        for (; middle < at.last && draws[middle].u < share; ++middle)
+            draws[middle].u = std::min(draws[middle].u / share, kBelowOne);
+        for (uint32_t i = middle; i < at.last; ++i)
+            draws[i].u = std::min((draws[i].u - share) / (1 - share), kBelowOne);
+        if (middle < at.last) stack[size++] = {node.other, middle, at.last, at.pmf * (1 - share)};
+        if (at.first < middle) stack[size++] = {at.node + 1, at.first, middle, at.pmf * share};
     }
-    return LightPick{nodes_[at].other, pmf};
 }
 
 double LightTree::pmf(const Receiver& r, size_t light) const {

@@ -2,17 +2,23 @@
 // A tree over area lights, for choosing among many of them by their estimated contribution (Conty Estevez and
 // Kulla 2018, "Importance sampling of many lights with adaptive tree splitting").
 #include <cstdint>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "viscache/scene/light_bounds.h"
 
 namespace viscache {
 
-/// A light chosen with probability pmf.
+/// A light chosen with probability pmf; 0: none.
 struct LightPick {
-    size_t light;
-    double pmf;
+    size_t light = 0;
+    double pmf = 0;
+};
+
+/// A random number in [0, 1), and the sample that it chooses a light for.
+struct LightDraw {
+    double u;
+    uint32_t sample;
 };
 
 /// A binary tree with one area light per leaf.
@@ -30,9 +36,10 @@ public:
     /// `lights` must outlive the tree and must not be empty.
     explicit LightTree(const AreaLights& lights);
 
-    /// Goes down from the root with one random number u in [0, 1). Empty where the way ends at lights that
-    /// send nothing to the receiver.
-    std::optional<LightPick> sample(const Receiver& r, double u) const;
+    /// Chooses picks[draw.sample] for every draw, going down from the root with one random number each. None
+    /// where the way ends at lights that send nothing to the receiver. `draws` are sorted by u, and changed:
+    /// the ways of all of them share their nodes.
+    void sample(const Receiver& r, std::span<LightDraw> draws, std::span<LightPick> picks) const;
     /// Probability that `sample` returns this light.
     double pmf(const Receiver& r, size_t light) const;
     /// nodes()[0] is the root.

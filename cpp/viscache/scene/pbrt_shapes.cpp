@@ -223,8 +223,8 @@ void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) 
     if (length2(axis) == 0) fail(where, "a spot light needs two different points");
     if (!(outer > 0 && outer <= 180 && inner <= outer))
         fail(where, "a spot light needs 0 < coneangle <= 180 and conedeltaangle >= 0");
-    const SpotCone cone{Falloff::kQuartic, axis, float(std::cos(inner * M_PI / 180)),
-                        float(std::cos(outer * M_PI / 180))};
+    const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis,
+                        float(std::cos(inner * M_PI / 180)), float(std::cos(outer * M_PI / 180))};
     loading_.scene.point_lights.push_back(
         {now_.ctm.point(from), color(params, "I", kOne) * color(params, "scale", kOne), cone});
 }
