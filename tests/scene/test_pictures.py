@@ -282,6 +282,22 @@ def test_a_broken_picture_is_named_with_what_is_broken(tmp_path, what):
     assert str(error.value).startswith(str(tmp_path / "picture"))
 
 
+def with_scans(n: int) -> bytes:
+    """A progressive JPEG whose first scan stands `n` times more in the file."""
+    whole = JPEGS["progressive"][0]
+    start = whole.index(b"\xff\xda")
+    head = start + 2 + int.from_bytes(whole[start + 2 : start + 4], "big")
+    end = next(i for i in range(head, len(whole)) if whole[i] == 0xFF and whole[i + 1] != 0)
+    return whole[:start] + whole[start:end] * n + whole[start:]
+
+
+def test_a_progressive_jpeg_has_a_largest_number_of_scans(tmp_path):
+    once = read(tmp_path, JPEGS["progressive"][0])
+    assert np.array_equal(read(tmp_path, with_scans(20)), once)
+    with pytest.raises(core.SceneError, match="more than 64 scans"):
+        read(tmp_path, with_scans(70))
+
+
 CLAIMS = {
     "bmp": files.bmp([bytes(384)], (16384, 16384), 24),
     "tga": files.tga(2, (65535, 4000), 24, bytes(384)),

@@ -123,7 +123,7 @@ void read_scanline(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
     read_old_runs(in, line, where);
 }
 
-/// The fewest bytes that a scanline of n pixels takes: new runs have at most 127 pixels; old ones any number.
+/// The fewest bytes that a scanline of n pixels takes: a pixel, and an old run of any number of pixels.
 uint64_t least_bytes(int n) { return n == 1 ? 4 : 8; }
 
 }  // namespace
@@ -134,10 +134,14 @@ Image decode_hdr(std::string_view bytes, const std::string& where) {
     Image image =
         empty_image(uint64_t(layout.width), uint64_t(layout.height), 3, where, false, kMaxFloatPixels);
     check_holds(in.left(), least_bytes(layout.length()) * uint64_t(layout.lines()), image);
-    image.pixels.resize(size_t(layout.width) * size_t(layout.height) * 3);
+    // Old runs claim many pixels with few bytes: memory is touched line by line where the order allows it.
+    const size_t row = size_t(layout.width) * 3, all = row * size_t(layout.height);
+    const bool in_order = !layout.columns && !layout.from_bottom;
+    image.pixels.reserve(all);
     std::vector<Rgbe> line(size_t(layout.length()));
     for (int l = 0; l < layout.lines(); ++l) {
         read_scanline(in, line, where);
+        image.pixels.resize(in_order ? row * size_t(l + 1) : all);
         for (int i = 0; i < layout.length(); ++i) {
             const Rgbe& p = line[size_t(i)];
             const float scale = p.v[3] ? std::ldexp(1.f, int(p.v[3]) - (128 + 8)) : 0.f;
