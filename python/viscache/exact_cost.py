@@ -1,4 +1,4 @@
-"""Tells from a frame's counters where exact visibility would have been cheaper than the cache."""
+"""Tells from a frame's counters where the cache costs more than exact visibility, or as much."""
 
 from __future__ import annotations
 
@@ -10,6 +10,15 @@ __all__ = ["OWN_SAMPLES", "SHARED_LIGHTS", "Cost", "cost_warnings"]
 
 #: Fewer queries take less than some hundredths of a second either way.
 LEAST_QUERIES = 1 << 18
+#: Samples of each pixel's own that cost more than this share of exact ones are not worth their
+#: errors, which show as squares.
+LITTLE_GAIN = 2 / 3
+#: What serves groups of such samples better than a cache.
+BETTER = {
+    "area": "vc.Exact()",
+    "environment": 'vc.Exact(), or environment="shared" with the cache',
+    "ambient": 'vc.Exact(), or directions="shared" with it',
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +43,13 @@ class Cost:
 
 
 #: Lights that all eye points share are looked up by rows of bits: nearly all of the cost is rays.
-#: A ray costs 2.1 exact ones with many virtual lights, and less with few lamps.
-SHARED_LIGHTS = Cost(0.01, 1.9)
+SHARED_LIGHTS = Cost(0.1, 1.5)
 #: Samples of each eye point's own are sorted to rows of light cells first.
 OWN_SAMPLES = Cost(0.6, 1.2)
 
 
 def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) -> list[str]:
-    """A warning for each light group whose queries cost more than exact ones.
+    """A warning for each light group whose queries cost more than exact ones, or hardly less.
 
     Parameters
     ----------
@@ -58,12 +66,23 @@ def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) ->
         queries, rays = count["queries"], count["rays"]
         own = group in ("area", "ambient")
         own = own or (group == "environment" and integrator["environment"] != "shared")
-        cost = OWN_SAMPLES if own else SHARED_LIGHTS
-        if queries < LEAST_QUERIES or cost.of(rays / queries) <= 1:
-            continue
-        texts.append(
-            f"light group {group!r}: exact visibility is cheaper than the cache. It traced"
-            f" {rays / queries:.2f} rays per query ({rays} for {queries}) and pays below"
-            f" {cost.limit:.2f}: use vc.Exact(), or a larger {'c_e or c_l' if own else 'c_e'}"
-        )
+        if queries >= LEAST_QUERIES:
+            texts += _warning(group, rays / queries, OWN_SAMPLES if own else SHARED_LIGHTS)
     return texts
+
+
+def _warning(group: str, rays_per_query: float, model: Cost) -> list[str]:
+    """The warning of one group, or none."""
+    cost, better = model.of(rays_per_query), BETTER.get(group, "vc.Exact(), or a larger c_e")
+    if cost > 1:
+        return [
+            f"light group {group!r}: exact visibility is cheaper than the cache. It traced"
+            f" {rays_per_query:.2f} rays per query and pays below {model.limit:.2f}: use {better}"
+        ]
+    if model is OWN_SAMPLES and cost > LITTLE_GAIN:
+        return [
+            f"light group {group!r}: the cache saves about {1 - cost:.0%} of the cost of exact"
+            f" visibility ({rays_per_query:.2f} rays per query) and may leave squares, because"
+            f" these samples are each pixel's own: use {better}"
+        ]
+    return []

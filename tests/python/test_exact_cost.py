@@ -34,10 +34,18 @@ def said(group: str, rays: float, parameters: Any = None, queries: int = 10**6) 
 def test_a_group_is_named_where_its_rays_cost_more_than_exact_ones(
     group: str, cost: exact_cost.Cost
 ) -> None:
-    assert said(group, cost.limit * 0.99) == []
+    assert not any("cheaper than the cache" in text for text in said(group, cost.limit * 0.99))
     (text,) = said(group, cost.limit * 1.01)
     assert text.startswith(f"light group {group!r}: exact visibility is cheaper than the cache.")
     assert f"pays below {cost.limit:.2f}" in text and "vc.Exact()" in text
+
+
+@pytest.mark.parametrize("group", ["area", "ambient", "environment"])
+def test_samples_of_each_pixels_own_are_warned_of_where_the_cache_saves_little(group: str) -> None:
+    (text,) = said(group, 0.2)  # a cost of .6 + 1.2 · .2
+    assert "saves about 16% of the cost" in text and "may leave squares" in text
+    assert ('="shared"' in text) == (group != "area")
+    assert said(group, 0.02) == [] and said("vpl", 0.2) == []
 
 
 def test_directions_that_pixels_share_cost_as_shared_lights() -> None:
