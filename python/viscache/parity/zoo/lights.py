@@ -100,7 +100,7 @@ def _areas() -> Iterator[tuple[str, str]]:
     yield "area-uniform", shape("rectangle", down, uniform)
     small = f'<scale value="0.05"/>{down}'
     yield "area-small", shape("rectangle", small, area("1500,1200,900"))
-    wide = f'<scale value="6"/>{down}'
+    wide = '<scale value="6"/><rotate x="1" angle="90"/><translate y="5"/>'
     yield "area-wide", shape("rectangle", wide, area("0.5,0.4,0.3"))
     two = shape(
         "rectangle", down, area("3,3,3") + '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>'
