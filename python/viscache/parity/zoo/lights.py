@@ -96,6 +96,10 @@ def _skies() -> Iterator[tuple[str, str]]:
 def _areas() -> Iterator[tuple[str, str]]:
     down = '<rotate x="1" angle="90"/><translate y="3"/>'
     yield "area-default", shape("rectangle", down, '<emitter type="area"/>')
+    # Under a sky that is as bright as the lamp, which looks at the camera
+    seen = '<rotate x="1" angle="-20"/><translate y="1.5"/>'
+    bright = emitter("constant", "")
+    yield "area-default-surface", bright + shape("rectangle", seen, '<emitter type="area"/>')
     uniform = '<emitter type="area"><spectrum name="radiance" value="4"/></emitter>'
     yield "area-uniform", shape("rectangle", down, uniform)
     small = f'<scale value="0.05"/>{down}'

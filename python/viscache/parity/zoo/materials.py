@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from itertools import product
 
-from viscache.parity.zoo.case import SKY, Case, area, property_tags, shape
+from viscache.parity.zoo.case import BLACK, SKY, Case, area, property_tags, shape
 from viscache.parity.zoo.files import GREY, PICTURES, SKY_MAP
 
 __all__ = ["material_cases"]
@@ -17,7 +17,7 @@ LAMP = shape(
     "rectangle",
     '<rotate y="1" angle="180"/><rotate x="1" angle="-35"/><rotate y="1" angle="180"/>'
     '<translate x="0.3" y="3" z="-3.5"/>',
-    area("6,5,4"),
+    area("6,5,4") + BLACK,
 )
 LIGHTS = {
     "lamp": LAMP,
