@@ -95,7 +95,7 @@ def judge(
             name=name, verdict=verdict, warnings=mine.warnings, mitsuba=other.warnings, why=why
         )
     stacks = _Stacks(mine, other, effort.spp)
-    stacks.grow(effort.first)
+    stacks.grow(1)
     if stacks.sizes[0] != stacks.sizes[1]:
         why = "sizes of the pictures: {} and {}".format(*stacks.sizes)
         return Judged(
@@ -105,6 +105,7 @@ def judge(
             mitsuba=other.warnings,
             why=why,
         )
+    stacks.grow(effort.first)
     compared = stacks.compared()
     while stacks.count < effort.most and not _clear(compared, effort):
         stacks.grow(min(2 * stacks.count, effort.most))

@@ -96,8 +96,8 @@ def _small_film(sensor: ElementTree.Element, defaults: Mapping[str, str]) -> Non
     for film in sensor.findall("film"):
         for child in film:
             if child.get("name") in size:
-                value = str(child.get("value"))
-                size[str(child.get("name"))] = int(defaults.get(value, value))
+                given = str(child.get("value"))
+                size[str(child.get("name"))] = int(defaults.get(given, given))
         sensor.remove(film)
     for sampler in sensor.findall("sampler"):
         sensor.remove(sampler)

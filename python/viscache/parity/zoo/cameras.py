@@ -52,8 +52,7 @@ def _placed() -> Iterator[tuple[str, str]]:
         "mirror-x": MIRROR + LOOK,
         "mirror-y": '<scale x="1" y="-1" z="1"/>' + LOOK,
         "mirror-after": LOOK + MIRROR,
-        "scaled": '<scale value="2"/>' + LOOK,
-        "rotated": '<rotate x="1" angle="-25"/><rotate y="1" angle="180"/>'
+        "rotated": '<rotate x="1" angle="25"/><rotate y="1" angle="180"/>'
         '<translate x="0.5" y="3" z="5"/>',
         "matrix": '<matrix value="-1 0 0 0.5  0 0.9 -0.436 3  0 -0.436 -0.9 5  0 0 0 1"/>',
     }.items():

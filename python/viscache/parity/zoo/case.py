@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["DAYLIGHT", "FLOOR", "LAMP", "SKY", "VIEW", "Case", "area", "shape", "view"]
+__all__ = ["BLACK", "DAYLIGHT", "FLOOR", "LAMP", "SKY", "VIEW", "Case", "area", "shape", "view"]
 
 #: Pixels of a zoo picture, both ways.
 SIDE_PX = 64
@@ -39,6 +39,8 @@ def shape(kind: str, to_world: str = "", inside: str = "") -> str:
 
 
 VIEW = view()
+#: The surface of lamps. A shape that emits and names no bsdf has this one in Mitsuba 3.
+BLACK = '<bsdf type="diffuse"><rgb name="reflectance" value="0,0,0"/></bsdf>'
 #: Its front looks up.
 FLOOR = shape(
     "rectangle",
@@ -47,7 +49,9 @@ FLOOR = shape(
 )
 #: A lamp that looks down, out of sight.
 LAMP = shape(
-    "rectangle", '<scale value="0.8"/><rotate x="1" angle="90"/><translate y="4.5"/>', area("9,8,7")
+    "rectangle",
+    '<scale value="0.8"/><rotate x="1" angle="90"/><translate y="4.5"/>',
+    area("9,8,7") + BLACK,
 )
 SKY = '<emitter type="constant"><rgb name="radiance" value="0.4,0.5,0.6"/></emitter>'
 DAYLIGHT = LAMP + SKY

@@ -96,11 +96,15 @@ def _skies() -> Iterator[tuple[str, str]]:
 def _areas() -> Iterator[tuple[str, str]]:
     down = '<rotate x="1" angle="90"/><translate y="3"/>'
     yield "area-default", shape("rectangle", down, '<emitter type="area"/>')
+    # Under a sky that is as bright as the lamp, which looks at the camera
+    seen = '<rotate x="1" angle="-20"/><translate y="1.5"/>'
+    bright = emitter("constant", "")
+    yield "area-default-surface", bright + shape("rectangle", seen, '<emitter type="area"/>')
     uniform = '<emitter type="area"><spectrum name="radiance" value="4"/></emitter>'
     yield "area-uniform", shape("rectangle", down, uniform)
     small = f'<scale value="0.05"/>{down}'
     yield "area-small", shape("rectangle", small, area("1500,1200,900"))
-    wide = f'<scale value="6"/>{down}'
+    wide = '<scale value="6"/><rotate x="1" angle="90"/><translate y="5"/>'
     yield "area-wide", shape("rectangle", wide, area("0.5,0.4,0.3"))
     two = shape(
         "rectangle", down, area("3,3,3") + '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from itertools import product
 
-from viscache.parity.zoo.case import SKY, Case, area, property_tags, shape
+from viscache.parity.zoo.case import BLACK, SKY, Case, area, property_tags, shape
 from viscache.parity.zoo.files import GREY, PICTURES, SKY_MAP
 
 __all__ = ["material_cases"]
@@ -17,7 +17,7 @@ LAMP = shape(
     "rectangle",
     '<rotate y="1" angle="180"/><rotate x="1" angle="-35"/><rotate y="1" angle="180"/>'
     '<translate x="0.3" y="3" z="-3.5"/>',
-    area("6,5,4"),
+    area("6,5,4") + BLACK,
 )
 LIGHTS = {
     "lamp": LAMP,
@@ -49,10 +49,6 @@ def _diffuse() -> Iterator[tuple[str, str]]:
     yield "diffuse-default", bsdf("diffuse")
     for name, value in {"colour": BASE, "black": (0.0, 0.0, 0.0), "white": (1.0, 1.0, 1.0)}.items():
         yield f"diffuse-{name}", bsdf("diffuse", {"reflectance": value})
-    yield (
-        "diffuse-hex",
-        '<bsdf type="diffuse"><rgb name="reflectance" value="#8040c0"/></bsdf>',
-    )
     yield (
         "diffuse-uniform",
         '<bsdf type="diffuse"><spectrum name="reflectance" value="0.4"/></bsdf>',
@@ -126,7 +122,6 @@ def _masks() -> Iterator[tuple[str, str]]:
         yield f"mask-{opacity:g}", bsdf("mask", {"opacity": opacity}, surface)
     yield "mask-picture", bsdf("mask", {}, bitmap(GREY, "opacity", raw=True) + surface)
     yield "mask-twosided", bsdf("mask", {"opacity": 0.5}, two_sided(surface))
-    yield "twosided-mask", two_sided(bsdf("mask", {"opacity": 1.0}, surface))
     yield "mask-plastic", bsdf("mask", {"opacity": 0.6}, bsdf("plastic"))
 
 
@@ -146,7 +141,7 @@ def _others() -> Iterator[tuple[str, str]]:
 
 #: Materials of the quick suite.
 QUICK = {
-    "diffuse-hex",
+    "diffuse-colour",
     "twosided-two",
     "plastic-ior1.5",
     "plastic-nonlinear-ior1.5",
@@ -169,16 +164,20 @@ def material_cases() -> Iterator[Case]:
                     continue
                 yield Case(
                     name=f"material/{name}-{light}",
-                    body=_stage(material),
+                    body=_stage(material, back=name.startswith("twosided")),
                     stage="",
                     lights=lights + (SKY if light == "lamp" else ""),
                     quick=name in QUICK and light in ("lamp", "sky"),
                 )
 
 
-def _stage(material: str) -> str:
-    """Floor and ball of the material, on a plain floor that shows through it."""
-    floor = shape("rectangle", '<scale value="4"/><rotate x="1" angle="-90"/>', material)
+def _stage(material: str, *, back: bool) -> str:
+    """Floor and ball of the material, on a plain floor that shows through it.
+
+    `back`: the floor shows its back.
+    """
+    turn = f'<rotate x="1" angle="{90 if back else -90}"/>'
+    floor = shape("rectangle", '<scale value="4"/>' + turn, material)
     ball = shape("sphere", '<scale value="0.9"/><translate x="-0.5" y="1.1"/>', material)
     below = shape("rectangle", '<scale value="6"/><rotate x="1" angle="-90"/><translate y="-0.5"/>')
     return floor + ball + below

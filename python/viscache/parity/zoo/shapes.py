@@ -10,8 +10,12 @@ from viscache.parity.zoo.files import WEDGE
 __all__ = ["SHAPES", "TRANSFORMS", "shape_cases"]
 
 
-def _file(name: str) -> str:
-    return f'<string name="filename" value="{name}"/>'
+#: Mitsuba 3 computes smooth normals for files without; the scenes `normals/…-computed` show them.
+FLAT = '<boolean name="face_normals" value="true"/>'
+
+
+def _file(name: str, more: str = "") -> str:
+    return f'<string name="filename" value="{name}"/>{more}'
 
 
 #: Shape → its kind and its properties. The wedge has neither a plane nor a centre of symmetry.
@@ -28,9 +32,9 @@ SHAPES: dict[str, tuple[str, str]] = {
         '<point name="p0" x="0" y="-0.7" z="0"/><point name="p1" x="0" y="0.8" z="0"/>'
         '<float name="radius" value="0.7"/>',
     ),
-    "obj": ("obj", _file(f"{WEDGE}.obj")),
-    "ply": ("ply", _file(f"{WEDGE}.ply")),
-    "serialized": ("serialized", _file(f"{WEDGE}.serialized")),
+    "obj": ("obj", _file(f"{WEDGE}.obj", FLAT)),
+    "ply": ("ply", _file(f"{WEDGE}.ply", FLAT)),
+    "serialized": ("serialized", _file(f"{WEDGE}.serialized", FLAT)),
 }
 #: The axis is a unit vector: Mitsuba 3 scales by the length of any other.
 TURN = '<rotate x="0.36" y="0.8" z="0.48" angle="40"/>'
@@ -54,6 +58,8 @@ SURFACE = '<bsdf type="diffuse"><rgb name="reflectance" value="0.7,0.4,0.2"/></b
 #: Lifted above the floor; emitters are slanted, so that they look at the floor and the camera.
 LIFT = '<translate y="1.1"/>'
 SLANT = '<scale value="0.7"/><rotate x="1" angle="50"/><translate y="1.8"/>'
+#: A little light, so that emitters that face away leave a picture to compare.
+DIM = '<emitter type="constant"><rgb name="radiance" value="0.1,0.1,0.15"/></emitter>'
 FLIP = '<boolean name="flip_normals" value="true"/>'
 
 
@@ -69,7 +75,7 @@ def shape_cases() -> Iterator[Case]:
             yield Case(
                 name=f"emitter/{name}-{turned}",
                 body=shape(kind, transform + SLANT, properties + SURFACE + area()),
-                lights="",
+                lights=DIM,
                 quick=turned in ("plain", "mirror-x"),
             )
         yield Case(
@@ -78,7 +84,7 @@ def shape_cases() -> Iterator[Case]:
         yield Case(
             name=f"emitter/{name}-flip-normals",
             body=shape(kind, SLANT, properties + SURFACE + area() + FLIP),
-            lights="",
+            lights=DIM,
             quick=name == "ply",
         )
     yield from _normals()
@@ -86,26 +92,28 @@ def shape_cases() -> Iterator[Case]:
 
 
 def _normals() -> Iterator[Case]:
-    """Files with normals at their vertices: some point inwards, and some are to be left out."""
+    """Files with normals at their vertices, with normals to leave out, and without any."""
     for kind in ("obj", "ply", "serialized"):
         for given, more in {
             "smooth": "",
-            "face-normals": '<boolean name="face_normals" value="true"/>',
+            "face-normals": FLAT,
             "smooth-flip": FLIP,
+            "computed": "",
         }.items():
             for turned in ("plain", "mirror-x", "stretched"):
-                file = _file(f"{WEDGE}-smooth.{kind}")
+                stem = WEDGE if given == "computed" else f"{WEDGE}-smooth"
+                file = _file(f"{stem}.{kind}")
                 transform = TRANSFORMS[turned] + LIFT
                 yield Case(
                     name=f"normals/{kind}-{given}-{turned}",
                     body=shape(kind, transform, file + more + SURFACE),
-                    quick=(kind, given, turned) == ("ply", "smooth", "mirror-x"),
+                    quick=(kind, turned) == ("ply", "mirror-x") and given in ("smooth", "computed"),
                 )
 
 
 def _instances() -> Iterator[Case]:
     """A group that is placed several times."""
-    wedge = shape("ply", "", _file(f"{WEDGE}.ply") + SURFACE)
+    wedge = shape("ply", "", _file(f"{WEDGE}.ply", FLAT) + SURFACE)
     cube = shape("cube", '<scale value="0.3"/><translate x="0.6" y="0.7"/>', SURFACE)
     group = f'<shape type="shapegroup" id="group">{wedge}{cube}</shape>'
     for turned, transform in TRANSFORMS.items():

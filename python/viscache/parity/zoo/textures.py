@@ -81,7 +81,7 @@ def _on_shapes() -> Iterator[Case]:
                 quick=(name, turned) in {("cube", "plain"), ("obj", "plain")},
             )
     for kind, flip in product(("obj", "ply", "serialized"), (False, True)):
-        values = {"filename": f"{WEDGE}.{kind}", "flip_tex_coords": flip}
+        values = {"filename": f"{WEDGE}.{kind}", "flip_tex_coords": flip, "face_normals": True}
         yield Case(
             name=f"uv/{kind}-flip-{str(flip).lower()}",
             body=shape(kind, LIFT, property_tags(values) + picture),
