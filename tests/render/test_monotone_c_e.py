@@ -108,8 +108,8 @@ def test_a_list_that_ends_where_division_ends_turns_back() -> None:
 
 def test_clusters_smaller_than_a_pixel_do_not_turn_it_back() -> None:
     """C_E = 8 is a pixel here. The control refines larger clusters only."""
-    c_es = (6.0, 8.0, 8.1, 12.0)
-    many: dict[str, Any] = {"size": (24, 24), "spp": 64}
+    c_es = (6.0, 8.0, 8.1)
+    many: dict[str, Any] = {"size": (20, 20), "spp": 64}
     for logs in trade("room", list_ends_at_c_finest, c_es, 4, **many):
         assert turned_back(logs, c_es) == []
     for logs in trade("room", coarse_alone_below_a_pixel, c_es, 4, **many):
