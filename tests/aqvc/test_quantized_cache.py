@@ -7,8 +7,11 @@ import sys
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from aqvc import tiles
+from reference import aqvc as reference
 from viscache import _core
 
 FORMS = [
@@ -298,11 +301,14 @@ def test_empty_tiles_and_blocks_are_answered(form):
 
 
 def test_refinement_follows_the_light_group_and_the_samples_per_pixel():
-    """Auto: shared lights only, and only where clusters are larger than a pixel."""
+    """Auto: shared lights only, with clusters larger than a pixel or the finest level's."""
     p = _core.aqvc.AqvcParameters(c_e=16, c_e_groups={"vpl": 9})
     assert [len(p.level_list(g)) for g in range(8)] == [2, 2, 1, 1, 2, 1, 1, 1]
     assert p.level_list(0) == [16, 4] and p.level_list(4) == [9, 4]
-    assert len(p.level_list(0, spp=256)) == 1 and len(p.level_list(0, spp=255)) == 2
+    assert len(p.level_list(0, spp=256)) == len(p.level_list(0, spp=255)) == 2
+    small = _core.aqvc.AqvcParameters(c_e=3)
+    assert small.level_list(0, spp=9, lift=2) == [6]
+    assert small.level_list(0, spp=8, lift=2) == [6, 4]
 
 
 def test_refinement_can_be_set_for_single_light_groups():
@@ -321,12 +327,36 @@ def test_refinement_can_be_set_for_single_light_groups():
 
 @pytest.mark.parametrize(
     ("c_e", "levels"),
-    [(64, [64, 16, 4]), (36, [36, 9, 4]), (24, [24, 6]), (20, [20, 5]), (16, [16, 4]),
-     (12, [12, 4]), (10, [10, 4]), (8, [8, 4]), (7.9, [7.9]), (0.02, [0.02])],
+    [(65, [65, 64, 16, 4]), (64, [64, 16, 4]), (36, [36, 16, 4]), (24, [24, 16, 4]),
+     (16, [16, 4]), (12, [12, 4]), (8, [8, 4]), (7.9, [7.9, 4]), (4, [4]), (0.02, [0.02])],
 )  # fmt: skip
-def test_levels_descend_to_four_eye_samples(c_e, levels):
+def test_levels_end_at_four_eye_samples(c_e, levels):
     """The default list of C_E."""
     assert _core.aqvc.AqvcParameters(c_e=c_e).level_list(0) == levels
+
+
+@given(
+    c_e=st.floats(0.01, 1e4),
+    step=st.sampled_from([1.6, 2.0, 3.0, 4.0, 10.0]),
+    finest=st.floats(0.05, 100),
+    lift=st.sampled_from([1.0, 2.0]),
+)
+def test_a_larger_c_e_only_puts_levels_in_front(c_e, step, finest, lift):
+    """The list equals its transcription and holds all levels of every smaller C_E but its first."""
+    options = {"level_step": step, "c_finest": finest, "refinement": "on"}
+    levels = _core.aqvc.AqvcParameters(c_e=c_e, **options).level_list(0, lift=lift)
+    want = reference.level_list(lift * c_e, step, finest)
+    np.testing.assert_allclose(levels, want, rtol=1e-12)
+    assert levels[-1] == min(lift * c_e, finest)
+    kept = _core.aqvc.AqvcParameters(c_e=0.7 * c_e, **options).level_list(0, lift=lift)[1:]
+    assert kept == (levels[-len(kept) :] if kept else [])
+
+
+def test_many_levels_leave_out_the_coarsest_but_the_first():
+    """A list holds 32 levels: C_E itself, and the finest ones."""
+    levels = _core.aqvc.AqvcParameters(c_e=1e6, level_step=1.1).level_list(0)
+    assert len(levels) == 32 and levels[0] == 1e6 and levels[-1] == 4
+    np.testing.assert_allclose(levels[1], 4 * 1.1**30)
 
 
 @pytest.mark.parametrize(("c_e", "count"), [(1, 1), (2, 1), (4, 2), (12, 4), (16, 4), (17, 5)])

@@ -244,6 +244,14 @@ class Placed:
         return a * a + b * b
 
 
+def level_list(c_e: float, step: float = 4.0, finest: float = 4.0) -> list[float]:
+    """C_E by level from coarse to fine: c_e, and below it finest times all powers of the step."""
+    below: list[float] = []
+    while (c := finest * step ** len(below)) < c_e:
+        below.append(c)
+    return [c_e, *reversed(below)]
+
+
 @dataclass
 class Result:
     """Answers and what they cost."""

@@ -4,8 +4,8 @@
 // This goes beyond the paper, which sets C_E per light group. Let f be the unoccluded contribution of a
 // connection, relative to the mean over the connections of the eye point. The connection gets C_E·f^(−1/p).
 // At a level with C_E = C_d, all connections with f <= (C_E / C_d)^p are due; brighter ones wait for a finer
-// level. A connection is refined at most one level past the first at which it is due. The coarsest level has
-// C_E times kLift.
+// level. A connection ends at the first level where C_d·level_step <= its own C_E, even if neighbours
+// disagree. The coarsest level has C_E times kLift.
 #include <cmath>
 #include <vector>
 

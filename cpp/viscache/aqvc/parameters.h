@@ -123,14 +123,16 @@ inline constexpr std::tuple kAqvcRows{
         "Seed of the shift of the grids and of the random processing order."),
     row("refinement", &AqvcParameters::refinement, kPlain,
         "Alg. 2: if a cell disagrees with a neighbour, its queries are repeated with smaller cells. "
-        "\"auto\" is on for the groups point, directional and vpl unless C_E² <= spp. `Bdpt` uses \"off\" "
-        "unless a value is given."),
+        "\"auto\" is on for the groups point, directional and vpl unless C_E² <= spp and C_E <= c_finest. "
+        "`Bdpt` uses \"off\" unless a value is given."),
     row("refinement_groups", &AqvcParameters::refinement_groups, kPlain,
         "`refinement` of single light groups, with the names of `c_e_groups`."),
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
-        "Ratio between the C_E of one refinement level and that of the next."),
+        "Ratio between the C_E of one refinement level and that of the next. The first level, C_E itself, "
+        "may lie nearer to the second."),
     row("c_finest", &AqvcParameters::c_finest, kPlain, {.low = 0, .above = true},
-        "C_E of the finest refinement level."),
+        "C_E of the finest refinement level. Levels go up from it by level_step as far as they are below "
+        "C_E, which is the first level."),
     row("by_contribution", &AqvcParameters::by_contribution, kPlain,
         "C_E of each connection depends on its unoccluded contribution f: C_E·(mean f / f)^(1/2.5), at "
         "most 2·C_E. Needs refinement and the form \"waves\"; without effect elsewhere."),
@@ -185,7 +187,8 @@ inline constexpr std::tuple kAqvcRows{
     row("vpl_key", &AqvcParameters::vpl_key, kKeyed | kPaper,
         "One column per VPL, or VPLs quantized as surface points."),
     row("level_rule", &AqvcParameters::level_rule, kPaper,
-        "Levels C_E, C_E/level_step, … down to c_finest, or max(1, ceil(log2 C_E)) levels."),
+        "Levels: C_E, and below it c_finest times powers of level_step; or C_E, C_E/level_step, …, as in "
+        "the paper max(1, ceil(log2 C_E)) of them."),
 };
 // clang-format on
 
@@ -195,30 +198,38 @@ inline void AqvcParameters::validate() const {
 }
 
 /// True if Alg. 2 refines the connections of this light group at `spp` samples per pixel. Auto: groups of
-/// lights that all pixels share, unless clusters are smaller than a pixel (AQVC Sec. 3.6).
+/// lights that all pixels share, unless clusters are smaller than a pixel (AQVC Sec. 3.6) and than those of
+/// the finest level.
+// Differs: AQVC does not refine clusters that are smaller than a pixel. With 64 samples, C_E 8 would then err
+// twice as much as C_E 9.
 inline bool refines(const AqvcParameters& p, int group, int spp) {
     const Refinement chosen = p.refinement_groups[size_t(group)].value_or(p.refinement);
     if (chosen != Refinement::kAuto) return chosen == Refinement::kOn;
     const auto g = LightGroup(group);
     const bool shared = g == LightGroup::kPoint || g == LightGroup::kDirectional || g == LightGroup::kVpl;
     const double c_e = p.group_c_e(group);
-    return shared && c_e * c_e > spp;
+    return shared && (c_e > p.c_finest || c_e * c_e > spp);
 }
 
-/// C_E of every level from coarse to fine: lift·C_E first, then divided by level_step down to c_finest. At
-/// most kMaxLevels.
-// Differs: AQVC halves C_E down to 1–2 eye samples. The default stops at 4 and divides by 4, which traces
-// fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper.
+/// C_E of every level from coarse to fine, at most kMaxLevels. The first is lift·C_E. The others are
+/// c_finest and its products with powers of level_step, as far as they lie below the first. So a larger C_E
+/// only puts coarser levels in front: its cells trace fewer rays and err more, and neither turns back.
+// Differs: AQVC halves C_E down to 1–2 eye samples. The default stops at 4 with steps of 4, which traces
+// fewer rays for a larger error. LevelRule::kLog2 with level_step 2 gives the list of the paper, which gains
+// a level at each power of 2.
 inline std::vector<double> level_list(const AqvcParameters& p, int group, int spp, double lift = 1) {
-    std::vector<double> levels = {lift * p.group_c_e(group)};
+    const double first = lift * p.group_c_e(group);
+    std::vector<double> levels = {first};
     if (!refines(p, group, spp)) return levels;
     const size_t limit = size_t(kMaxLevels);
     if (p.level_rule == LevelRule::kLog2) {
-        for (double power = 2; power < levels[0] && levels.size() < limit; power *= 2)
+        for (double power = 2; power < first && levels.size() < limit; power *= 2)
             levels.push_back(levels.back() / p.level_step);
     } else {
-        while (levels.back() >= 2 * p.c_finest && levels.size() < limit)
-            levels.push_back(std::max(p.c_finest, levels.back() / p.level_step));
+        std::vector<double> from_fine;
+        for (double c = p.c_finest; c < first && from_fine.size() + 1 < limit; c *= p.level_step)
+            from_fine.push_back(c);
+        levels.insert(levels.end(), from_fine.rbegin(), from_fine.rend());
     }
     return levels;
 }
