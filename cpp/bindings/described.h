@@ -2,6 +2,7 @@
 // Parts of a scene description to and from plain Python objects.
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 
@@ -40,7 +41,15 @@ inline Image image_from(const FloatArray& pixels) {
 inline py::array_t<float> pixels_of(const Image& i) {
     py::array_t<float> a({py::ssize_t(i.height), py::ssize_t(i.width), py::ssize_t(i.channels)});
     float* out = a.mutable_data();
-    for (size_t k = 0; k < i.size(); ++k) out[k] = i.value(k);
+    {
+        const py::gil_scoped_release release;  // a large image takes a second
+        std::copy(i.pixels.begin(), i.pixels.end(), out);
+        const auto channels = size_t(i.channels);
+        for (size_t c = 0; c < channels; ++c) {
+            const float* values = i.values_of(int(c));
+            for (size_t k = c; k < i.bytes.size(); k += channels) out[k] = values[i.bytes[k]];
+        }
+    }
     return a;
 }
 
