@@ -11,8 +11,9 @@ namespace {
 
 using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 
-std::shared_ptr<DynamicField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
-                                    UpdateMode mode, int threads, const py::object& progress) {
+std::shared_ptr<DynamicField> dynamic_field(const std::shared_ptr<Scene>& scene,
+                                            const FieldSettings& settings, UpdateMode mode, int threads,
+                                            const py::object& progress) {
     std::shared_ptr<DynamicField> field;
     run_interruptible(
         [&](Control& control) {
@@ -22,7 +23,8 @@ std::shared_ptr<DynamicField> build(const std::shared_ptr<Scene>& scene, const F
     return field;
 }
 
-uint32_t insert(DynamicField& field, const FloatArray& vertices, const UintArray& triangles, int threads) {
+uint32_t insert_object(DynamicField& field, const FloatArray& vertices, const UintArray& triangles,
+                       int threads) {
     require_usable(vertices, "vertices");
     require_rows(triangles, 3, "triangles");
     const std::vector<Vec3> points = vec3s(vertices, "vertices");
@@ -112,9 +114,9 @@ void bind_vlf_dynamic(py::module_& m) {
         .finalize();
     py::class_<DynamicField, std::shared_ptr<DynamicField>>(v, "DynamicField",
                                                             "A visibility field over moving objects.")
-        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::arg("mode"), py::kw_only(),
+        .def(py::init(&dynamic_field), py::arg("scene"), py::arg("settings"), py::arg("mode"), py::kw_only(),
              py::arg("threads") = 0, py::arg("progress") = py::none())
-        .def("insert", &insert, py::arg("vertices"), py::arg("triangles"), py::arg("threads") = 0)
+        .def("insert", &insert_object, py::arg("vertices"), py::arg("triangles"), py::arg("threads") = 0)
         .def("remove", &DynamicField::remove, py::arg("object"), py::arg("threads") = 0,
              py::call_guard<py::gil_scoped_release>())
         .def(

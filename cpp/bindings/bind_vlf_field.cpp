@@ -15,8 +15,9 @@ py::dict stats_dict(const FieldStats& s) {
                     "bytes"_a = s.bytes);
 }
 
-std::shared_ptr<VisibilityField> build(const std::shared_ptr<Scene>& scene, const FieldSettings& settings,
-                                       int threads, const py::object& progress) {
+std::shared_ptr<VisibilityField> field_over(const std::shared_ptr<Scene>& scene,
+                                            const FieldSettings& settings, int threads,
+                                            const py::object& progress) {
     std::shared_ptr<VisibilityField> field;
     run_interruptible(
         [&](Control& control) {
@@ -101,8 +102,8 @@ void bind_vlf_field(py::module_& m) {
     py::class_<VisibilityField, RayCaster, std::shared_ptr<VisibilityField>> field(
         v, "VisibilityField", "Answers rays by look-up.");
     field
-        .def(py::init(&build), py::arg("scene"), py::arg("settings"), py::kw_only(), py::arg("threads") = 0,
-             py::arg("progress") = py::none())
+        .def(py::init(&field_over), py::arg("scene"), py::arg("settings"), py::kw_only(),
+             py::arg("threads") = 0, py::arg("progress") = py::none())
         .def_property_readonly("settings", &VisibilityField::settings)
         .def_property_readonly("stats", [](const VisibilityField& f) { return stats_dict(f.stats()); })
         .def("subfield", &subfield_dict, py::arg("direction"), "The lists of one direction as arrays.")
