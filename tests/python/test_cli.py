@@ -194,7 +194,7 @@ def test_a_wrong_answer_of_a_bench_is_status_1_and_a_missed_goal_is_not(
     machine = {"processor": "p", "cores": 1}
     answer = {"what": "same hits", "value": 1.0, "limit": 0.0}
 
-    def made(name: str, quick: bool = False) -> dict[str, Any]:
+    def made(name: str, quick: bool = False, function: Any = None) -> dict[str, Any]:
         holds = name == "right"
         return {
             "bench": name,

@@ -47,13 +47,17 @@ std::string printable(std::string text) {
 
 std::string at_line(const std::string& file, size_t line) { return file + ":" + std::to_string(line); }
 
+void check_allowed(const std::string& path, const std::string& where) {
+    if (const AllowedFiles* allowed = AllowedFiles::current(); allowed && !allowed->allows(path))
+        fail(where, "the file lies outside of the scene's folder; allow_outside=True permits that");
+}
+
 uint64_t check_file(const std::string& path, const std::string& asked_at) {
     namespace fs = std::filesystem;
     const std::string where = asked_at.empty() ? path : asked_at + ": " + path;
     std::error_code error;
     if (path.find('\0') != std::string::npos) fail(asked_at, "a file name holds a zero byte");
-    if (const AllowedFiles* allowed = AllowedFiles::current(); allowed && !allowed->allows(path))
-        fail(where, "the file lies outside of the scene's folder; allow_outside=True permits that");
+    check_allowed(path, where);
     if (!fs::exists(path, error)) fail(where, "the file does not exist");
     if (!fs::is_regular_file(path, error)) fail(where, "not a regular file");
     const uint64_t size = fs::file_size(path, error);
@@ -127,6 +131,7 @@ int Loading::add_material(const Material& material) {
 
 bool Loading::has_mesh_file(const std::string& path, const std::string& where) {
     std::error_code error;
+    check_allowed(path, where + ": " + path);
     if (std::filesystem::exists(path, error)) return true;
     if (!skip_missing)
         fail(where + ": " + path, "the file does not exist; missing=\"skip\" leaves such shapes out");

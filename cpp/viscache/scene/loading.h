@@ -28,6 +28,8 @@ std::string printable(std::string text);
 /// "file:line".
 std::string at_line(const std::string& file, size_t line);
 
+/// Throws SceneError if the scene may not read the file (allowed_files.h).
+void check_allowed(const std::string& path, const std::string& where);
 /// Size of a file. Throws SceneError if it is missing, empty, too large or not allowed (allowed_files.h).
 uint64_t check_file(const std::string& path, const std::string& asked_at = "");
 /// Content of a file. Throws SceneError as `check_file` does, and if it is unreadable.
@@ -139,7 +141,10 @@ bool is_finite(const Affine& t);
 std::optional<double> uniform_scale(const Affine& t);
 
 Mesh rectangle_mesh();  ///< [-1, 1]² at z = 0, facing +z
-Mesh cube_mesh();       ///< [-1, 1]³, 12 triangles facing out
+/// Gives a mesh the normals that Mitsuba computes: those of the triangles, weighted by their angles at a
+/// vertex.
+void smooth_normals(Mesh& mesh);
+Mesh cube_mesh();  ///< [-1, 1]³, 12 triangles facing out
 Mesh sphere_mesh(Vec3 center, float radius);
 Mesh disk_mesh();  ///< unit disk at z = 0, facing +z; a polygon of the disk's area
 

@@ -58,6 +58,24 @@ void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles
     for (size_t i = 1; i + 1 < ring.size(); ++i) triangles.push_back({ring[0], ring[i], ring[i + 1]});
 }
 
+void smooth_normals(Mesh& mesh) {
+    std::vector<Vec3> sums(mesh.vertices.size());
+    for (Vec3u t : mesh.triangles) {
+        const uint32_t corners[3] = {t.x, t.y, t.z};
+        const Vec3 p[3] = {mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]};
+        const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
+        const float area = length(normal);
+        if (!(area > 0)) continue;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 a = p[(k + 1) % 3] - p[k], b = p[(k + 2) % 3] - p[k];
+            sums[corners[k]] += normal * (std::atan2(area, dot(a, b)) / area);
+        }
+    }
+    // A vertex without a triangle of its own may have any normal
+    for (Vec3& n : sums) n = length2(n) > 0 ? normalize(n) : Vec3{0, 0, 1};
+    mesh.normals = std::move(sums);
+}
+
 Mesh rectangle_mesh() {
     Mesh m;
     m.vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
@@ -67,20 +85,19 @@ Mesh rectangle_mesh() {
 }
 
 Mesh cube_mesh() {
+    // The corners of every face, in the order of Mitsuba's texture coordinates
+    constexpr float kFaces[6][4][3] = {{{1, -1, -1}, {1, -1, 1}, {-1, -1, 1}, {-1, -1, -1}},
+                                       {{1, 1, -1}, {-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}},
+                                       {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}},
+                                       {{1, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {-1, -1, 1}},
+                                       {{-1, -1, 1}, {-1, 1, 1}, {-1, 1, -1}, {-1, -1, -1}},
+                                       {{1, 1, -1}, {1, -1, -1}, {-1, -1, -1}, {-1, 1, -1}}};
     Mesh m;
-    // One rectangle per face, rotated from +z to the direction of the face.
-    const Affine faces[6] = {Affine{},
-                             rotation(180, 0, 1, 0),
-                             rotation(90, 0, 1, 0),
-                             rotation(-90, 0, 1, 0),
-                             rotation(-90, 1, 0, 0),
-                             rotation(90, 1, 0, 0)};
-    for (const Affine& face : faces) {
-        Mesh side = rectangle_mesh();
-        for (Vec3& p : side.vertices) {
-            p = face.point({p.x, p.y, 1});
-            p = {std::round(p.x), std::round(p.y), std::round(p.z)};
-        }
+    for (const auto& face : kFaces) {
+        Mesh side;
+        for (const auto& p : face) side.vertices.push_back({p[0], p[1], p[2]});
+        side.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+        side.triangles = {{0, 1, 2}, {3, 0, 2}};
         append_mesh(m, side);
     }
     return m;

@@ -26,9 +26,11 @@ bool MitsubaReader::is_ggx(Node node) {
 }
 
 float MitsubaReader::roughness(Node node, double fallback) {
-    if (property(node, "alpha_u") || property(node, "alpha_v"))
-        return clamp_roughness(
-            float(std::sqrt(std::max(0.0, number(node, "alpha_u", 0.1) * number(node, "alpha_v", 0.1)))));
+    if (property(node, "alpha_u") || property(node, "alpha_v")) {
+        const double u = number(node, "alpha_u", 0.1), v = number(node, "alpha_v", 0.1);
+        if (u != v) warn_at(node, "anisotropic roughness is not modelled; the geometric mean is used");
+        return clamp_roughness(float(std::sqrt(std::max(0.0, u * v))));
+    }
     return clamp_roughness(float(number(node, "alpha", fallback)));
 }
 
@@ -82,6 +84,9 @@ Material MitsubaReader::conductor(Node node, bool rough) {
                  conductor_f0(ior->eta.y / outside, ior->k.y / outside),
                  conductor_f0(ior->eta.z / outside, ior->k.z / outside)};
     m.specular = clamp01(f0 * color(node, "specular_reflectance", {1, 1, 1}));
+    if (luminance(f0) < 0.999f)
+        warn_at(node,
+                "the Fresnel term of metals is Schlick's; it is off by some percent near grazing angles");
     return m;
 }
 
@@ -141,6 +146,9 @@ Material MitsubaReader::bsdf(Node node, int depth) {
     if (type == "twosided") {
         m = nested(node, depth);
         m.two_sided = true;
+        const auto inside = [](Node c) { return is_bsdf(c) || std::string_view(c.name()) == "ref"; };
+        if (std::count_if(node.children().begin(), node.children().end(), inside) > 1)
+            warn_at(node, "a bsdf of its own for the back is not modelled; the first is used for both sides");
     } else if (type == "mask") {
         m = mask(node, depth);
     } else if (type == "diffuse" || type == "lambertian" || type == "roughdiffuse" || type == "difftrans") {

@@ -20,12 +20,16 @@ void MitsubaReader::field_of_view(Node node, Camera& camera) {
     const float aspect = float(camera.width) / float(camera.height);
     std::string axis = string(node, "fov_axis", "x");
     float fov = float(number(node, "fov", 45)) * kDegree;
-    if (const Node focal = property(node, "focal_length"); focal && !property(node, "fov")) {
-        std::string text = attribute(focal, "value");
-        if (text.size() > 2 && text.ends_with("mm")) text.resize(text.size() - 2);
-        const auto mm = numbers(focal, text);
-        if (mm.size() != 1 || !(mm[0] > 0)) fail_at(focal, "the focal length must be > 0");
-        fov = 2 * std::atan(std::sqrt(36.f * 36.f + 24.f * 24.f) / (2 * float(mm[0])));
+    if (!property(node, "fov")) {
+        float millimetres = 50;
+        if (const Node focal = property(node, "focal_length")) {
+            std::string text = attribute(focal, "value");
+            if (text.size() > 2 && text.ends_with("mm")) text.resize(text.size() - 2);
+            const auto mm = numbers(focal, text);
+            if (mm.size() != 1 || !(mm[0] > 0)) fail_at(focal, "the focal length must be > 0");
+            millimetres = float(mm[0]);
+        }
+        fov = 2 * std::atan(std::sqrt(36.f * 36.f + 24.f * 24.f) / (2 * millimetres));
         axis = "diagonal";
     }
     if (!(fov > 0 && fov < kPi)) fail_at(node, "the field of view must be in (0, 180) degrees");
@@ -61,6 +65,9 @@ void MitsubaReader::sensor(Node node) {
         if (property(film, "crop_width") || property(film, "crop_height"))
             warn_at(film, "a crop is not modelled; the whole film is used");
     }
+    for (const char* offset : {"principal_point_offset_x", "principal_point_offset_y"})
+        if (number(node, offset, 0) != 0)
+            warn_at(property(node, offset), "an offset of the principal point is not modelled; ignored");
     if (camera.width < 1 || camera.height < 1) fail_at(node, "the film's width and height must be >= 1");
 
     // Mitsuba's camera looks along +z with x to the left.

@@ -114,9 +114,16 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (boolean(node, "face_normals", false)) mesh->normals.clear();
     const Affine to_world = transform(node);
     transform_mesh(*mesh, to_world);
+    // Files without normals are smooth, with the front where their winding says
+    if (mesh->normals.empty() && !is_generated(type) && !boolean(node, "face_normals", false))
+        smooth_normals(*mesh);
     // The front is where the normals point, also under a transform that mirrors. Files without normals have
     // it where their winding says.
-    if (is_generated(type) && to_world.determinant() < 0) flip_winding(*mesh);
+    if (is_generated(type) && to_world.determinant() < 0) {
+        flip_winding(*mesh);
+        if (type == "cylinder" && max_component(emission.color) > 0)
+            warn_at(node, "a mirrored cylinder shines outwards; Mitsuba 3 samples its light inwards");
+    }
     if (!mesh->normals.empty()) {
         check_mesh(*mesh, where(node));
         wind_by_normals(*mesh);

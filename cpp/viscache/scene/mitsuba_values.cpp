@@ -218,6 +218,8 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
 ColorTexture MitsubaReader::bitmap(Node node) {
     const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
     const bool nearest = string(node, "filter_type", "") == "nearest";
+    if (const std::string wrap = string(node, "wrap_mode", "repeat"); wrap != "repeat")
+        warn_at(node, "wrap mode '" + wrap + "' is not modelled; the image repeats");
     note_uv(node);
     return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw, nearest)};
 }

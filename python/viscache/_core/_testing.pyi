@@ -150,7 +150,7 @@ def best_alpha(var_w: typing.SupportsFloat | typing.SupportsIndex, covariance: t
     ...
 def choose_light(scene: viscache._core.Scene, way: str, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], u: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
     """
-    Lights (N,) chosen at points with shading normals by numbers u, and their probabilities (N,). Lights are counted over triangles, then spheres; -1: none contributes.
+    Lights (N, K) chosen at points with shading normals by numbers u (N, K), and their probabilities. Lights are counted over triangles, then spheres; -1: none contributes.
     """
 def control_variate_estimate(sum_f: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], sum_g: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], j: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], alpha: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], n: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """

@@ -104,7 +104,7 @@ def _integrator(path: Path) -> dict[str, Any]:
     `direct` and `path` take a masked surface for opaque in shadow rays and count it as a bounce.
     `volpath` sees through it; with one scattering it is direct light as well.
     """
-    masked = re.search(r'type\s*=\s*"(mask|null|thindielectric)"', path.read_text("utf-8"))
+    masked = re.search(r'type\s*=\s*"(mask|null)"', path.read_text("utf-8"))
     return {"type": "volpath", "max_depth": 2, "rr_depth": 1000} if masked else {"type": "direct"}
 
 
