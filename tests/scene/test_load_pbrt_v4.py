@@ -12,7 +12,7 @@ import pytest
 import viscache as vc
 from viscache import _core as core
 
-K = core.MaterialKind
+K, C = core.MaterialKind, core.CoatKind
 TRIANGLE = 'Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  0 1 0]\n'
 VIEW = "LookAt 0 3 6  0 0.5 0  0 1 0\n"
 
@@ -107,11 +107,13 @@ def test_materials_have_their_nearest_kinds(tmp_path: Path) -> None:
     glass = surface(tmp_path, '"dielectric" "spectrum eta" "glass-BK7"')
     assert glass["kind"] == K.DIELECTRIC and glass["eta"] == pytest.approx(1.5168)
     assert surface(tmp_path, '"dielectric" "float eta" 1.33')["eta"] == pytest.approx(1.33)
-    coat = surface(
-        tmp_path, '"coateddiffuse" "rgb reflectance" [.1 .2 .3] "float roughness" .04', strict=False
-    )
+    coat = surface(tmp_path, '"coateddiffuse" "rgb reflectance" [.1 .2 .3] "float roughness" .04')
     assert coat["kind"] == K.GLOSSY and coat["roughness"] == pytest.approx(0.2)
+    assert coat["coat"] == C.ROUGH and coat["nonlinear"] and coat["eta"] == pytest.approx(1.5)
     assert coat["base_color"] == pytest.approx([0.1, 0.2, 0.3])
+    assert surface(tmp_path, '"coateddiffuse"')["coat"] == C.SMOOTH
+    pane = surface(tmp_path, '"thindielectric" "float eta" 1.4')
+    assert pane["kind"] == K.DIELECTRIC and pane["thin"] and pane["eta"] == pytest.approx(1.4)
 
 
 @pytest.mark.parametrize(
@@ -119,6 +121,7 @@ def test_materials_have_their_nearest_kinds(tmp_path: Path) -> None:
     [
         ('Material "coatedconductor" ' + TRIANGLE, "coat of 'coatedconductor'"),
         ('Material "dielectric" "float roughness" .2 ' + TRIANGLE, "rough glass"),
+        ('Material "coateddiffuse" "rgb albedo" [.5 .5 .5] ' + TRIANGLE, "inside of a coat"),
         ('Material "diffusetransmission" ' + TRIANGLE, "'diffusetransmission' is not modelled"),
         ('Material "measured" "string filename" "x.bsdf" ' + TRIANGLE, "'measured' is not modelled"),
         ('Texture "d" "float" "constant" Material "diffuse" "texture displacement" "d" ' + TRIANGLE, "'displacement' is not modelled"),

@@ -6,6 +6,7 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kHalf{.5f, .5f, .5f}, kQuarter{.25f, .25f, .25f}, kOne{1, 1, 1}, kZero{0, 0, 0};
+constexpr float kSmooth = 1e-3f;  ///< pbrt takes surfaces of smaller alpha for smooth
 
 }  // namespace
 
@@ -79,13 +80,13 @@ Material PbrtReader::v4_conductor(const PbrtParams& params, const std::string& p
         m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
     }
     const float alpha = v4_alpha(params, prefix, 0);
-    // pbrt takes surfaces of smaller alpha for smooth
-    m.kind = alpha < 1e-3f ? MaterialKind::kMirror : MaterialKind::kGlossy;
+    m.kind = alpha < kSmooth ? MaterialKind::kMirror : MaterialKind::kGlossy;
     m.roughness = clamp_roughness(alpha);
     return m;
 }
 
-/// coateddiffuse: a diffuse base under a dielectric.
+/// coateddiffuse: a diffuse base under a dielectric. pbrt follows light between the two by random walks; the
+/// closed form of their sum is that of Mitsuba's plastics.
 Material PbrtReader::v4_coated_diffuse(const PbrtParams& params, const std::string& where) {
     Material m;
     m.kind = MaterialKind::kGlossy;
@@ -93,11 +94,12 @@ Material PbrtReader::v4_coated_diffuse(const PbrtParams& params, const std::stri
     m.base_color = clamp01(base.color);
     m.base_texture = base.image;
     m.eta = v4_eta(params, "eta", 1.5, where);
-    m.specular = kOne * dielectric_f0(m.eta);
-    m.roughness = clamp_roughness(v4_alpha(params, "", 0));
-    loading_.warn(where,
-                  "material 'coateddiffuse' is not modelled in full; a glossy coat over a diffuse base "
-                  "is used");
+    const float alpha = v4_alpha(params, "", 0);
+    m.coat = alpha < kSmooth ? CoatKind::kSmooth : CoatKind::kRough;
+    m.roughness = alpha < kSmooth ? 0.01f : clamp_roughness(alpha);  // a sharp lobe stands for the mirror
+    m.nonlinear = true;
+    for (const char* inside : {"albedo", "g"})
+        if (params.has(inside)) loading_.warn(where, "the medium inside of a coat is not modelled; ignored");
     return m;
 }
 
@@ -120,12 +122,12 @@ Material PbrtReader::v4_surface(const std::string& type, const PbrtParams& param
     } else if (type == "dielectric") {
         m.kind = MaterialKind::kDielectric;
         m.eta = v4_eta(params, "eta", 1.5, where);
-        if (v4_alpha(params, "", 0) >= 1e-3f)
+        if (v4_alpha(params, "", 0) >= kSmooth)
             loading_.warn(where, "rough glass is not modelled; smooth glass is used");
     } else if (type == "thindielectric") {
         m.kind = MaterialKind::kDielectric;
-        m.eta = 1;
-        loading_.warn(where, "'thindielectric' is not modelled; light passes unchanged");
+        m.eta = v4_eta(params, "eta", 1.5, where);
+        m.thin = true;
     } else {
         loading_.warn(where, "material '" + type + "' is not modelled; grey diffuse is used");
     }
