@@ -41,6 +41,7 @@ def assert_same(a: Images, b: Images) -> None:
     assert not compare(0.99 * a, b).same, "the test has no power to see 1 % of the energy"
 
 
+@pytest.mark.slow
 def test_a_closed_room_is_mitsubas_by_all_strategies_together(mi: Any, tmp_path: Path) -> None:
     """Whatever strategy is left out or counted twice, as by a wrong weight, is missed."""
     reference = theirs(mi, scenes.ROOM.to_mitsuba(mi, SIZE, tmp_path), depth=5, spp=160, seeds=10)

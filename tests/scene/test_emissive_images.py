@@ -121,6 +121,7 @@ def test_descriptions_carry_the_image_and_check_it() -> None:
         vc.Scene.from_description(d)
 
 
+@pytest.mark.slow
 @pytest.mark.mitsuba
 def test_a_lamp_with_an_image_shines_as_mitsubas(tmp_path: Path) -> None:
     pytest.importorskip("mitsuba", reason="needs the package mitsuba")

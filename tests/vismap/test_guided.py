@@ -170,6 +170,7 @@ def test_in_the_open_guiding_does_little_harm() -> None:
     assert guided / variate_alone < 1.1
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_the_merged_warp_keeps_the_points_even() -> None:
     """Under even points guiding costs nothing in the open: one tree, one warp, no split square."""

@@ -68,6 +68,7 @@ def test_every_way_is_unbiased_and_a_wrong_truth_is_found() -> None:
     assert [a["holds"] for a in outcome.answers] == [True, False]
 
 
+@pytest.mark.slow
 def test_guiding_leaves_little_of_the_variance_and_the_control_variate_some() -> None:
     assert ratio(GUIDED) < 0.15
     assert 0.2 < ratio(ONE) < 1.1
