@@ -67,7 +67,7 @@ def test_two_pictures_have_a_page_of_their_own(tab: Browser, page: Report, tmp_p
     tab.wait_for("document.documentElement.dataset.shown === 's0 flip'")
     assert tab.text("chosen") == "a.exr" and tab.eval("$('against').parentNode.hidden") is True
     assert tab.eval("document.getElementById('nomap').hidden") is True
-    assert tab.eval("document.querySelectorAll('#settings td').length") == 7  # the metrics
+    assert tab.eval("document.querySelectorAll('#settings td').length") == 8  # the metrics
 
 
 def test_a_browser_that_cannot_unpack_pictures_is_told_and_has_the_rest(
