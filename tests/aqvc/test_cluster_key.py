@@ -207,6 +207,7 @@ def test_light_leaks_through_a_thin_wall_where_all_normals_share_a_grid(mode, c_
     assert shared > 0.9 if leaks else shared == 0
 
 
+@pytest.mark.slow
 def test_octahedral_bins_are_as_many_as_rounded_ones_and_hold_the_axes():
     """As many within 10 %; an axis-aligned wall has one bin, −z at the square's corners too."""
     n = unit(np.random.default_rng(21), 200_000)

@@ -87,6 +87,7 @@ def test_no_error_is_claimed_where_it_cannot_be_known() -> None:
     assert all(np.isnan(getattr(empty, v).item()) for v in ("mean", "sigma", "se", "se_naive"))
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_the_jackknife_covers_the_truth_and_the_naive_error_does_not() -> None:
     rng = np.random.default_rng(2)

@@ -173,6 +173,7 @@ def test_another_seed_is_another_measurement(measured: xarray.Dataset) -> None:
     assert abs(float(other["corner"]) - float(measured["corner"])) < 0.2
 
 
+@pytest.mark.slow
 def test_a_pool_of_processes_gives_the_same_bytes(
     measured: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

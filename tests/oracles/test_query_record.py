@@ -43,6 +43,7 @@ def test_the_file_holds_every_query_once(conn: vc.Connections, tmp_path: Path) -
     assert 0 < (frame["v"] != frame["answer"]).mean() < 0.2
 
 
+@pytest.mark.slow
 def test_a_memory_bound_changes_nothing_but_numbers_of_clusters(
     conn: vc.Connections, tmp_path: Path
 ) -> None:

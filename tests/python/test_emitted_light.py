@@ -80,6 +80,7 @@ def test_bidirectional_frames_tell_what_is_seen_from_what_paths_found() -> None:
     assert seen_emitters(Frame(layers=old)) is None
 
 
+@pytest.mark.slow
 def test_files_keep_the_layer_and_those_without_it_leave_the_error_undefined(
     tmp_path: Path,
 ) -> None:

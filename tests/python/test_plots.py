@@ -133,6 +133,7 @@ def test_every_figure_is_saved_in_three_formats_with_its_labels(
         assert image.info["dpi"][0] == pytest.approx(300, abs=1) and min(image.size) > 500
 
 
+@pytest.mark.slow
 def test_the_same_figure_gives_the_same_bytes(fake_vc: Any, tmp_path: Path) -> None:
     ds = grid(fake_vc)
     for folder in ("a", "b"):
@@ -145,6 +146,7 @@ def test_the_same_figure_gives_the_same_bytes(fake_vc: Any, tmp_path: Path) -> N
     assert not list(tmp_path.glob("x*"))
 
 
+@pytest.mark.slow
 def test_designs_are_saved_as_pairs_and_grids_of_three_as_both(
     fake_vc: Any, tmp_path: Path
 ) -> None:

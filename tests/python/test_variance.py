@@ -31,6 +31,7 @@ def test_the_ratio_is_that_of_the_sums_of_sample_variances() -> None:
     assert scaled.ratio == pytest.approx(found.ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_the_interval_covers_the_truth_about_as_often_as_it_says() -> None:
     """200 pairs of 16 renders, true ratio 1/4; half of the interval's width covers far less."""

@@ -139,6 +139,7 @@ def test_ctrl_c_stops_a_long_query_soon() -> None:
     assert quickest_stop(call, delay=1.5) < LIMIT
 
 
+@pytest.mark.slow
 def test_progress_counts_tiles_to_the_end() -> None:
     seen: list[tuple[int, int]] = []
     vc.render(

@@ -269,6 +269,7 @@ DIM = Look(base_color=(1e-3, 1e-3, 8e-4))
 BARE = vc.Whitted(n_vpls=0, n_area=32)
 
 
+@pytest.mark.slow
 def test_mirrors_show_what_mitsuba_sees_in_them(mi: Any, tmp_path: Path) -> None:
     mirror = Look(kind="mirror", specular=(0.9, 0.7, 0.5))
     model = Model(

@@ -198,6 +198,7 @@ def test_virtual_lights_take_up_light_by_the_shading_normal(degrees: float) -> N
     assert on_the_wall(bent(SHEET, 0)) == on_the_wall(SHEET) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.mitsuba
 def test_light_of_bent_normals_is_mitsubas(tmp_path: Path) -> None:

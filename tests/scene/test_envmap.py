@@ -68,6 +68,7 @@ def test_a_bright_pixel_is_seen_where_the_convention_puts_it() -> None:
         assert np.linalg.norm(wi.mean(0) - center) < 0.02
 
 
+@pytest.mark.slow
 def test_rotation_takes_the_map_into_the_world() -> None:
     image, to_world = sky(), rotation()
     still = EnvironmentMap.from_latlong(image, resolution=256)

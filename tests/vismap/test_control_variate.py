@@ -256,6 +256,7 @@ def test_in_a_garden_regression_keeps_the_variate_from_harming() -> None:
     assert ratios(made, PointSet.ZERO_TWO, 30, AlphaMode.FIXED) > 1.1
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 def test_where_visibility_correlates_the_variance_falls() -> None:
     made = world("courtyard")
