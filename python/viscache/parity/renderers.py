@@ -70,7 +70,8 @@ def mitsuba(threads: int | None = None) -> Iterator[Any]:
 def load_viscache(path: Path, threads: int | None = None) -> Loaded:
     """The file by viscache: direct light by exact rays."""
     try:
-        scene = vc.load_scene(path)
+        # The prepared copy of a shared scene names files of the scene itself
+        scene = vc.load_scene(path, allow_outside=True)
     except (ValueError, OSError, MemoryError) as error:
         return Loaded(warnings=[_brief(str(error), path)])
 
