@@ -107,10 +107,11 @@ void bind_description(py::module_& m) {
             "add_material",
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
                float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff,
-               CoatKind coat, bool nonlinear, bool thin, float opacity) {
+               CoatKind coat, bool nonlinear, bool thin, float opacity, float metallic,
+               int metallic_roughness_texture, int roughness_texture) {
                 d.materials.push_back({kind, vec3(base_color), vec3(specular), roughness, eta, two_sided,
                                        base_texture, alpha_texture, alpha_cutoff, coat, nonlinear, thin,
-                                       opacity});
+                                       opacity, metallic, metallic_roughness_texture, roughness_texture});
                 return int(d.materials.size()) - 1;
             },
             py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
@@ -118,13 +119,17 @@ void bind_description(py::module_& m) {
             py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f, py::arg("two_sided") = true,
             py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
-            py::arg("opacity") = 1.f,
+            py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
+            py::arg("roughness_texture") = -1,
             "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
             "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
             "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
             "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
             "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
-            "the rest are small holes in a fixed pattern.")
+            "the rest are small holes in a fixed pattern. A glossy material without a coat can be metallic\n"
+            "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have an\n"
+            "image: the green channel of metallic_roughness_texture multiplies the root of roughness and the\n"
+            "blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {

@@ -60,7 +60,9 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
                     py::arg("alpha_cutoff") = m.alpha_cutoff, py::arg("coat") = m.coat,
                     py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
-                    py::arg("opacity") = m.opacity);
+                    py::arg("opacity") = m.opacity, py::arg("metallic") = m.metallic,
+                    py::arg("metallic_roughness_texture") = m.metallic_roughness_texture,
+                    py::arg("roughness_texture") = m.roughness_texture);
 }
 
 /// Names of the falloffs of spot lights, in the order of `Falloff`.

@@ -229,8 +229,8 @@ private:
         // normal
         if (dot(sp.ns, sp.wo) <= 0) sp.ns = ng;
         sp.base = s.base_color;
-        sp.specular = material.specular;
-        sp.roughness = material.roughness;
+        sp.specular = s.specular;
+        sp.roughness = s.roughness;
         sp.kind = material.kind;
         sp.eta = material.eta;
         sp.coat = t_.scene.coat(s.material);

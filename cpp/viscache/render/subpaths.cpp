@@ -128,8 +128,8 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     v = vertex_at(w, hit, s);
     w.distance += hit.t;
     v.surface.base = s.base_color;
-    v.surface.specular = material.specular;
-    v.surface.roughness = material.roughness;
+    v.surface.specular = s.specular;
+    v.surface.roughness = s.roughness;
     v.surface.kind = material.kind;
     v.surface.eta = material.eta;
     v.surface.coat = c_.scene.coat(s.material);

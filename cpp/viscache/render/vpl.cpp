@@ -75,7 +75,7 @@ bool reflect_diffusely(Photon& photon, const Landing& l, Rng& rng, std::vector<V
     sp.ns = l.ns;
     sp.wo = l.wi;
     sp.base = l.s.base_color;
-    sp.specular = l.material.specular;
+    sp.specular = l.s.specular;
     sp.coat = l.coat;
     const Rgb albedo = diffuse_albedo(sp);
     const Rgb reflected = photon.flux * albedo * (dot(l.wi, l.ns) / dot(l.wi, l.ng));

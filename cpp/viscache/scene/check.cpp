@@ -65,7 +65,13 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (m.nonlinear && m.coat == CoatKind::kNone) fail(name, ": nonlinear needs a coat");
     if (m.thin && m.kind != MaterialKind::kDielectric) fail(name, ": only a dielectric can be thin");
     if (!(m.opacity >= 0 && m.opacity <= 1)) fail(name, ": opacity must be in [0, 1], got ", m.opacity);
-    for (int t : {m.base_texture, m.alpha_texture})
+    if (!(m.metallic >= 0 && m.metallic <= 1))
+        fail(name, ": metallic must be in [0, 1], got ", m.metallic);
+    if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || m.coat != CoatKind::kNone))
+        fail(name, ": only a glossy material without a coat is metallic or has images of its roughness");
+    if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
+        fail(name, ": metallic_roughness_texture and roughness_texture exclude each other");
+    for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }
 

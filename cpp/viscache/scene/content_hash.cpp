@@ -81,6 +81,8 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(m.specular);
         h.floats({m.roughness, m.eta, m.alpha_cutoff, float(m.base_texture), float(m.alpha_texture)});
         if (m.opacity < 1) h.floats({m.opacity});
+        if (m.mixes_metal())
+            h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
     }
     for (const Image& i : d.images) {
         h.word(uint64_t(i.width) << 32 | uint64_t(i.nearest) << 16 | uint64_t(i.channels));

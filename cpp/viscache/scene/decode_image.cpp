@@ -71,8 +71,9 @@ void decode_images(Loading& loading) {
     // References come next. A material that loses its base texture keeps half of its base colour.
     for (Material& m : scene.materials) {
         if (m.base_texture >= 0 && moved_to[size_t(m.base_texture)] < 0) m.base_color = m.base_color * 0.5f;
-        if (m.base_texture >= 0) m.base_texture = moved_to[size_t(m.base_texture)];
-        if (m.alpha_texture >= 0) m.alpha_texture = moved_to[size_t(m.alpha_texture)];
+        for (int* t :
+             {&m.base_texture, &m.alpha_texture, &m.metallic_roughness_texture, &m.roughness_texture})
+            if (*t >= 0) *t = moved_to[size_t(*t)];
     }
     if (scene.environment && scene.environment->image >= 0) {
         scene.environment->image = moved_to[size_t(scene.environment->image)];

@@ -34,6 +34,14 @@ Rgb rgb(const std::vector<double>& v, Rgb fallback) {
     return v.size() >= 3 ? Rgb{float(v[0]), float(v[1]), float(v[2])} : fallback;
 }
 
+/// The texture coordinates of a mesh are those of the first of these images.
+int texcoord_of(const tinygltf::Material& in) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    if (pbr.baseColorTexture.index >= 0) return pbr.baseColorTexture.texCoord;
+    if (pbr.metallicRoughnessTexture.index >= 0) return pbr.metallicRoughnessTexture.texCoord;
+    return in.emissiveTexture.index >= 0 ? in.emissiveTexture.texCoord : 0;
+}
+
 }  // namespace
 
 int GltfReader::image_source(int texture, const std::string& where) const {
@@ -81,17 +89,17 @@ std::optional<viscache::Image> GltfReader::decoded(int texture, bool srgb, const
     }
 }
 
-int GltfReader::add_texture(int texture, const std::string& where) {
+int GltfReader::add_texture(int texture, bool srgb, const std::string& where) {
     const int source = image_source(texture, where);
     if (source < 0) {
         loading_.warn(where, "a texture without an image is left out");
         return -1;
     }
     if (const std::string path = image_path(source); !path.empty())
-        return loading_.add_image(path, where, true);
-    const auto [found, is_new] = embedded_.try_emplace(source, -1);
+        return loading_.add_image(path, where, srgb);
+    const auto [found, is_new] = embedded_.try_emplace({source, srgb}, -1);
     if (is_new)
-        if (auto image = decoded(texture, true, where)) {
+        if (auto image = decoded(texture, srgb, where)) {
             loading_.scene.images.push_back(std::move(*image));
             found->second = int(loading_.scene.images.size()) - 1;
         }
@@ -144,7 +152,35 @@ void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, cons
     }
 }
 
-viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::string& where) {
+/// Roughness and metal, by factors or by their image.
+void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, int texcoord,
+                           const std::string& where) {
+    const auto& pbr = in.pbrMetallicRoughness;
+    const auto& given = pbr.metallicRoughnessTexture;
+    double metallic = pbr.metallicFactor, roughness = pbr.roughnessFactor;
+    if (given.index >= 0 && given.texCoord == texcoord) {
+        m.metallic_roughness_texture = add_texture(given.index, false, where);
+    } else if (given.index >= 0) {
+        loading_.warn(where,
+                      "a metallic-roughness image with texture coordinates of its own is not modelled; its "
+                      "means are used");
+        if (const auto image = decoded(given.index, false, where)) {
+            const Rgb mean = mean_of(*image).color;
+            roughness *= mean.y;
+            metallic *= mean.z;
+        }
+    }
+    metallic = std::clamp(metallic, 0.0, 1.0);
+    m.roughness = clamp_roughness(float(roughness * roughness));
+    if (m.metallic_roughness_texture >= 0 || m.base_texture >= 0) {
+        m.metallic = float(metallic);
+    } else {  // the same mixture everywhere
+        m.specular = clamp01(m.specular * float(1 - metallic) + m.base_color * float(metallic));
+        m.base_color = m.base_color * float(1 - metallic);
+    }
+}
+
+viscache::Material GltfReader::surface(const tinygltf::Material& in, int texcoord, const std::string& where) {
     const auto& pbr = in.pbrMetallicRoughness;
     viscache::Material m;
     m.two_sided = in.doubleSided;
@@ -155,29 +191,11 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, const std::
         if (!(m.eta > 0)) fail(where, "an index of refraction must be > 0");
         return m;
     }
-    double metallic = pbr.metallicFactor, roughness = pbr.roughnessFactor;
-    if (pbr.metallicRoughnessTexture.index >= 0) {
-        loading_.warn(where, "a metallic-roughness image is not modelled; its means are used");
-        if (const auto image = decoded(pbr.metallicRoughnessTexture.index, false, where)) {
-            const Rgb mean = mean_of(*image).color;
-            roughness *= mean.y;
-            metallic *= mean.z;
-        }
-    }
-    metallic = std::clamp(metallic, 0.0, 1.0);
-    const Rgb base = clamp01(rgb(pbr.baseColorFactor, {1, 1, 1}));
-    Rgb metal = base;
-    if (pbr.baseColorTexture.index >= 0) {
-        m.base_texture = add_texture(pbr.baseColorTexture.index, where);
-        // A texture on a metal is replaced by its mean colour.
-        if (metallic > 0)
-            if (const auto image = decoded(pbr.baseColorTexture.index, true, where))
-                metal = base * mean_of(*image).color;
-    }
     m.kind = MaterialKind::kGlossy;
-    m.base_color = base * float(1 - metallic);
-    m.specular = clamp01(dielectric_specular(in, where) * float(1 - metallic) + metal * float(metallic));
-    m.roughness = clamp_roughness(float(roughness * roughness));
+    m.base_color = clamp01(rgb(pbr.baseColorFactor, {1, 1, 1}));
+    if (pbr.baseColorTexture.index >= 0) m.base_texture = add_texture(pbr.baseColorTexture.index, true, where);
+    m.specular = dielectric_specular(in, where);
+    roughness(m, in, texcoord, where);
     if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
     alpha(m, in, where);
     return m;
@@ -188,9 +206,8 @@ void GltfReader::emission(Look& look, const tinygltf::Material& in, const std::s
     const Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
     look.emission = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
     if (!(max_component(look.emission) > 0) || in.emissiveTexture.index < 0) return;
-    if (in.pbrMetallicRoughness.baseColorTexture.index < 0) look.texcoord = in.emissiveTexture.texCoord;
     if (in.emissiveTexture.texCoord == look.texcoord) {
-        look.emission_texture = add_texture(in.emissiveTexture.index, where);
+        look.emission_texture = add_texture(in.emissiveTexture.index, true, where);
         return;
     }
     loading_.warn(where,
@@ -207,11 +224,9 @@ const GltfReader::Look& GltfReader::look(int index) {
         fail(where, "the file has " + std::to_string(model_.materials.size()) + " materials");
     const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
     Look& look = found->second;
-    look.material = loading_.add_material(surface(in, where));
+    look.texcoord = texcoord_of(in);
+    look.material = loading_.add_material(surface(in, look.texcoord, where));
     look.two_sided = in.doubleSided;
-    look.texcoord = in.pbrMetallicRoughness.baseColorTexture.index >= 0
-                        ? in.pbrMetallicRoughness.baseColorTexture.texCoord
-                        : 0;
     emission(look, in, where);
     return look;
 }

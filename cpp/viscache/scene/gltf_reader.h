@@ -55,7 +55,7 @@ private:
 
     // gltf_materials.cpp
     const Look& look(int material);
-    viscache::Material surface(const tinygltf::Material& in, const std::string& where);
+    viscache::Material surface(const tinygltf::Material& in, int texcoord, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
     void emission(Look& look, const tinygltf::Material& in, const std::string& where);
     Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
@@ -64,7 +64,9 @@ private:
     int image_source(int texture, const std::string& where) const;
     std::string image_bytes(int source, const std::string& where) const;
     std::string image_path(int source) const;
-    int add_texture(int texture, const std::string& where);
+    int add_texture(int texture, bool srgb, const std::string& where);
+    void roughness(viscache::Material& m, const tinygltf::Material& in, int texcoord,
+                   const std::string& where);
     std::optional<viscache::Image> decoded(int texture, bool srgb, const std::string& where);
 
     const std::string path_;
@@ -73,7 +75,7 @@ private:
     std::vector<char> visited_;
     std::vector<Placed> placed_;
     std::map<int, Look> looks_;
-    std::map<int, int> embedded_;  ///< scene image of each embedded glTF image
+    std::map<std::pair<int, bool>, int> embedded_;  ///< scene image of an embedded one, sRGB or linear
 };
 
 }  // namespace viscache::loading

@@ -34,6 +34,14 @@ struct Material {
     bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
     bool thin = false;       ///< a dielectric that is a plate without thickness
     float opacity = 1;       ///< share of the surface that is there; the rest are small holes
+    float metallic = 0;  ///< of glossy materials: the share that is metal, whose `specular` is the base colour
+    int metallic_roughness_texture = -1;  ///< image, as in glTF: green multiplies √roughness, blue `metallic`
+    int roughness_texture = -1;           ///< image that multiplies `roughness`; -1: none
+
+    /// True if base colour, `specular` and `roughness` have to be found for each point.
+    bool mixes_metal() const {
+        return metallic > 0 || metallic_roughness_texture >= 0 || roughness_texture >= 0;
+    }
 };
 
 }  // namespace viscache

@@ -64,12 +64,19 @@ Material MitsubaReader::plastic(Node node, bool rough) {
     return m;
 }
 
+/// Sets a roughness that may have an image.
+void MitsubaReader::set_roughness(Material& m, Node node) {
+    const ColorTexture alpha = color_texture(node, "alpha", {.1f, .1f, .1f});
+    m.roughness_texture = alpha.image;
+    m.roughness = alpha.image >= 0 ? clamp_roughness(luminance(alpha.color)) : roughness(node, 0.1);
+}
+
 Material MitsubaReader::conductor(Node node, bool rough) {
     Material m;
     if (rough) is_ggx(node);
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
-    m.roughness = rough ? roughness(node, 0.1) : 0.1f;
+    if (rough) set_roughness(m, node);
     const std::string name =
         string(node, "material", version_major_ >= 2 && !property(node, "eta") ? "none" : "Cu");
     auto ior = conductor_named(name);

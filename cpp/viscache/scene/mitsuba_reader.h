@@ -94,6 +94,7 @@ private:
     float roughness(Node node, double fallback);
     double ior(Node owner, const char* name, double fallback);
     void set_base(Material& m, const ColorTexture& base);
+    void set_roughness(Material& m, Node node);
 
     // mitsuba_shapes.cpp
     void shape(Node node);

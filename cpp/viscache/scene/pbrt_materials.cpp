@@ -15,9 +15,31 @@ double roughness_to_alpha(double roughness) {
 
 }  // namespace
 
+/// A number, also of a constant texture.
+double PbrtReader::plain_number(const PbrtParams& params, const std::string& name, double fallback) {
+    const PbrtParam* p = params.find(name.c_str());
+    if (!p || p->type != "texture") return params.number(name.c_str(), fallback);
+    const PbrtTexture t = color_texture(params, name.c_str(), kOne * float(fallback));
+    if (t.image < 0) return t.color.x;
+    loading_.warn(p->where, "an image for '" + name + "' is not modelled; " + std::to_string(fallback) +
+                                " is used");
+    return fallback;
+}
+
+/// Takes the image of a metal's roughness. False if there is none, or if pbrt remaps its values.
+bool PbrtReader::roughness_image(Material& m, const PbrtParams& params, const std::string& name) {
+    const PbrtParam* p = params.find(name.c_str());
+    if (!p || p->type != "texture" || params.boolean("remaproughness", true)) return false;
+    const PbrtTexture t = color_texture(params, name.c_str(), kOne);
+    if (t.image < 0) return false;
+    m.roughness_texture = t.image;
+    m.roughness = clamp_roughness(t.color.x);
+    return true;
+}
+
 float PbrtReader::roughness(const PbrtParams& params, double fallback) {
-    double r = params.number("roughness", fallback);
-    const double u = params.number("uroughness", r), v = params.number("vroughness", r);
+    double r = plain_number(params, "roughness", fallback);
+    const double u = plain_number(params, "uroughness", r), v = plain_number(params, "vroughness", r);
     r = std::sqrt(std::max(0.0, u) * std::max(0.0, v));
     return clamp_roughness(float(params.boolean("remaproughness", true) ? roughness_to_alpha(r) : r));
 }
@@ -29,7 +51,7 @@ Material PbrtReader::metal(const PbrtParams& params) {
     m.kind = MaterialKind::kGlossy;
     m.base_color = kZero;
     m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
-    m.roughness = roughness(params, 0.01);
+    if (!roughness_image(m, params, "roughness")) m.roughness = roughness(params, 0.01);
     return m;
 }
 

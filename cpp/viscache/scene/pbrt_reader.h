@@ -77,7 +77,7 @@ private:
     bool v4_directive(const PbrtToken& token);
     PbrtParams params_of(const char* kind);
     static bool is_v4_material(const std::string& type);
-    static float v4_alpha(const PbrtParams& params, const std::string& prefix, double fallback);
+    float v4_alpha(const PbrtParams& params, const std::string& prefix, double fallback);
     float v4_eta(const PbrtParams& params, const char* name, double fallback, const std::string& where);
     Material v4_conductor(const PbrtParams& params, const std::string& prefix);
     Material v4_coated_diffuse(const PbrtParams& params, const std::string& where);
@@ -91,6 +91,8 @@ private:
     Material metal(const PbrtParams& params);
     Material coated(const std::string& type, const PbrtParams& params, const std::string& where);
     float roughness(const PbrtParams& params, double fallback);
+    double plain_number(const PbrtParams& params, const std::string& name, double fallback);
+    bool roughness_image(Material& m, const PbrtParams& params, const std::string& name);
     void make_named_material(const std::string& where);
     void set_named_material(const std::string& where);
 

@@ -52,9 +52,9 @@ bool PbrtReader::is_v4_material(const std::string& type) {
 
 /// GGX's alpha. pbrt-v4 takes the root where v3 takes a polynomial.
 float PbrtReader::v4_alpha(const PbrtParams& params, const std::string& prefix, double fallback) {
-    const double r = params.number((prefix + "roughness").c_str(), fallback);
-    const double u = std::max(0.0, params.number((prefix + "uroughness").c_str(), r)),
-                 v = std::max(0.0, params.number((prefix + "vroughness").c_str(), r));
+    const double r = plain_number(params, prefix + "roughness", fallback);
+    const double u = std::max(0.0, plain_number(params, prefix + "uroughness", r)),
+                 v = std::max(0.0, plain_number(params, prefix + "vroughness", r));
     const double mean = std::sqrt(u * v);
     return float(params.boolean("remaproughness", true) ? std::sqrt(mean) : mean);
 }
@@ -79,8 +79,10 @@ Material PbrtReader::v4_conductor(const PbrtParams& params, const std::string& p
                   k = color(params, (prefix + "k").c_str(), copper.k);
         m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
     }
+    m.kind = MaterialKind::kGlossy;
+    if (roughness_image(m, params, prefix + "roughness")) return m;
     const float alpha = v4_alpha(params, prefix, 0);
-    m.kind = alpha < kSmooth ? MaterialKind::kMirror : MaterialKind::kGlossy;
+    if (alpha < kSmooth) m.kind = MaterialKind::kMirror;
     m.roughness = clamp_roughness(alpha);
     return m;
 }

@@ -202,6 +202,22 @@ void Scene::build_coats() {
         coats_.push_back(coated(m) ? &coat_of(m.coat, m.eta, m.roughness, m.nonlinear) : nullptr);
 }
 
+/// Applies images of roughness and the share of metal.
+void Scene::mix_metal(const Material& material, SurfacePoint& s) const {
+    float metallic = material.metallic;
+    if (material.roughness_texture >= 0)
+        s.roughness *= luminance(sample_image(d_.images[size_t(material.roughness_texture)], s.uv).rgb);
+    if (material.metallic_roughness_texture >= 0) {
+        const Rgb given = sample_image(d_.images[size_t(material.metallic_roughness_texture)], s.uv).rgb;
+        s.roughness *= given.y * given.y;
+        metallic *= given.z;
+    }
+    s.roughness = std::clamp(s.roughness, 1e-3f, 1.f);
+    metallic = std::clamp(metallic, 0.f, 1.f);
+    s.specular = s.specular * (1 - metallic) + s.base_color * metallic;
+    s.base_color = s.base_color * (1 - metallic);
+}
+
 SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance, float u, float v) const {
     const Mesh& mesh = d_.meshes[mesh_index];
     const Vec3u t = mesh.triangles[triangle];
@@ -243,6 +259,9 @@ SurfacePoint Scene::surface(uint32_t mesh_index, uint32_t triangle, int instance
     s.base_color = material.base_color;
     if (material.base_texture >= 0)
         s.base_color = s.base_color * sample_image(d_.images[size_t(material.base_texture)], s.uv).rgb;
+    s.specular = material.specular;
+    s.roughness = material.roughness;
+    if (material.mixes_metal()) mix_metal(material, s);
     s.emission = mesh.emission;
     if (mesh.emission_texture >= 0)
         s.emission = s.emission * sample_image(d_.images[size_t(mesh.emission_texture)], s.uv).rgb;

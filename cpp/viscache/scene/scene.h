@@ -70,6 +70,7 @@ private:
     void average_emission();
     EmissiveImage emissive_image(const Mesh& mesh, Vec3u triangle) const;
     void build_coats();
+    void mix_metal(const Material& material, SurfacePoint& s) const;
     void warn_of_size();
     void add_sphere_light_meshes();
     void measure();

@@ -1,0 +1,303 @@
+"""Metallic-roughness images: of glTF files, of arrays, and images of the roughness of metals."""
+
+from __future__ import annotations
+
+import base64
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from skimage.io import imsave
+
+import viscache as vc
+from scene.test_mitsuba_parity import SPP, VIEW, agreement, mi
+from viscache import _core as core
+
+FRAMES = 4
+SIZE = (64, 48)
+Array = npt.NDArray[Any]
+
+#: A floor, and a lamp outside of the picture whose light the floor mirrors to the camera.
+FLOOR = np.array([(-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)], "<f4")
+LAMP = np.array([(-2, 3.5, -3.5), (2, 3.5, -3.5), (2, 6, -3), (-2, 6, -3)], "<f4")
+UV = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], "<f4")
+RADIANCE = (6.0, 5.0, 4.0)
+
+
+def waves(seed: float, low: int = 20, high: int = 250) -> Array:
+    """A smooth image (32, 32) of bytes."""
+    x, y = np.meshgrid(np.arange(32), np.arange(32))
+    wave = np.sin(x * 2 * np.pi / 16 + seed) * np.cos(y * 2 * np.pi / 32 - seed)
+    return np.uint8(low + (high - low) * (wave + 1) / 2)
+
+
+def uri(folder: Path, name: str, pixels: Array) -> dict[str, str]:
+    imsave(folder / name, pixels, check_contrast=False)
+    return {"uri": name}
+
+
+def document(folder: Path, pbr: dict[str, Any], images: list[Array], **more: Any) -> Path:
+    """A glTF file of the floor with a material, and of the lamp."""
+    data = b"".join(a.tobytes() for a in (FLOOR, LAMP, UV))
+    data += np.array([0, 1, 2, 0, 2, 3], "<u2").tobytes()
+    views = [(0, 48), (48, 48), (96, 32), (128, 12)]
+    kinds = [(5126, 4, "VEC3"), (5126, 4, "VEC3"), (5126, 4, "VEC2"), (5123, 6, "SCALAR")]
+    black = {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1, "roughnessFactor": 1}
+    doc = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_emissive_strength"],
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+        "bufferViews": [{"buffer": 0, "byteOffset": o, "byteLength": n} for o, n in views],
+        "accessors": [
+            {"bufferView": i, "componentType": c, "count": n, "type": t}
+            for i, (c, n, t) in enumerate(kinds)
+        ],
+        "materials": [
+            {"pbrMetallicRoughness": pbr, "doubleSided": True},
+            {
+                "pbrMetallicRoughness": black,
+                "emissiveFactor": [v / max(RADIANCE) for v in RADIANCE],
+                "extensions": {
+                    "KHR_materials_emissive_strength": {"emissiveStrength": max(RADIANCE)}
+                },
+            },
+        ],
+        "images": [uri(folder, f"{i}.png", image) for i, image in enumerate(images)],
+        "textures": [{"source": i} for i in range(len(images))],
+        "meshes": [
+            {
+                "primitives": [
+                    {
+                        "attributes": {"POSITION": i, "TEXCOORD_0": 2},
+                        "indices": 3,
+                        "material": i,
+                    }
+                    for i in (0, 1)
+                ]
+            }
+        ],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    } | more
+    path = folder / "scene.gltf"
+    path.write_text(json.dumps(doc))
+    return path
+
+
+def camera(folder: Path) -> vc.Camera:
+    path = folder / "view.xml"
+    path.write_text(f'<scene version="3.0.0">{VIEW}<shape type="cube"/></scene>')
+    return vc.load_scene(path).cameras[0]
+
+
+def packed(roughness: Array | int, metallic: Array | int) -> Array:
+    """The channels of glTF. Red means nothing."""
+    r, m = np.broadcast_arrays(
+        np.asarray(roughness, np.uint8), np.asarray(metallic, np.uint8), np.zeros((32, 32))
+    )[:2]
+    return np.stack([np.full((32, 32), 77, np.uint8), r, m], -1)
+
+
+def frames(path: Path, integrator: Any = None, spp: int = SPP, n: int = FRAMES) -> list[Array]:
+    scene, view = vc.load_scene(path, strict=True, env=0.3), camera(path.parent)
+    by = integrator or vc.Direct()
+    return [vc.render(scene, by, camera=view, size=SIZE, spp=spp, seed=s).image for s in range(n)]
+
+
+def test_the_image_is_kept_with_its_eight_bits(tmp_path: Path) -> None:
+    pbr = {
+        "baseColorFactor": [0.8, 0.4, 0.2, 1],
+        "metallicFactor": 0.75,
+        "roughnessFactor": 0.5,
+        "metallicRoughnessTexture": {"index": 0},
+    }
+    scene = core.load_scene_file(str(document(tmp_path, pbr, [packed(waves(0), waves(1))])), True)
+    m = scene.materials[0]
+    assert m["metallic_roughness_texture"] == 0 and m["metallic"] == 0.75
+    assert m["roughness"] == 0.25 and m["base_color"] == pytest.approx([0.8, 0.4, 0.2])
+    assert m["specular"] == pytest.approx([0.04] * 3)
+    assert scene.images[0]["bits"] == 8 and not scene.images[0]["srgb"]
+
+
+def test_an_image_with_its_own_coordinates_is_a_mean(tmp_path: Path) -> None:
+    pbr = {
+        "baseColorTexture": {"index": 1},
+        "metallicRoughnessTexture": {"index": 0, "texCoord": 1},
+    }
+    path = document(tmp_path, pbr, [packed(51, 102), packed(9, 9)])
+    scene = core.load_scene_file(str(path))
+    assert [what for _, what in scene.warnings if "its means are used" in what]
+    m = scene.materials[0]
+    assert m["metallic_roughness_texture"] == -1
+    assert m["roughness"] == pytest.approx(0.2**2) and m["metallic"] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(
+    "integrator",
+    [vc.Direct(), vc.Direct(environment="product"), vc.Bdpt(max_depth=3)],
+    ids=["mis", "product", "bdpt"],
+)
+def test_an_even_image_is_its_factors(tmp_path: Path, integrator: Any) -> None:
+    base = {"baseColorFactor": [0.8, 0.4, 0.2, 1]}
+
+    def of(name: str, pbr: dict[str, Any], images: list[Array]) -> Array:
+        folder = tmp_path / name
+        folder.mkdir()
+        return frames(document(folder, base | pbr, images), integrator, 4, 1)[0]
+
+    image = {"metallicRoughnessTexture": {"index": 0}}
+    even = of("image", image, [packed(102, 51)])
+    factors = of("factors", {"metallicFactor": 0.2, "roughnessFactor": 0.4}, [])
+    np.testing.assert_allclose(even, factors, rtol=2e-3, atol=1e-5)
+    other = of("other", image, [packed(112, 51)])
+    assert np.abs(other / factors - 1).max() > 0.05, "another roughness would pass"
+    metal = of("metal", image, [packed(102, 102)])
+    assert np.abs(metal / factors - 1).max() > 0.05, "another share of metal would pass"
+
+
+def test_an_image_changes_the_surface_from_place_to_place(tmp_path: Path) -> None:
+    """One half of the floor is a metal, the other is not: each is as if the whole floor was."""
+    base = {
+        "baseColorFactor": [0.8, 0.4, 0.2, 1],
+        "metallicRoughnessTexture": {"index": 0},
+    }
+
+    def of(name: str, roughness: Any, metallic: Any) -> Array:
+        folder = tmp_path / name
+        folder.mkdir()
+        image = packed(roughness, metallic)
+        return frames(document(folder, base, [image]), None, 4, 1)[0]
+
+    left = np.arange(32) < 16
+    half = of("half", np.where(left, 60, 160), np.where(left, 255, 0))
+    metal, plain = of("metal", 60, 255), of("plain", 160, 0)
+    # The camera looks along the border; the pixels there show both, as do those at the far sides
+    np.testing.assert_allclose(half[20:, 4:28], metal[20:, 4:28], rtol=1e-3, atol=1e-5)
+    np.testing.assert_allclose(half[20:, 36:60], plain[20:, 36:60], rtol=1e-3, atol=1e-5)
+    assert np.abs(metal - plain)[20:].max() > 0.1
+
+
+def principled(folder: Path, base: str, alpha: str) -> Any:
+    """Mitsuba's frames of the floor with its material for metals."""
+    text = f"""<scene version="3.0.0">{VIEW}
+    <emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
+    <shape type="ply"><string name="filename" value="floor.ply"/><bsdf type="twosided">
+    <bsdf type="principled"><float name="metallic" value="1"/>{base}{alpha}</bsdf></bsdf></shape>
+    <shape type="ply"><string name="filename" value="lamp.ply"/>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf><emitter type="area">
+    <rgb name="radiance" value="{RADIANCE[0]},{RADIANCE[1]},{RADIANCE[2]}"/></emitter></shape>
+    </scene>"""
+    for name, points in (("floor", FLOOR), ("lamp", LAMP)):
+        rows = [" ".join(f"{x:g}" for x in (*p, *uv)) for p, uv in zip(points, UV, strict=True)]
+        head = ["ply", "format ascii 1.0", "element vertex 4"]
+        head += [f"property float {n}" for n in ("x", "y", "z", "u", "v")]
+        head += ["element face 2", "property list uchar int vertex_indices", "end_header"]
+        (folder / f"{name}.ply").write_text("\n".join([*head, *rows, "3 0 1 2", "3 0 2 3", ""]))
+    (folder / "mitsuba.xml").write_text(text)
+    mi.set_variant("scalar_rgb")
+    scene, direct = mi.load_file(str(folder / "mitsuba.xml")), mi.load_dict({"type": "direct"})
+    return [np.array(mi.render(scene, integrator=direct, spp=SPP, seed=s)) for s in range(FRAMES)]
+
+
+def bitmap(name: str, file: str, raw: bool) -> str:
+    return f"""<texture type="bitmap" name="{name}"><string name="filename" value="{file}"/>
+    <boolean name="raw" value="{str(raw).lower()}"/></texture>"""
+
+
+@pytest.mark.slow
+@pytest.mark.mitsuba
+def test_a_metal_with_images_looks_as_mitsubas_principled(tmp_path: Path) -> None:
+    """Mitsuba's material takes Schlick's term for metals, as glTF does."""
+    rough, color = waves(0, 60, 200), np.stack([waves(c) for c in range(3)], -1)
+    pbr = {"baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 1}}
+    ours = frames(document(tmp_path, pbr, [color, packed(rough, 255)]))
+    imsave(tmp_path / "rough.png", rough, check_contrast=False)
+    base = bitmap("base_color", "0.png", False)
+    theirs = principled(tmp_path, base, bitmap("roughness", "rough.png", True))
+    assert agreement(ours, theirs) >= 0.95
+    assert np.mean(ours, (0, 1, 2)) == pytest.approx(np.mean(theirs, (0, 1, 2)), rel=0.01)
+    # Power: 5 % more light, the means of either image
+    assert agreement(np.multiply(ours, 1.05), theirs) < 0.9
+    for images in ([color, packed(int(rough.mean()), 255)], [color[::-1], packed(rough, 255)]):
+        assert agreement(frames(document(tmp_path, pbr, images)), theirs) < 0.9
+
+
+def test_images_of_roughness_in_pbrt_files(tmp_path: Path) -> None:
+    imsave(tmp_path / "rough.png", waves(0), check_contrast=False)
+
+    def load(remap: str, kind: str) -> core.SceneDescription:
+        path = tmp_path / "scene.pbrt"
+        path.write_text(f"""WorldBegin
+        Texture "r" "float" "imagemap" "string filename" "rough.png" "float scale" 0.5
+        Material "{kind}" "texture roughness" "r" "bool remaproughness" {remap}
+        Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 2]
+        WorldEnd
+        """)
+        return core.load_scene_file(str(path))
+
+    for kind in ("metal", "conductor"):
+        plain = load("false", kind)
+        assert not plain.warnings
+        assert plain.materials[0]["roughness_texture"] == 0
+        assert plain.materials[0]["roughness"] == 0.5
+        remapped = load("true", kind)
+        assert remapped.materials[0]["roughness_texture"] == -1
+        assert any("image for 'roughness'" in what for _, what in remapped.warnings)
+    assert any("image for 'roughness'" in what for _, what in load("false", "plastic").warnings)
+
+
+def test_a_metal_with_an_image_of_its_color_shows_it(tmp_path: Path) -> None:
+    """Without an image of its roughness."""
+    pbr = {"metallicFactor": 1, "roughnessFactor": 0.5, "baseColorTexture": {"index": 0}}
+    color = np.zeros((32, 32, 3), np.uint8)
+    color[:, :16], color[:, 16:] = (255, 20, 20), (20, 20, 255)
+    picture = frames(document(tmp_path, pbr, [color]), None, 16, 1)[0]
+    assert picture[24:, 4:28, 0].mean() > 3 * picture[24:, 4:28, 2].mean()
+    assert picture[24:, 36:60, 2].mean() > 3 * picture[24:, 36:60, 0].mean()
+
+
+def test_images_of_roughness_are_part_of_the_content_and_travel() -> None:
+    def scene(**material: Any) -> vc.Scene:
+        d = vc.SceneDescription()
+        d.add_image(np.full((2, 2, 3), 0.5, np.float32))
+        d.add_material(core.MaterialKind.GLOSSY, **material)
+        d.add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        return vc.Scene.from_description(d)
+
+    made = [
+        scene(),
+        scene(metallic=0.5),
+        scene(metallic_roughness_texture=0),
+        scene(roughness_texture=0),
+    ]
+    assert len({s.content_hash for s in made}) == len(made)
+    assert [pickle.loads(pickle.dumps(s)).content_hash for s in made] == [
+        s.content_hash for s in made
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"metallic": 1.5}, "metallic must be in"),
+        ({"metallic_roughness_texture": 1}, "texture must be -1 or in"),
+        ({"roughness_texture": 0, "metallic_roughness_texture": 0}, "exclude each other"),
+        ({"roughness_texture": 0, "coat": core.CoatKind.ROUGH}, "without a coat"),
+        ({"metallic": 0.5, "kind": core.MaterialKind.DIFFUSE}, "only a glossy material"),
+    ],
+)
+def test_wrong_images_of_roughness_are_refused(wrong: dict[str, Any], said: str) -> None:
+    d = vc.SceneDescription()
+    d.add_image(np.full((2, 2, 3), 0.5, np.float32))
+    d.add_material(**({"kind": core.MaterialKind.GLOSSY} | wrong))
+    with pytest.raises(vc.SceneError, match=said):
+        vc.Scene.from_description(d)
