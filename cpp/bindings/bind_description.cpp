@@ -54,9 +54,19 @@ SpotCone cone_from(Float3 axis, std::array<float, 2> cone_deg, const std::string
     throw py::value_error("falloff must be one of angle, quadratic, quartic, smooth, got " + falloff);
 }
 
-int add_image(SceneDescription& d, const FloatArray& pixels, bool nearest) {
-    d.images.push_back(image_from(pixels));
-    d.images.back().nearest = nearest;
+Wrap wrap_from(const std::string& name) {
+    for (size_t i = 0; i < std::size(kWrapNames); ++i)
+        if (name == kWrapNames[i]) return Wrap(i);
+    throw py::value_error("wrap must be two of repeat, mirror, clamp, got " + name);
+}
+
+int add_image(SceneDescription& d, const FloatArray& pixels, bool nearest,
+              const std::array<std::string, 2>& wrap) {
+    Image image = image_from(pixels);
+    image.nearest = nearest;
+    image.wrap_u = wrap_from(wrap[0]);
+    image.wrap_v = wrap_from(wrap[1]);
+    d.images.push_back(std::move(image));
     return int(d.images.size()) - 1;
 }
 
@@ -181,8 +191,10 @@ void bind_description(py::module_& m) {
             py::arg("center"), py::arg("radius"), py::arg("radiance"),
             "Add a sphere that emits; radiance in W/(m²·sr).")
         .def("add_image", &add_image, py::arg("pixels"), py::kw_only(), py::arg("nearest") = false,
+             py::arg("wrap") = py::make_tuple("repeat", "repeat"),
              "Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard "
-             "edges.")
+             "edges.\n"
+             "`wrap` is what it shows beyond its borders along u and v: \"repeat\", \"mirror\" or \"clamp\".")
         .def("set_image", &set_image, py::arg("index"), py::arg("pixels"),
              "Set the pixels of a pending image.")
         .def_property_readonly(
@@ -192,6 +204,8 @@ void bind_description(py::module_& m) {
                 for (const Image& i : d.images)
                     out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
                                         py::arg("srgb") = i.srgb, py::arg("nearest") = i.nearest,
+                                        py::arg("wrap") = py::make_tuple(kWrapNames[size_t(i.wrap_u)],
+                                                                         kWrapNames[size_t(i.wrap_v)]),
                                         py::arg("width") = i.width, py::arg("height") = i.height,
                                         py::arg("channels") = i.channels,
                                         py::arg("bits") = i.bytes.empty() ? 32 : 8));

@@ -68,6 +68,9 @@ inline py::dict material_dict(const Material& m) {
 /// Names of the falloffs of spot lights, in the order of `Falloff`.
 constexpr const char* kFalloffNames[] = {"none", "angle", "quadratic", "quartic", "smooth"};
 
+/// In the order of `Wrap`.
+constexpr const char* kWrapNames[] = {"repeat", "mirror", "clamp"};
+
 /// Makes the dict of a point light that of a spot light.
 inline void add_cone(py::dict& light, const SpotCone& cone) {
     light["kind"] = "spot";

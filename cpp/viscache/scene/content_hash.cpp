@@ -44,6 +44,10 @@ public:
         }
         if (n % 2 == 0) word(0);  // the rest of `bytes`
     }
+    void look_up(const Image& i) {
+        word(uint64_t(i.width) << 32 | uint64_t(i.wrap_v) << 20 | uint64_t(i.wrap_u) << 18 |
+             uint64_t(i.nearest) << 16 | uint64_t(i.channels));
+    }
     void floats(std::initializer_list<float> v) { bytes(v.begin(), v.size() * sizeof(float)); }
     void vec(Vec3 v) { floats({v.x, v.y, v.z}); }
     std::string hex() const {
@@ -85,7 +89,7 @@ std::string content_hash(const SceneDescription& d) {
             h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
     }
     for (const Image& i : d.images) {
-        h.word(uint64_t(i.width) << 32 | uint64_t(i.nearest) << 16 | uint64_t(i.channels));
+        h.look_up(i);
         h.values(i);
     }
     for (const PointLight& l : d.point_lights) {
@@ -137,7 +141,7 @@ std::string geometry_hash(const SceneDescription& d) {
         const Image& alpha = d.images[size_t(material.alpha_texture)];
         h.floats({material.alpha_cutoff});
         h.array(m.uvs);
-        h.word(uint64_t(alpha.width) << 32 | uint64_t(alpha.nearest) << 16 | uint64_t(alpha.channels));
+        h.look_up(alpha);
         h.values(alpha);
     }
     h.word(d.instances.size());

@@ -45,7 +45,7 @@ bool decode_pending(Loading& loading, Image& image) {
             decode_image(read_file(image.path, image.where), image.where + ": " + image.path, image.srgb);
         decoded.path = image.path;
         decoded.where = image.where;
-        decoded.nearest = image.nearest;
+        set_look_up(decoded, {image.nearest, image.wrap_u, image.wrap_v});
         image = std::move(decoded);
         return true;
     } catch (const SceneError& error) {

@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr uint64_t kTag = 0x3245435343564cull;  // changes with the fields below
+constexpr uint64_t kTag = 0x3345435343564cull;  // changes with the fields below
 
 /// The fields of each type, in one order for both directions.
 template <class Archive>
@@ -22,7 +22,8 @@ void fields(Archive& a, Instance& i) {
 }
 template <class Archive>
 void fields(Archive& a, Image& i) {
-    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels, i.bytes, i.nearest);
+    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels, i.bytes, i.nearest,
+      i.wrap_u, i.wrap_v);
 }
 template <class Archive>
 void fields(Archive& a, Camera& c) {

@@ -34,12 +34,40 @@ Rgb rgb(const std::vector<double>& v, Rgb fallback) {
     return v.size() >= 3 ? Rgb{float(v[0]), float(v[1]), float(v[2])} : fallback;
 }
 
+/// A value of KHR_texture_transform.
+const tinygltf::Value* transform_value(const tinygltf::TextureInfo& info, const char* name) {
+    const auto found = info.extensions.find("KHR_texture_transform");
+    if (found == info.extensions.end() || !found->second.IsObject() || !found->second.Has(name)) return {};
+    return &found->second.Get(name);
+}
+
+int coordinates_of(const tinygltf::TextureInfo& info) {
+    const tinygltf::Value* given = transform_value(info, "texCoord");
+    return given && given->IsInt() ? given->GetNumberAsInt() : info.texCoord;
+}
+
+/// First scaled, then turned counter-clockwise, then moved; v grows downwards.
+UvTransform uv_transform(const tinygltf::TextureInfo& info) {
+    const auto pair = [&](const char* name, double fallback) -> std::array<double, 2> {
+        const tinygltf::Value* v = transform_value(info, name);
+        if (!v || !v->IsArray() || v->ArrayLen() != 2 || !v->Get(0).IsNumber() || !v->Get(1).IsNumber())
+            return {fallback, fallback};
+        return {v->Get(0).GetNumberAsDouble(), v->Get(1).GetNumberAsDouble()};
+    };
+    const tinygltf::Value* turned = transform_value(info, "rotation");
+    const double angle = turned && turned->IsNumber() ? turned->GetNumberAsDouble() : 0;
+    const double c = std::cos(angle), s = std::sin(angle);
+    const auto [x, y] = pair("scale", 1);
+    const auto [u, v] = pair("offset", 0);
+    return {{{c * x, s * y, u}, {-s * x, c * y, v}}};
+}
+
 /// The texture coordinates of a mesh are those of the first of these images.
 int texcoord_of(const tinygltf::Material& in) {
     const auto& pbr = in.pbrMetallicRoughness;
-    if (pbr.baseColorTexture.index >= 0) return pbr.baseColorTexture.texCoord;
-    if (pbr.metallicRoughnessTexture.index >= 0) return pbr.metallicRoughnessTexture.texCoord;
-    return in.emissiveTexture.index >= 0 ? in.emissiveTexture.texCoord : 0;
+    for (const auto& info : {pbr.baseColorTexture, pbr.metallicRoughnessTexture, in.emissiveTexture})
+        if (info.index >= 0) return coordinates_of(info);
+    return 0;
 }
 
 }  // namespace
@@ -89,17 +117,40 @@ std::optional<viscache::Image> GltfReader::decoded(int texture, bool srgb, const
     }
 }
 
-int GltfReader::add_texture(int texture, bool srgb, const std::string& where) {
-    const int source = image_source(texture, where);
+/// Filter and borders of the texture's sampler.
+LookUp GltfReader::look_up(int texture, const std::string& where) const {
+    const int index = model_.textures[size_t(texture)].sampler;
+    if (index < 0) return {};
+    if (size_t(index) >= model_.samplers.size())
+        fail(where, "sampler " + std::to_string(index) + ", the file has " +
+                        std::to_string(model_.samplers.size()));
+    const tinygltf::Sampler& in = model_.samplers[size_t(index)];
+    const auto wrap = [](int mode) {
+        return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::kClamp
+               : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::kMirror
+                                                               : Wrap::kRepeat;
+    };
+    return {in.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST, wrap(in.wrapS), wrap(in.wrapT)};
+}
+
+int GltfReader::add_texture(Look& look, const tinygltf::TextureInfo& info, bool srgb,
+                            const std::string& where) {
+    const int texture = info.index, source = image_source(texture, where);
     if (source < 0) {
         loading_.warn(where, "a texture without an image is left out");
         return -1;
     }
+    if (!look.uv.add(uv_transform(info).downwards()))
+        loading_.warn(where,
+                      "the images of a material share one transform of texture coordinates; that of the "
+                      "first is used");
+    const LookUp how = look_up(texture, where);
     if (const std::string path = image_path(source); !path.empty())
-        return loading_.add_image(path, where, srgb);
-    const auto [found, is_new] = embedded_.try_emplace({source, srgb}, -1);
+        return loading_.add_image(path, where, srgb, how);
+    const auto [found, is_new] = embedded_.try_emplace({source, srgb, how}, -1);
     if (is_new)
         if (auto image = decoded(texture, srgb, where)) {
+            set_look_up(*image, how);
             loading_.scene.images.push_back(std::move(*image));
             found->second = int(loading_.scene.images.size()) - 1;
         }
@@ -153,13 +204,13 @@ void GltfReader::alpha(viscache::Material& m, const tinygltf::Material& in, cons
 }
 
 /// Roughness and metal, by factors or by their image.
-void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, int texcoord,
+void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, Look& look,
                            const std::string& where) {
     const auto& pbr = in.pbrMetallicRoughness;
     const auto& given = pbr.metallicRoughnessTexture;
     double metallic = pbr.metallicFactor, roughness = pbr.roughnessFactor;
-    if (given.index >= 0 && given.texCoord == texcoord) {
-        m.metallic_roughness_texture = add_texture(given.index, false, where);
+    if (given.index >= 0 && coordinates_of(given) == look.texcoord) {
+        m.metallic_roughness_texture = add_texture(look, given, false, where);
     } else if (given.index >= 0) {
         loading_.warn(where,
                       "a metallic-roughness image with texture coordinates of its own is not modelled; its "
@@ -180,7 +231,7 @@ void GltfReader::roughness(viscache::Material& m, const tinygltf::Material& in, 
     }
 }
 
-viscache::Material GltfReader::surface(const tinygltf::Material& in, int texcoord, const std::string& where) {
+viscache::Material GltfReader::surface(const tinygltf::Material& in, Look& look, const std::string& where) {
     const auto& pbr = in.pbrMetallicRoughness;
     viscache::Material m;
     m.two_sided = in.doubleSided;
@@ -193,9 +244,10 @@ viscache::Material GltfReader::surface(const tinygltf::Material& in, int texcoor
     }
     m.kind = MaterialKind::kGlossy;
     m.base_color = clamp01(rgb(pbr.baseColorFactor, {1, 1, 1}));
-    if (pbr.baseColorTexture.index >= 0) m.base_texture = add_texture(pbr.baseColorTexture.index, true, where);
+    if (pbr.baseColorTexture.index >= 0)
+        m.base_texture = add_texture(look, pbr.baseColorTexture, true, where);
     m.specular = dielectric_specular(in, where);
-    roughness(m, in, texcoord, where);
+    roughness(m, in, look, where);
     if (in.normalTexture.index >= 0) loading_.warn(where, "normal maps are not modelled; ignored");
     alpha(m, in, where);
     return m;
@@ -206,8 +258,8 @@ void GltfReader::emission(Look& look, const tinygltf::Material& in, const std::s
     const Rgb e = max({0, 0, 0}, rgb(in.emissiveFactor, {0, 0, 0}));
     look.emission = e * float(extension_number(in, "KHR_materials_emissive_strength", "emissiveStrength", 1));
     if (!(max_component(look.emission) > 0) || in.emissiveTexture.index < 0) return;
-    if (in.emissiveTexture.texCoord == look.texcoord) {
-        look.emission_texture = add_texture(in.emissiveTexture.index, true, where);
+    if (coordinates_of(in.emissiveTexture) == look.texcoord) {
+        look.emission_texture = add_texture(look, in.emissiveTexture, true, where);
         return;
     }
     loading_.warn(where,
@@ -225,7 +277,7 @@ const GltfReader::Look& GltfReader::look(int index) {
     const tinygltf::Material in = index < 0 ? tinygltf::Material{} : model_.materials[size_t(index)];
     Look& look = found->second;
     look.texcoord = texcoord_of(in);
-    look.material = loading_.add_material(surface(in, look.texcoord, where));
+    look.material = loading_.add_material(surface(in, look, where));
     look.two_sided = in.doubleSided;
     emission(look, in, where);
     return look;

@@ -132,6 +132,7 @@ std::optional<viscache::Mesh> GltfReader::primitive_mesh(const tinygltf::Primiti
         // Row 0 of an image is v = 0 in glTF.
         for (size_t i = 0; i < e.count; ++i) mesh.uvs.push_back({float(e.get(i, 0)), 1 - float(e.get(i, 1))});
     }
+    transform_uvs(mesh, seen.uv.get());
     tinygltf::Primitive known = p;
     known.mode = mode;
     add_triangles(mesh, known, where);

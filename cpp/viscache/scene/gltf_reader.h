@@ -21,6 +21,7 @@ private:
         int emission_texture = -1;
         bool two_sided = false;
         int texcoord = 0;  ///< index of the texture coordinate set
+        MaterialUv uv;     ///< what the images make of the coordinates
     };
     /// Elements of an accessor, with bounds checks.
     struct Elements {
@@ -55,7 +56,7 @@ private:
 
     // gltf_materials.cpp
     const Look& look(int material);
-    viscache::Material surface(const tinygltf::Material& in, int texcoord, const std::string& where);
+    viscache::Material surface(const tinygltf::Material& in, Look& look, const std::string& where);
     void alpha(viscache::Material& m, const tinygltf::Material& in, const std::string& where);
     void emission(Look& look, const tinygltf::Material& in, const std::string& where);
     Rgb dielectric_specular(const tinygltf::Material& in, const std::string& where);
@@ -64,9 +65,9 @@ private:
     int image_source(int texture, const std::string& where) const;
     std::string image_bytes(int source, const std::string& where) const;
     std::string image_path(int source) const;
-    int add_texture(int texture, bool srgb, const std::string& where);
-    void roughness(viscache::Material& m, const tinygltf::Material& in, int texcoord,
-                   const std::string& where);
+    int add_texture(Look& look, const tinygltf::TextureInfo& info, bool srgb, const std::string& where);
+    LookUp look_up(int texture, const std::string& where) const;
+    void roughness(viscache::Material& m, const tinygltf::Material& in, Look& look, const std::string& where);
     std::optional<viscache::Image> decoded(int texture, bool srgb, const std::string& where);
 
     const std::string path_;
@@ -75,7 +76,8 @@ private:
     std::vector<char> visited_;
     std::vector<Placed> placed_;
     std::map<int, Look> looks_;
-    std::map<std::pair<int, bool>, int> embedded_;  ///< scene image of an embedded one, sRGB or linear
+    /// Scene image of an embedded one; key: index, sRGB or linear, look-up.
+    std::map<std::tuple<int, bool, LookUp>, int> embedded_;
 };
 
 }  // namespace viscache::loading

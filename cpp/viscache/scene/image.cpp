@@ -1,5 +1,6 @@
 #include "viscache/scene/image.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -22,23 +23,45 @@ Table table(bool srgb) {
 
 const Table kPlain = table(false), kDecoded = table(true);
 
-float repeat(float x) { return x - std::floor(x); }
+/// The coordinate without whole periods, so that the index of its pixel is small.
+float folded(float x, Wrap wrap) {
+    switch (wrap) {
+        case Wrap::kRepeat: return x - std::floor(x);
+        case Wrap::kMirror: return x - 2 * std::floor(x / 2);
+        case Wrap::kClamp: return std::clamp(x, 0.f, 1.f);
+    }
+    return x;
+}
+
+/// The pixel that stands for index i of n, -2n <= i <= 2n.
+int wrapped(int i, int n, Wrap wrap) {
+    switch (wrap) {
+        case Wrap::kRepeat: return (i + n) % n;
+        case Wrap::kMirror: {
+            const int place = (i + 2 * n) % (2 * n);
+            return std::min(place, 2 * n - 1 - place);
+        }
+        case Wrap::kClamp: return std::clamp(i, 0, n - 1);
+    }
+    return i;
+}
 
 /// `texel(first, c)` is channel c of the pixel whose values start at `first`.
 template <class Texel>
 Rgba look_up(const Image& image, Vec2 uv, Texel texel) {
-    float x = repeat(uv.x) * image.width - 0.5f, y = (1 - repeat(uv.y)) * image.height - 0.5f;
+    const float u = folded(uv.x, image.wrap_u), v = folded(uv.y, image.wrap_v);
+    float x = u * image.width - 0.5f, y = (1 - v) * image.height - 0.5f;
     if (image.nearest) {
-        x = std::floor(repeat(uv.x) * image.width);
-        y = image.height - 1 - std::floor(repeat(uv.y) * image.height);
+        x = std::floor(u * image.width);
+        y = image.height - 1 - std::floor(v * image.height);
     }
     const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
     const float fx = x - x0, fy = y - y0;
     float sum[4] = {};
     for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx) {
-            const int xi = (x0 + dx + image.width) % image.width,
-                      yi = (y0 + dy + image.height) % image.height;
+            const int xi = wrapped(x0 + dx, image.width, image.wrap_u),
+                      yi = wrapped(y0 + dy, image.height, image.wrap_v);
             const float weight = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy);
             const size_t first = (size_t(yi) * image.width + xi) * image.channels;
             for (int c = 0; c < image.channels && c < 4; ++c) sum[c] += weight * texel(first, c);

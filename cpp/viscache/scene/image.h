@@ -12,6 +12,9 @@ namespace viscache {
 /// The linear values of the 256 bytes: sRGB-encoded, or n/255.
 const float* byte_values(bool srgb);
 
+/// What an image shows beyond its borders.
+enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };
+
 struct Image {
     std::string path;                         ///< file that the scene names; empty for images given as arrays
     std::string where;                        ///< "file:line" that names the file
@@ -20,6 +23,8 @@ struct Image {
     std::vector<float> pixels;                ///< row-major, row 0 at the top, linear
     std::vector<uint8_t> bytes{};             ///< the same, of 8 bits; only one of the two has values
     bool nearest = false;                     ///< look-ups take the nearest pixel, without interpolation
+    Wrap wrap_u = Wrap::kRepeat;
+    Wrap wrap_v = Wrap::kRepeat;
 
     /// Number of values: width x height x channels.
     size_t size() const { return bytes.empty() ? pixels.size() : bytes.size(); }
@@ -33,7 +38,7 @@ struct Image {
     }
 };
 
-/// Bilinear lookup with repetition, or the nearest pixel; row 0 of the image is v = 1. Returns RGBA; missing
+/// Bilinear lookup, or the nearest pixel; row 0 of the image is v = 1. Returns RGBA; missing
 /// channels are grey or 1.
 struct Rgba {
     Rgb rgb;

@@ -37,7 +37,8 @@ void check_depth(std::string_view json, const std::string& path) {
 bool is_known(const std::string& extension) {
     return extension == "KHR_lights_punctual" || extension == "KHR_materials_emissive_strength" ||
            extension == "KHR_materials_ior" || extension == "KHR_materials_specular" ||
-           extension == "KHR_materials_transmission" || extension == "KHR_mesh_quantization";
+           extension == "KHR_materials_transmission" || extension == "KHR_mesh_quantization" ||
+           extension == "KHR_texture_transform";
 }
 
 /// Looks at the required extensions before the buffers, which may be readable with them alone.

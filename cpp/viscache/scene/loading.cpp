@@ -139,14 +139,27 @@ bool Loading::has_mesh_file(const std::string& path, const std::string& where) {
     return false;
 }
 
-int Loading::add_image(const std::string& path, const std::string& where, bool srgb, bool nearest) {
-    const auto [found, is_new] = images_.try_emplace({path, srgb, nearest}, int(scene.images.size()));
+void set_look_up(Image& image, LookUp look_up) {
+    image.nearest = look_up.nearest;
+    image.wrap_u = look_up.u;
+    image.wrap_v = look_up.v;
+}
+
+std::optional<Wrap> wrap_named(std::string_view name) {
+    if (name == "repeat") return Wrap::kRepeat;
+    if (name == "mirror") return Wrap::kMirror;
+    if (name == "clamp") return Wrap::kClamp;
+    return {};
+}
+
+int Loading::add_image(const std::string& path, const std::string& where, bool srgb, LookUp look_up) {
+    const auto [found, is_new] = images_.try_emplace({path, srgb, look_up}, int(scene.images.size()));
     if (is_new) {
         Image image;
         image.path = path;
         image.where = where;
         image.srgb = srgb;
-        image.nearest = nearest;
+        set_look_up(image, look_up);
         scene.images.push_back(std::move(image));
     }
     return found->second;

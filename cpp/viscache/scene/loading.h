@@ -55,6 +55,17 @@ private:
     std::vector<size_t> starts_;
 };
 
+/// How pixels of an image are found.
+struct LookUp {
+    bool nearest = false;
+    Wrap u = Wrap::kRepeat, v = Wrap::kRepeat;
+
+    auto operator<=>(const LookUp&) const = default;
+};
+void set_look_up(Image& image, LookUp look_up);
+/// "repeat", "mirror" or "clamp".
+std::optional<Wrap> wrap_named(std::string_view name);
+
 /// The scene under construction, with the rules that apply to every format.
 class Loading {
 public:
@@ -71,7 +82,7 @@ public:
     /// file is an error.
     bool has_mesh_file(const std::string& path, const std::string& where);
     /// Index of the image `path`; adds the image if it is new.
-    int add_image(const std::string& path, const std::string& where, bool srgb, bool nearest = false);
+    int add_image(const std::string& path, const std::string& where, bool srgb, LookUp look_up = {});
     /// Index of a checkerboard of two squares by two, one unit of texture coordinates wide. The square at
     /// (0, 0) has the colour `first`.
     int add_checkerboard(Rgb first, Rgb second, const std::string& where);
@@ -80,7 +91,7 @@ public:
     void set_environment(const Environment& environment, const std::string& where);
 
 private:
-    std::map<std::tuple<std::string, bool, bool>, int> images_;
+    std::map<std::tuple<std::string, bool, LookUp>, int> images_;
     std::map<std::array<float, 6>, int> checkerboards_;
 };
 
@@ -89,6 +100,10 @@ struct UvTransform {
     double m[2][3] = {{1, 0, 0}, {0, 1, 0}};
 
     bool operator==(const UvTransform&) const = default;
+    /// The same map for coordinates whose v grows downwards.
+    UvTransform downwards() const {
+        return {{{m[0][0], -m[0][1], m[0][1] + m[0][2]}, {-m[1][0], m[1][1], 1 - m[1][1] - m[1][2]}}};
+    }
     bool is_identity() const { return *this == UvTransform{}; }
     Vec2 operator()(Vec2 uv) const {
         return {float(m[0][0] * uv.x + m[0][1] * uv.y + m[0][2]),

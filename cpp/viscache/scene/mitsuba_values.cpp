@@ -217,11 +217,13 @@ ColorTexture MitsubaReader::texture(Node node, int depth) {
 
 ColorTexture MitsubaReader::bitmap(Node node) {
     const bool raw = boolean(node, "raw", false) || number(node, "gamma", 0) == 1.0;
+    const std::string name = string(node, "wrap_mode", "repeat");
+    const auto wrap = wrap_named(name);
+    if (!wrap) warn_at(node, "wrap mode '" + name + "' is not modelled; the image repeats");
+    const Wrap both = wrap.value_or(Wrap::kRepeat);
     const bool nearest = string(node, "filter_type", "") == "nearest";
-    if (const std::string wrap = string(node, "wrap_mode", "repeat"); wrap != "repeat")
-        warn_at(node, "wrap mode '" + wrap + "' is not modelled; the image repeats");
     note_uv(node);
-    return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw, nearest)};
+    return {{1, 1, 1}, loading_.add_image(path_of(node), where(node), !raw, {nearest, both, both})};
 }
 
 ColorTexture MitsubaReader::checkerboard(Node node) {
@@ -242,7 +244,8 @@ void MitsubaReader::note_uv(Node node) {
         t.m[1][3] = number(node, "voffset", 0);
     }
     const auto& m = t.m;
-    if (!uv_->add({{{m[0][0], -m[0][1], m[0][1] + m[0][3]}, {-m[1][0], m[1][1], 1 - m[1][1] - m[1][3]}}}))
+    const UvTransform given{{{m[0][0], m[0][1], m[0][3]}, {m[1][0], m[1][1], m[1][3]}}};
+    if (!uv_->add(given.downwards()))
         warn_at(node,
                 "the images of a material share one transform of texture coordinates; that of the "
                 "first is used");

@@ -141,14 +141,16 @@ PbrtTexture PbrtReader::image_map(const PbrtParams& params, const std::string& w
     if (!file) fail(where, "an imagemap needs a filename");
     const std::string path = path_named(params.string("filename", ""), file->where);
     PbrtTexture t;
-    const std::string encoding = params.string("encoding", "sRGB"), wrap = params.string("wrap", "repeat");
+    const std::string encoding = params.string("encoding", "sRGB"), name = params.string("wrap", "repeat");
     const bool srgb = params.boolean("gamma", encoding != "linear");
     if (encoding != "sRGB" && encoding != "linear")
         loading_.warn(where, "the encoding '" + encoding + "' is not modelled; sRGB is used");
-    if (wrap != "repeat") loading_.warn(where, "the wrap mode '" + wrap + "' is not modelled; images repeat");
+    const auto wrap = wrap_named(name);
+    if (!wrap) loading_.warn(where, "the wrap mode '" + name + "' is not modelled; images repeat");
     if (params.boolean("invert", false))
         loading_.warn(where, "inverted images are not modelled; the image is used as it is");
-    t.image = loading_.add_image(path, file->where, srgb, params.string("filter", "") == "point");
+    const Wrap both = wrap.value_or(Wrap::kRepeat);
+    t.image = loading_.add_image(path, file->where, srgb, {params.string("filter", "") == "point", both, both});
     const float scale = float(params.number("scale", 1));
     t.color = {scale, scale, scale};
     t.uv = mapping(params, where);
