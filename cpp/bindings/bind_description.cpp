@@ -118,10 +118,24 @@ void bind_description(py::module_& m) {
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
                float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff,
                CoatKind coat, bool nonlinear, bool thin, float opacity, float metallic,
-               int metallic_roughness_texture, int roughness_texture) {
-                d.materials.push_back({kind, vec3(base_color), vec3(specular), roughness, eta, two_sided,
-                                       base_texture, alpha_texture, alpha_cutoff, coat, nonlinear, thin,
-                                       opacity, metallic, metallic_roughness_texture, roughness_texture});
+               int metallic_roughness_texture, int roughness_texture, Float3 metal_eta, Float3 metal_k) {
+                d.materials.push_back({kind,
+                                       vec3(base_color),
+                                       vec3(specular),
+                                       roughness,
+                                       eta,
+                                       two_sided,
+                                       base_texture,
+                                       alpha_texture,
+                                       alpha_cutoff,
+                                       coat,
+                                       nonlinear,
+                                       thin,
+                                       opacity,
+                                       metallic,
+                                       metallic_roughness_texture,
+                                       roughness_texture,
+                                       {vec3(metal_eta), vec3(metal_k)}});
                 return int(d.materials.size()) - 1;
             },
             py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
@@ -130,16 +144,23 @@ void bind_description(py::module_& m) {
             py::arg("base_texture") = -1, py::arg("alpha_texture") = -1, py::arg("alpha_cutoff") = 0.5f,
             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
             py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
-            py::arg("roughness_texture") = -1,
+            py::arg("roughness_texture") = -1, py::arg("metal_eta") = Float3{0, 0, 0},
+            py::arg("metal_k") = Float3{0, 0, 0},
             "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
             "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
             "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
             "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
             "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
             "the rest are small holes in a fixed pattern. A glossy material without a coat can be metallic\n"
-            "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have an\n"
-            "image: the green channel of metallic_roughness_texture multiplies the root of roughness and the\n"
-            "blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.")
+            "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have "
+            "an\n"
+            "image: the green channel of metallic_roughness_texture multiplies the root of roughness and "
+            "the\n"
+            "blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.\n"
+            "A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index\n"
+            "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
+            "0:\n"
+            "its reflectance at normal incidence is specular.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {
@@ -202,13 +223,13 @@ void bind_description(py::module_& m) {
             [](const SceneDescription& d) {
                 py::list out;
                 for (const Image& i : d.images)
-                    out.append(py::dict(py::arg("path") = i.path, py::arg("where") = i.where,
-                                        py::arg("srgb") = i.srgb, py::arg("nearest") = i.nearest,
-                                        py::arg("wrap") = py::make_tuple(kWrapNames[size_t(i.wrap_u)],
-                                                                         kWrapNames[size_t(i.wrap_v)]),
-                                        py::arg("width") = i.width, py::arg("height") = i.height,
-                                        py::arg("channels") = i.channels,
-                                        py::arg("bits") = i.bytes.empty() ? 32 : 8));
+                    out.append(py::dict(
+                        py::arg("path") = i.path, py::arg("where") = i.where, py::arg("srgb") = i.srgb,
+                        py::arg("nearest") = i.nearest,
+                        py::arg("wrap") =
+                            py::make_tuple(kWrapNames[size_t(i.wrap_u)], kWrapNames[size_t(i.wrap_v)]),
+                        py::arg("width") = i.width, py::arg("height") = i.height,
+                        py::arg("channels") = i.channels, py::arg("bits") = i.bytes.empty() ? 32 : 8));
                 return out;
             },
             "Path, place, size and bits per value of every image; width 0 = still to be decoded.")

@@ -1,4 +1,6 @@
 // Environment maps and BSDFs, evaluated for rows of arrays.
+#include <map>
+
 #include "described.h"
 #include "rows.h"
 #include "viscache/scene/bsdf.h"
@@ -67,20 +69,31 @@ void bind_environment(py::module_& s) {
         .def_property_readonly("power_ratio", &EnvironmentMap::power_ratio);
 }
 
+/// The same metal, which lives as long as the process: those of scenes live in the scene.
+const Conductor& kept(const Conductor& metal) {
+    static std::map<std::array<float, 6>, Conductor> metals;
+    const auto [e, k] = metal;
+    return metals.try_emplace({e.x, e.y, e.z, k.x, k.y, k.z}, metal).first->second;
+}
+
 void bind_shading_point(py::module_& s, py::module_& t) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
-                         float roughness, float eta, CoatKind coat, bool nonlinear) {
+                         float roughness, float eta, CoatKind coat, bool nonlinear, Float3 metal_eta,
+                         Float3 metal_k) {
                  ShadingPoint sp{
                      vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
                      kind,     eta};
                  if (coat != CoatKind::kNone) sp.coat = &coat_of(coat, eta, roughness, nonlinear);
+                 const Conductor metal{vec3(metal_eta), vec3(metal_k)};
+                 if (metal.is_given()) sp.metal = &kept(metal);
                  return sp;
              }),
              py::arg("kind"), py::arg("wo"), py::kw_only(), py::arg("ns") = Float3{0, 0, 1},
              py::arg("ng") = Float3{0, 0, 1}, py::arg("base") = Float3{0, 0, 0},
              py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f,
-             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false);
+             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false,
+             py::arg("metal_eta") = Float3{0, 0, 0}, py::arg("metal_k") = Float3{0, 0, 0});
     s.def(
         "eval_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {

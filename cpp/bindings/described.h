@@ -62,7 +62,8 @@ inline py::dict material_dict(const Material& m) {
                     py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
                     py::arg("opacity") = m.opacity, py::arg("metallic") = m.metallic,
                     py::arg("metallic_roughness_texture") = m.metallic_roughness_texture,
-                    py::arg("roughness_texture") = m.roughness_texture);
+                    py::arg("roughness_texture") = m.roughness_texture,
+                    py::arg("metal_eta") = array3(m.metal.eta), py::arg("metal_k") = array3(m.metal.k));
 }
 
 /// Names of the falloffs of spot lights, in the order of `Falloff`.

@@ -89,9 +89,11 @@ def test_materials_have_their_nearest_kinds(tmp_path):
     assert [x["kind"] for x in m] == [K.DIFFUSE, K.GLOSSY, K.GLOSSY, K.MIRROR, K.DIELECTRIC]
     assert m[0]["base_color"] == pytest.approx([0.1, 0.2, 0.3]) and m[0]["two_sided"]
     assert m[1]["specular"] == pytest.approx([0.04] * 3) and m[1]["roughness"] == pytest.approx(0.2)
-    assert m[2]["specular"] == pytest.approx([4.25 / 10.25] * 3) and m[2][
-        "roughness"
-    ] == pytest.approx(0.2)
+    assert (
+        m[2]["metal_eta"] == [1.5] * 3
+        and m[2]["metal_k"] == [2] * 3
+        and m[2]["roughness"] == pytest.approx(0.2)
+    )
     assert m[3]["specular"] == pytest.approx([0.5, 0.6, 0.7]) and m[4]["eta"] == pytest.approx(1.7)
 
 

@@ -97,13 +97,15 @@ def test_materials_have_their_nearest_kinds(tmp_path: Path) -> None:
     diffuse = surface(tmp_path, '"diffuse" "rgb reflectance" [.1 .2 .3]')
     assert diffuse["kind"] == K.DIFFUSE and diffuse["base_color"] == pytest.approx([0.1, 0.2, 0.3])
     mirror = surface(tmp_path, '"conductor" "rgb reflectance" [.9 .8 .7]')
-    assert mirror["kind"] == K.MIRROR and mirror["specular"] == pytest.approx([0.9, 0.8, 0.7])
+    assert mirror["kind"] == K.MIRROR and mirror["metal_eta"] == [1, 1, 1]
+    squares = np.square(mirror["metal_k"])
+    assert squares / (4 + squares) == pytest.approx([0.9, 0.8, 0.7])
     copper = surface(
         tmp_path,
         '"conductor" "spectrum eta" "metal-Cu-eta" "spectrum k" "metal-Cu-k" "float roughness" .25',
     )
     assert copper["kind"] == K.GLOSSY and copper["roughness"] == pytest.approx(0.5)
-    assert copper["specular"][0] > 0.9 > copper["specular"][2]
+    assert copper["metal_k"][0] > 3.9 > copper["metal_k"][2]
     glass = surface(tmp_path, '"dielectric" "spectrum eta" "glass-BK7"')
     assert glass["kind"] == K.DIELECTRIC and glass["eta"] == pytest.approx(1.5168)
     assert surface(tmp_path, '"dielectric" "float eta" 1.33')["eta"] == pytest.approx(1.33)

@@ -210,7 +210,10 @@ private:
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: store(b, s, material, front); break;
             case MaterialKind::kMirror:
-                if (material.two_sided || front) reflect(b, s, front, material.specular);
+                if (material.two_sided || front)
+                    reflect(b, s, front,
+                            mirror_reflectance(material.specular, t_.scene.metal(s.material),
+                                               std::fabs(dot(s.ns, wo))));
                 break;
             case MaterialKind::kDielectric: split(b, s, material, front); break;
         }
@@ -234,6 +237,7 @@ private:
         sp.kind = material.kind;
         sp.eta = material.eta;
         sp.coat = t_.scene.coat(s.material);
+        sp.metal = t_.scene.metal(s.material);
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);

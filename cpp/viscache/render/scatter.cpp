@@ -56,7 +56,9 @@ std::optional<Scatter> scatter_specular(const PathVertex& v, Transport transport
     // With replaced normals the way back can be another event
     const auto back = specular_event(v, s.direction, through);
     if (back && dot(back->direction, from) > kSameDirection) s.pdf_back = back->probability;
-    s.factor = glass ? Rgb{1, 1, 1} : v.surface.specular;
+    s.factor =
+        glass ? Rgb{1, 1, 1}
+              : mirror_reflectance(v.surface.specular, v.surface.metal, std::fabs(dot(v.surface.ns, from)));
     if (transport == Transport::kImportance)
         s.factor = s.factor * adjoint(event->normal, v.surface.ng, from, s.direction);
     else

@@ -51,6 +51,11 @@ bool mirror(Photon& photon, const Landing& l, Rgb factor, float extent) {
                  photon.flux * factor * adjoint(n, l.ng, l.wi, direction), extent);
 }
 
+/// What a mirror reflects of a photon.
+Rgb tint(const Landing& l, const Scene& scene) {
+    return mirror_reflectance(l.material.specular, scene.metal(l.s.material), std::fabs(dot(l.wi, l.ns)));
+}
+
 /// Glass reflects or refracts at random. False where an eye path would end as well.
 bool pass_glass(Photon& photon, const Landing& l, Rng& rng, float extent) {
     if (l.material.thin) {
@@ -107,7 +112,7 @@ void trace_path(const Scene& scene, const RayCaster& caster, Photon photon, int 
             s,    material, scene.coat(s.material), front ? s.ng : -s.ng, front ? s.ns : -s.ns, -photon.ray.d,
             front};
         switch (material.kind) {
-            case MaterialKind::kMirror: goes_on = mirror(photon, l, material.specular, extent); break;
+            case MaterialKind::kMirror: goes_on = mirror(photon, l, tint(l, scene), extent); break;
             case MaterialKind::kDielectric: goes_on = pass_glass(photon, l, rng, extent); break;
             case MaterialKind::kDiffuse:
             case MaterialKind::kGlossy: goes_on = reflect_diffusely(photon, l, rng, out, extent); break;

@@ -13,7 +13,8 @@ bool reflects(const ShadingPoint& sp, Vec3 wi) {
 
 /// Fresnel term of the glossy lobe.
 Rgb lobe_fresnel(const ShadingPoint& sp, float cos) {
-    return sp.coat ? sp.specular * fresnel_outside(cos, sp.coat->eta) : schlick(sp.specular, cos);
+    if (sp.coat) return sp.specular * fresnel_outside(cos, sp.coat->eta);
+    return sp.metal ? sp.specular * fresnel_conductor(*sp.metal, cos) : schlick(sp.specular, cos);
 }
 
 /// Fraction of the light that the Fresnel term of the glossy lobe leaves to the diffuse part, towards an eye

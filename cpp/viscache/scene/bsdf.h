@@ -15,8 +15,9 @@ struct ShadingPoint {
     float roughness = 0.1f;
     MaterialKind kind = MaterialKind::kDiffuse;
     float eta = 1.5f;
-    const Coat* coat = nullptr;  ///< of a glossy surface; nullptr: none
-    bool thin = false;           ///< a dielectric that is a plate without thickness
+    const Coat* coat = nullptr;        ///< of a glossy surface; nullptr: none
+    const Conductor* metal = nullptr;  ///< of a mirror or of a glossy surface without a base; nullptr: none
+    bool thin = false;                 ///< a dielectric that is a plate without thickness
 };
 
 /// True if the surface reflects no light at all.
@@ -29,7 +30,8 @@ inline bool is_black(const ShadingPoint& sp) {
 /// base/π. Glossy: a GGX lobe with Schlick's Fresnel term F of `specular` = F0, plus the diffuse part below
 /// it (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 − cos_i)⁵), whose albedo is
 /// 0.997 base (1 − F(cos_o)). Under a coat: the GGX lobe with the Fresnel term of the dielectric, times
-/// `specular`, plus coated_base/π · T(cos_o) T(cos_i). If base, F0 and `specular` are at most 1, the surface
+/// `specular`, plus coated_base/π · T(cos_o) T(cos_i). Of a metal: the GGX lobe with the Fresnel term of its
+/// index, times `specular`. If base, F0 and `specular` are at most 1, the surface
 /// reflects no more light than arrives. (Two corners: 0.7 % more at roughness 0.001 and grazing angles, 2 %
 /// more under a Beckmann coat of index below 1.)
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi);

@@ -52,6 +52,20 @@ void check_mesh(const Mesh& m, size_t index, size_t materials, size_t images) {
         fail(name, ": emission_texture must be -1 or in [0, ", images, "), got ", m.emission_texture);
 }
 
+void check_metal(const Material& m, const std::string& name) {
+    constexpr float kLargest = 1e4f;
+    if (!m.metal.is_given()) return;
+    const Rgb eta = m.metal.eta, k = m.metal.k, sum = eta + k;
+    if (!usable_color(eta) || !usable_color(k) || std::max(max_component(eta), max_component(k)) > kLargest ||
+        !(std::min({sum.x, sum.y, sum.z}) > 0))
+        fail(name, ": metal_eta and metal_k must be in [0, 10000] and not both 0, got ", text(eta), " and ",
+             text(k));
+    const bool bare = m.kind == MaterialKind::kGlossy && m.coat == CoatKind::kNone && m.metallic == 0 &&
+                      m.metallic_roughness_texture < 0 && !(max_component(m.base_color) > 0);
+    if (!bare && m.kind != MaterialKind::kMirror)
+        fail(name, ": only mirrors and glossy materials with a base_color of 0 have metal_eta and metal_k");
+}
+
 void check_material(const Material& m, size_t index, size_t images) {
     const std::string name = "material " + std::to_string(index);
     for (Rgb c : {m.base_color, m.specular})
@@ -65,12 +79,12 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (m.nonlinear && m.coat == CoatKind::kNone) fail(name, ": nonlinear needs a coat");
     if (m.thin && m.kind != MaterialKind::kDielectric) fail(name, ": only a dielectric can be thin");
     if (!(m.opacity >= 0 && m.opacity <= 1)) fail(name, ": opacity must be in [0, 1], got ", m.opacity);
-    if (!(m.metallic >= 0 && m.metallic <= 1))
-        fail(name, ": metallic must be in [0, 1], got ", m.metallic);
+    if (!(m.metallic >= 0 && m.metallic <= 1)) fail(name, ": metallic must be in [0, 1], got ", m.metallic);
     if (m.mixes_metal() && (m.kind != MaterialKind::kGlossy || m.coat != CoatKind::kNone))
         fail(name, ": only a glossy material without a coat is metallic or has images of its roughness");
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
         fail(name, ": metallic_roughness_texture and roughness_texture exclude each other");
+    check_metal(m, name);
     for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }

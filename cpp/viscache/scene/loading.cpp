@@ -347,9 +347,16 @@ std::optional<double> uniform_scale(const Affine& t) {
     return std::sqrt(s2);
 }
 
-float conductor_f0(float eta, float k) {
-    const float a = (eta - 1) * (eta - 1) + k * k, b = (eta + 1) * (eta + 1) + k * k;
-    return b > 0 ? a / b : 1.f;
+void set_metal(Material& m, Rgb eta, Rgb k) {
+    constexpr float kLargest = 1e4f;
+    const auto channel = [&](float x, float y) {
+        return x > 0 || y > 0 ? std::clamp(y, 0.f, kLargest) : 1.f;
+    };
+    m.metal.eta = max({0, 0, 0}, min(Rgb{1, 1, 1} * kLargest, eta));
+    m.metal.k = {channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z)};
+    const bool perfect = max_component(m.metal.eta) == 0 && m.metal.k == Rgb{1, 1, 1};
+    // Its reflectance is 1 at all angles, by Schlick's approximation too
+    if (perfect && (m.kind == MaterialKind::kMirror || m.specular == Rgb{1, 1, 1})) m.metal = {};
 }
 
 float dielectric_f0(float eta) { return (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)); }

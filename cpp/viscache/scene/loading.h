@@ -172,8 +172,10 @@ struct ProfilePoint {
 /// around the axis has the circumference of the circle.
 Mesh revolved_mesh(const std::vector<ProfilePoint>& profile, double phi_max_rad = 6.283185307179586);
 
-/// Reflectance at normal incidence of a conductor and of a dielectric.
-float conductor_f0(float eta, float k);
+/// Describes a mirror or a glossy material without a base by an index of refraction. A channel without one is
+/// a perfect mirror.
+void set_metal(Material& m, Rgb eta, Rgb k);
+/// Reflectance at normal incidence of a dielectric.
 float dielectric_f0(float eta);
 float clamp_roughness(float alpha);
 Rgb clamp01(Rgb c);

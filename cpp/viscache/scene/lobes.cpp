@@ -20,6 +20,7 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
         k.eta = p.coat->eta;
         k.transmittance = p.coat->transmittance.data();
     }
+    k.metal = p.metal;
     k.f0 = p.specular;
     k.cos_o = cos_o;
     k.alpha2 = p.roughness * p.roughness;

@@ -19,12 +19,13 @@ struct RgbBlock {
 struct LobeConstants {
     Vec3 ns, ng, wo;
     Rgb diffuse;  ///< diffuse part of f; under a lobe, without its factor 1 − (1 − cos_i)⁵ or T(cos_i)
-    Rgb f0;       ///< F0 of the lobe; under a coat, the factor of its reflection
+    Rgb f0;       ///< F0 of the lobe; under a coat and of a metal, the factor of its reflection
     float cos_o = 0, alpha2 = 1;
     float outgoing = 0;                    ///< G1(cos_o)/(4 cos_o)
     float share = 0;                       ///< probability of sampling the lobe
     float eta = 1;                         ///< of the coat
     const float* transmittance = nullptr;  ///< steps of the coat's T; nullptr: no coat
+    const Conductor* metal = nullptr;      ///< nullptr: none
     bool glossy = false;
     bool black = true;  ///< the surface reflects no light
 };
@@ -58,19 +59,43 @@ inline __attribute__((always_inline)) HalfVector half_vector(const LobeConstants
     return {k.alpha2 / (kPi * t * t), __builtin_sqrtf(sum2)};
 }
 
+/// The lobe without its Fresnel term, for one direction.
+struct LobeValue {
+    bool above;      ///< the direction is above both planes
+    float cos;       ///< its cosine; 1 below, which avoids division by zero
+    float half;      ///< cosine to the half vector
+    float shadowed;  ///< D·G/(4 cos_o)
+};
+inline __attribute__((always_inline)) LobeValue lobe_value(const LobeConstants& k, float x, float y,
+                                                           float z) {
+    const float c = (k.ns.x * x + k.ns.y * y) + k.ns.z * z;
+    const float g = (k.ng.x * x + k.ng.y * y) + k.ng.z * z;
+    const bool above = c > 0 && g > 0;
+    const float cos = above ? c : 1.f;
+    const HalfVector h = half_vector(k, x, y, z, cos);
+    const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
+    return {above, cos, 0.5f * h.sum, h.d * k.outgoing * (2 * cos / (cos + root))};
+}
+
+/// f·cos of a metal.
+inline __attribute__((always_inline)) void metal16(const LobeConstants& k, const float* x, const float* y,
+                                                   const float* z, RgbBlock& out) {
+    for (int i = 0; i < 16; ++i) {
+        const LobeValue v = lobe_value(k, x[i], y[i], z[i]);
+        const float half = v.half < 1 ? v.half : 1.f, lobe = v.above ? v.shadowed : 0.f;
+        out.r[i] = k.f0.x * lobe * fresnel_channel(half, k.metal->eta.x, k.metal->k.x);
+        out.g[i] = k.f0.y * lobe * fresnel_channel(half, k.metal->eta.y, k.metal->k.y);
+        out.b[i] = k.f0.z * lobe * fresnel_channel(half, k.metal->eta.z, k.metal->k.z);
+    }
+}
+
 /// f·cos of a glossy surface under a coat.
 inline __attribute__((always_inline)) void coated16(const LobeConstants& k, const float* x, const float* y,
                                                     const float* z, RgbBlock& out) {
     for (int i = 0; i < 16; ++i) {
-        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
-        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
-        const bool above = c > 0 && g > 0;
-        const float cos = above ? c : 1.f;  // an arbitrary value that avoids division by zero
-        const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
-        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
-        const float fresnel = fresnel_outside(0.5f * h.sum, k.eta);
-        const float lobe = fresnel * (h.d * k.outgoing * (2 * cos / (cos + root)));
-        const float entry = transmitted(k.transmittance, cos) * cos, on = above ? 1.f : 0.f;
+        const LobeValue v = lobe_value(k, x[i], y[i], z[i]);
+        const float lobe = fresnel_outside(v.half, k.eta) * v.shadowed;
+        const float entry = transmitted(k.transmittance, v.cos) * v.cos, on = v.above ? 1.f : 0.f;
         out.r[i] = on * (k.diffuse.x * entry + k.f0.x * lobe);
         out.g[i] = on * (k.diffuse.y * entry + k.f0.y * lobe);
         out.b[i] = on * (k.diffuse.z * entry + k.f0.z * lobe);
@@ -81,16 +106,12 @@ inline __attribute__((always_inline)) void coated16(const LobeConstants& k, cons
 inline __attribute__((always_inline)) void glossy16(const LobeConstants& k, const float* x, const float* y,
                                                     const float* z, RgbBlock& out) {
     if (k.transmittance) return coated16(k, x, y, z, out);
+    if (k.metal) return metal16(k, x, y, z, out);
     for (int i = 0; i < 16; ++i) {
-        const float c = (k.ns.x * x[i] + k.ns.y * y[i]) + k.ns.z * z[i];
-        const float g = (k.ng.x * x[i] + k.ng.y * y[i]) + k.ng.z * z[i];
-        const bool above = c > 0 && g > 0;
-        const float cos = above ? c : 1.f;  // an arbitrary value that avoids division by zero
-        const HalfVector h = half_vector(k, x[i], y[i], z[i], cos);
-        const float root = __builtin_sqrtf(cos * cos + k.alpha2 * (1 - cos * cos > 0 ? 1 - cos * cos : 0.f));
-        const float lobe = h.d * k.outgoing * (2 * cos / (cos + root));
-        const float m = 1 - 0.5f * h.sum, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
-        const float e = 1 - cos, entry = (1 - e * e * e * e * e) * cos, on = above ? 1.f : 0.f;
+        const LobeValue v = lobe_value(k, x[i], y[i], z[i]);
+        const float cos = v.cos, lobe = v.shadowed;
+        const float m = 1 - v.half, mm = m > 0 ? m : 0.f, m5 = mm * mm * mm * mm * mm;
+        const float e = 1 - cos, entry = (1 - e * e * e * e * e) * cos, on = v.above ? 1.f : 0.f;
         out.r[i] = on * (k.diffuse.x * entry + (k.f0.x + (1 - k.f0.x) * m5) * lobe);
         out.g[i] = on * (k.diffuse.y * entry + (k.f0.y + (1 - k.f0.y) * m5) * lobe);
         out.b[i] = on * (k.diffuse.z * entry + (k.f0.z + (1 - k.f0.z) * m5) * lobe);

@@ -2,6 +2,7 @@
 // The few materials that a study of visibility needs. Loaders map the materials of a file to the nearest of
 // these.
 #include "viscache/math/vec.h"
+#include "viscache/scene/conductor.h"
 
 namespace viscache {
 
@@ -34,9 +35,12 @@ struct Material {
     bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
     bool thin = false;       ///< a dielectric that is a plate without thickness
     float opacity = 1;       ///< share of the surface that is there; the rest are small holes
-    float metallic = 0;  ///< of glossy materials: the share that is metal, whose `specular` is the base colour
+    float metallic =
+        0;  ///< of glossy materials: the share that is metal, whose `specular` is the base colour
     int metallic_roughness_texture = -1;  ///< image, as in glTF: green multiplies √roughness, blue `metallic`
     int roughness_texture = -1;           ///< image that multiplies `roughness`; -1: none
+    Conductor metal{};  ///< of mirrors and of glossy materials without a base: the index of refraction;
+                        ///< `specular` then scales the reflection
 
     /// True if base colour, `specular` and `roughness` have to be found for each point.
     bool mixes_metal() const {

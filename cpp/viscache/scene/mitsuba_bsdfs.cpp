@@ -87,13 +87,8 @@ Material MitsubaReader::conductor(Node node, bool rough) {
     if (property(node, "eta")) ior->eta = color(node, "eta", {0, 0, 0});
     if (property(node, "k")) ior->k = color(node, "k", {1, 1, 1});
     const float outside = float(this->ior(node, "ext_eta", 1.0));
-    const Rgb f0{conductor_f0(ior->eta.x / outside, ior->k.x / outside),
-                 conductor_f0(ior->eta.y / outside, ior->k.y / outside),
-                 conductor_f0(ior->eta.z / outside, ior->k.z / outside)};
-    m.specular = clamp01(f0 * color(node, "specular_reflectance", {1, 1, 1}));
-    if (luminance(f0) < 0.999f)
-        warn_at(node,
-                "the Fresnel term of metals is Schlick's; it is off by some percent near grazing angles");
+    m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
+    set_metal(m, ior->eta / outside, ior->k / outside);
     return m;
 }
 

@@ -21,8 +21,8 @@ double PbrtReader::plain_number(const PbrtParams& params, const std::string& nam
     if (!p || p->type != "texture") return params.number(name.c_str(), fallback);
     const PbrtTexture t = color_texture(params, name.c_str(), kOne * float(fallback));
     if (t.image < 0) return t.color.x;
-    loading_.warn(p->where, "an image for '" + name + "' is not modelled; " + std::to_string(fallback) +
-                                " is used");
+    loading_.warn(p->where,
+                  "an image for '" + name + "' is not modelled; " + std::to_string(fallback) + " is used");
     return fallback;
 }
 
@@ -46,11 +46,10 @@ float PbrtReader::roughness(const PbrtParams& params, double fallback) {
 
 Material PbrtReader::metal(const PbrtParams& params) {
     Material m;
-    const ConductorIor copper = *conductor_named("Cu");
-    const Rgb eta = color(params, "eta", copper.eta), k = color(params, "k", copper.k);
+    const Conductor copper = *conductor_named("Cu");
     m.kind = MaterialKind::kGlossy;
     m.base_color = kZero;
-    m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
+    set_metal(m, color(params, "eta", copper.eta), color(params, "k", copper.k));
     if (!roughness_image(m, params, "roughness")) m.roughness = roughness(params, 0.01);
     return m;
 }

@@ -71,15 +71,17 @@ float PbrtReader::v4_eta(const PbrtParams& params, const char* name, double fall
 Material PbrtReader::v4_conductor(const PbrtParams& params, const std::string& prefix) {
     Material m;
     m.base_color = kZero;
-    if (params.has("reflectance")) {
-        m.specular = clamp01(color(params, "reflectance", kHalf));
-    } else {
-        const ConductorIor copper = *conductor_named("Cu");
-        const Rgb eta = color(params, (prefix + "eta").c_str(), copper.eta),
-                  k = color(params, (prefix + "k").c_str(), copper.k);
-        m.specular = {conductor_f0(eta.x, k.x), conductor_f0(eta.y, k.y), conductor_f0(eta.z, k.z)};
-    }
     m.kind = MaterialKind::kGlossy;
+    if (params.has("reflectance")) {
+        // The k at which a metal of η = 1 reflects so much at normal incidence
+        const Rgb r = min(kOne * 0.9999f, color(params, "reflectance", kHalf));
+        const auto k = [](float x) { return 2 * std::sqrt(std::max(0.f, x) / (1 - x)); };
+        set_metal(m, kOne, {k(r.x), k(r.y), k(r.z)});
+    } else {
+        const Conductor copper = *conductor_named("Cu");
+        set_metal(m, color(params, (prefix + "eta").c_str(), copper.eta),
+                  color(params, (prefix + "k").c_str(), copper.k));
+    }
     if (roughness_image(m, params, prefix + "roughness")) return m;
     const float alpha = v4_alpha(params, prefix, 0);
     if (alpha < kSmooth) m.kind = MaterialKind::kMirror;

@@ -27,6 +27,11 @@ public:
     size_t described_meshes() const { return described_meshes_; }
     /// Coat of a material; nullptr if it has none.
     const Coat* coat(int material) const { return coats_.empty() ? nullptr : coats_[size_t(material)]; }
+    /// Metal of a material; nullptr if it is not described by its index of refraction.
+    const Conductor* metal(int material) const {
+        const Conductor& metal = d_.materials[size_t(material)].metal;
+        return metal.is_given() ? &metal : nullptr;
+    }
     /// Number of materials in the description. One more material follows, for the sphere lights.
     size_t described_materials() const { return described_materials_; }
     /// Bounds of all placed meshes, without sphere lights.

@@ -94,21 +94,6 @@ Rgb blackbody_rgb(double kelvin) {
     });
 }
 
-std::optional<ConductorIor> conductor_named(const std::string& name) {
-    // Measured metals as RGB, as in the scene data of Tungsten and Mitsuba.
-    static const std::pair<const char*, ConductorIor> table[] = {
-        {"Ag", {{0.1552f, 0.1167f, 0.1383f}, {4.8283f, 3.1222f, 2.1470f}}},
-        {"Al", {{1.6574f, 0.8803f, 0.5212f}, {9.2238f, 6.2695f, 4.8370f}}},
-        {"Au", {{0.1431f, 0.3749f, 1.4424f}, {3.9831f, 2.3857f, 1.6032f}}},
-        {"Cr", {{4.3696f, 2.9167f, 1.6547f}, {5.2064f, 4.2313f, 3.7549f}}},
-        {"Cu", {{0.2004f, 0.9240f, 1.1022f}, {3.9129f, 2.4528f, 2.1421f}}},
-        {"none", {{0, 0, 0}, {1, 1, 1}}},
-    };
-    for (const auto& [known, ior] : table)
-        if (name == known) return ior;
-    return {};
-}
-
 std::optional<double> ior_named(const std::string& name) {
     static const std::pair<const char*, double> table[] = {
         {"vacuum", 1.0},      {"helium", 1.000036},        {"hydrogen", 1.000132},

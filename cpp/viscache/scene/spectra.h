@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "viscache/math/vec.h"
+#include "viscache/scene/conductor.h"
 
 namespace viscache::loading {
 
@@ -28,11 +29,8 @@ Rgb equal_energy_rgb(double value);
 /// Spectral radiance of a black body in W/(m² sr nm), as RGB of a light.
 Rgb blackbody_rgb(double kelvin);
 
-/// Complex index of refraction for each colour channel.
-struct ConductorIor {
-    Rgb eta, k;
-};
-std::optional<ConductorIor> conductor_named(const std::string& name);
+/// A metal such as "Cu"; "none" is a perfect mirror.
+std::optional<Conductor> conductor_named(const std::string& name);
 
 /// Index of refraction of a dielectric such as "bk7" or "water".
 std::optional<double> ior_named(const std::string& name);

@@ -164,6 +164,8 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
         eta=material["eta"],
         coat=material["coat"],
         nonlinear=material["nonlinear"],
+        metal_eta=material["metal_eta"],
+        metal_k=material["metal_k"],
     )
     out = np.zeros_like(directions)
     out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))
