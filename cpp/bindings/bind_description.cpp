@@ -118,7 +118,8 @@ void bind_description(py::module_& m) {
             [](SceneDescription& d, MaterialKind kind, Float3 base_color, Float3 specular, float roughness,
                float eta, bool two_sided, int base_texture, int alpha_texture, float alpha_cutoff,
                CoatKind coat, bool nonlinear, bool thin, float opacity, float metallic,
-               int metallic_roughness_texture, int roughness_texture, Float3 metal_eta, Float3 metal_k) {
+               int metallic_roughness_texture, int roughness_texture, Float3 metal_eta, Float3 metal_k,
+               bool beckmann) {
                 d.materials.push_back({kind,
                                        vec3(base_color),
                                        vec3(specular),
@@ -135,7 +136,8 @@ void bind_description(py::module_& m) {
                                        metallic,
                                        metallic_roughness_texture,
                                        roughness_texture,
-                                       {vec3(metal_eta), vec3(metal_k)}});
+                                       {vec3(metal_eta), vec3(metal_k)},
+                                       beckmann});
                 return int(d.materials.size()) - 1;
             },
             py::arg("kind") = MaterialKind::kDiffuse, py::kw_only(),
@@ -145,7 +147,7 @@ void bind_description(py::module_& m) {
             py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false, py::arg("thin") = false,
             py::arg("opacity") = 1.f, py::arg("metallic") = 0.f, py::arg("metallic_roughness_texture") = -1,
             py::arg("roughness_texture") = -1, py::arg("metal_eta") = Float3{0, 0, 0},
-            py::arg("metal_k") = Float3{0, 0, 0},
+            py::arg("metal_k") = Float3{0, 0, 0}, py::arg("beckmann") = false,
             "Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of\n"
             "refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a\n"
             "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
@@ -160,7 +162,8 @@ void bind_description(py::module_& m) {
             "A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index\n"
             "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
             "0:\n"
-            "its reflectance at normal incidence is specular.")
+            "its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with\n"
+            "beckmann=True; those of a coat are named by its kind.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {

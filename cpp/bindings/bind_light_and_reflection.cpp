@@ -80,20 +80,22 @@ void bind_shading_point(py::module_& s, py::module_& t) {
     py::class_<ShadingPoint>(s, "ShadingPoint", "Normals and material of a shaded point.")
         .def(py::init([](MaterialKind kind, Float3 wo, Float3 ns, Float3 ng, Float3 base, Float3 specular,
                          float roughness, float eta, CoatKind coat, bool nonlinear, Float3 metal_eta,
-                         Float3 metal_k) {
+                         Float3 metal_k, bool beckmann) {
                  ShadingPoint sp{
                      vec3(ng), vec3(ns), normalize(vec3(wo)), vec3(base), vec3(specular), roughness,
                      kind,     eta};
                  if (coat != CoatKind::kNone) sp.coat = &coat_of(coat, eta, roughness, nonlinear);
                  const Conductor metal{vec3(metal_eta), vec3(metal_k)};
                  if (metal.is_given()) sp.metal = &kept(metal);
+                 sp.beckmann = beckmann || coat == CoatKind::kBeckmann;
                  return sp;
              }),
              py::arg("kind"), py::arg("wo"), py::kw_only(), py::arg("ns") = Float3{0, 0, 1},
              py::arg("ng") = Float3{0, 0, 1}, py::arg("base") = Float3{0, 0, 0},
              py::arg("specular") = Float3{0, 0, 0}, py::arg("roughness") = 0.1f, py::arg("eta") = 1.5f,
              py::arg("coat") = CoatKind::kNone, py::arg("nonlinear") = false,
-             py::arg("metal_eta") = Float3{0, 0, 0}, py::arg("metal_k") = Float3{0, 0, 0});
+             py::arg("metal_eta") = Float3{0, 0, 0}, py::arg("metal_k") = Float3{0, 0, 0},
+             py::arg("beckmann") = false);
     s.def(
         "eval_bsdf",
         [](const ShadingPoint& sp, const FloatArray& wi) {

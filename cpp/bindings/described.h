@@ -54,16 +54,16 @@ inline py::array_t<float> pixels_of(const Image& i) {
 }
 
 inline py::dict material_dict(const Material& m) {
-    return py::dict(py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
-                    py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness,
-                    py::arg("eta") = m.eta, py::arg("two_sided") = m.two_sided,
-                    py::arg("base_texture") = m.base_texture, py::arg("alpha_texture") = m.alpha_texture,
-                    py::arg("alpha_cutoff") = m.alpha_cutoff, py::arg("coat") = m.coat,
-                    py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
-                    py::arg("opacity") = m.opacity, py::arg("metallic") = m.metallic,
-                    py::arg("metallic_roughness_texture") = m.metallic_roughness_texture,
-                    py::arg("roughness_texture") = m.roughness_texture,
-                    py::arg("metal_eta") = array3(m.metal.eta), py::arg("metal_k") = array3(m.metal.k));
+    return py::dict(
+        py::arg("kind") = m.kind, py::arg("base_color") = array3(m.base_color),
+        py::arg("specular") = array3(m.specular), py::arg("roughness") = m.roughness, py::arg("eta") = m.eta,
+        py::arg("two_sided") = m.two_sided, py::arg("base_texture") = m.base_texture,
+        py::arg("alpha_texture") = m.alpha_texture, py::arg("alpha_cutoff") = m.alpha_cutoff,
+        py::arg("coat") = m.coat, py::arg("nonlinear") = m.nonlinear, py::arg("thin") = m.thin,
+        py::arg("opacity") = m.opacity, py::arg("metallic") = m.metallic,
+        py::arg("metallic_roughness_texture") = m.metallic_roughness_texture,
+        py::arg("roughness_texture") = m.roughness_texture, py::arg("metal_eta") = array3(m.metal.eta),
+        py::arg("metal_k") = array3(m.metal.k), py::arg("beckmann") = m.beckmann);
 }
 
 /// Names of the falloffs of spot lights, in the order of `Falloff`.

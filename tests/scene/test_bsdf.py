@@ -1,5 +1,7 @@
 """scene/bsdf.h: reflection of diffuse and glossy materials."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -24,17 +26,12 @@ def glossy(
     roughness: float = 0.3,
     base: Vector = (0, 0, 0),
     specular: Vector = (1, 1, 1),
-    coat: CoatKind = CoatKind.NONE,
-    **normals: Vector,
+    **more: Any,
 ) -> ShadingPoint:
+    """`more`: coat, metal, microfacets and normals."""
+    colours: dict[str, Any] = {"base": base, "specular": specular}
     return ShadingPoint(
-        MaterialKind.GLOSSY,
-        direction(cos_o),
-        base=base,
-        specular=specular,
-        roughness=roughness,
-        coat=coat,
-        **normals,
+        MaterialKind.GLOSSY, direction(cos_o), roughness=roughness, **colours, **more
     )
 
 
@@ -44,6 +41,7 @@ def unit(v: Vector) -> Vector:
 
 
 TILTED = {"ns": unit((0.3, 0.1, 1)), "ng": unit((-0.1, 0.2, 1))}
+COPPER = {"metal_eta": (0.201, 0.9237, 1.1022), "metal_k": (3.9133, 2.453, 2.1421)}
 POINTS = {
     "diffuse": ShadingPoint(MaterialKind.DIFFUSE, direction(0.4), base=(0.8, 0.5, 0.2)),
     "diffuse, tilted normals": ShadingPoint(
@@ -56,6 +54,10 @@ POINTS = {
     "plastic, tilted normals": glossy(0.5, 0.4, (0.2, 0.6, 0.3), (0.04, 0.1, 0.04), **TILTED),
     "smooth coat": glossy(0.5, 0.2, (0.2, 0.6, 0.3), coat=CoatKind.SMOOTH),
     "rough coat, tilted normals": glossy(0.5, 0.4, (0.2, 0.6, 0.3), coat=CoatKind.ROUGH, **TILTED),
+    "copper": glossy(0.5, 0.3, **COPPER),
+    "Beckmann's copper, tilted normals": glossy(0.7, 0.3, beckmann=True, **COPPER, **TILTED),
+    "Beckmann's rough copper": glossy(0.3, 0.8, beckmann=True, **COPPER),
+    "Beckmann's coat": glossy(0.5, 0.2, (0.2, 0.6, 0.3), coat=CoatKind.BECKMANN),
 }
 each_point = pytest.mark.parametrize("name", POINTS)
 
@@ -120,6 +122,7 @@ def test_reflection_is_the_same_both_ways(name: str) -> None:
                 specular=(0.04, 0.3, 1),
                 roughness=0.4,
                 coat=CoatKind.ROUGH if "coat" in name else CoatKind.NONE,
+                beckmann="Beckmann" in name,
                 **normals,
             )
         return eval_bsdf(sp, wi[None])[0]

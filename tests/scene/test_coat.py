@@ -11,7 +11,7 @@ import pytest
 
 import viscache as vc
 from sampling.chi_square import sphere_points
-from scene.test_bsdf import Vector, albedo, direction
+from scene.test_bsdf import Vector, albedo, direction, glossy
 from viscache._core import CoatKind, MaterialKind
 from viscache._core._testing import diffuse_albedo
 from viscache._core.sampling import ShadingPoint, eval_bsdf
@@ -30,16 +30,7 @@ def coated(
     eta: float = ETA,
     nonlinear: bool = False,
 ) -> ShadingPoint:
-    return ShadingPoint(
-        MaterialKind.GLOSSY,
-        direction(cos_o),
-        base=base,
-        specular=specular,
-        roughness=roughness,
-        eta=eta,
-        coat=kind,
-        nonlinear=nonlinear,
-    )
+    return glossy(cos_o, roughness, base, specular, eta=eta, coat=kind, nonlinear=nonlinear)
 
 
 def of_mitsuba(plugin: dict[str, Any], wo: Vector, wi: npt.NDArray[np.float64]) -> Any:

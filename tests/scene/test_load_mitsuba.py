@@ -116,27 +116,31 @@ def test_diffuse_is_one_sided_unless_inside_twosided(tmp_path):
     assert two["base_color"] == pytest.approx([0.5] * 3)
 
 
-def test_the_reflectance_of_a_conductor_is_fresnel_at_normal_incidence(tmp_path):
+def test_a_conductor_has_its_index_relative_to_the_outside(tmp_path):
     m = material(
         tmp_path,
-        """<bsdf type="conductor"><rgb name="eta" value="1.5 0.2 1"/>
-        <rgb name="k" value="2 3 0"/><rgb name="specularReflectance" value="1 0.5 1"/></bsdf>""",
-        strict=False,
+        """<bsdf type="conductor"><rgb name="eta" value="1.5 0.2 0"/>
+        <rgb name="k" value="2 3 0"/><rgb name="specularReflectance" value="1 0.5 1"/>
+        <float name="extEta" value="1.25"/></bsdf>""",
     )
-    want = [((1.5 - 1) ** 2 + 4) / ((1.5 + 1) ** 2 + 4), 0.5 * (0.64 + 9) / (1.44 + 9), 0]
-    assert m["kind"] == K.MIRROR and m["specular"] == pytest.approx(want, abs=1e-6)
+    assert m["kind"] == K.MIRROR and m["specular"] == [1, 0.5, 1]
+    assert m["metal_eta"] == pytest.approx([1.2, 0.16, 0])
+    # Without an index, blue is that of a perfect mirror
+    assert m["metal_k"] == pytest.approx([1.6, 2.4, 1])
     none = material(
         tmp_path, '<bsdf type="conductor"><string name="material" value="none"/></bsdf>'
     )
-    assert none["specular"] == pytest.approx([1, 1, 1])
+    assert none["specular"] == [1, 1, 1] and none["metal_eta"] == none["metal_k"] == [0, 0, 0]
     gold = material(
         tmp_path,
         '<bsdf type="roughconductor"><string name="material" value="Au"/>'
         '<string name="distribution" value="ggx"/><float name="alpha" value="0.3"/></bsdf>',
-        strict=False,
     )
     assert gold["kind"] == K.GLOSSY and gold["roughness"] == pytest.approx(0.3)
-    assert gold["base_color"] == [0, 0, 0] and gold["specular"][0] > 0.9 > 0.5 > gold["specular"][2]
+    assert gold["base_color"] == [0, 0, 0] and gold["metal_k"][0] == pytest.approx(3.983)
+    assert not gold["beckmann"]
+    plain = material(tmp_path, '<bsdf type="roughconductor"/>')
+    assert plain["beckmann"] and plain["metal_k"] == [0, 0, 0]
 
 
 def test_plastic_phong_and_glass_have_their_nearest_materials(tmp_path):
@@ -356,7 +360,11 @@ def test_serialized_shapes_are_found_by_their_index(tmp_path, version, offset, d
         ('<shape type="cube"><bsdf type="hair"/></shape>', "hair"),
         ('<medium type="homogeneous"/>', "medium"),
         ('<shape type="cube"><bsdf type="roughdielectric"/></shape>', "roughdielectric"),
-        ('<shape type="cube"><bsdf type="roughplastic"/></shape>', "beckmann"),
+        (
+            '<shape type="cube"><bsdf type="roughplastic"><string name="distribution" '
+            'value="phong"/></bsdf></shape>',
+            "distribution of microfacets 'phong'",
+        ),
     ],
 )
 def test_what_is_not_modelled_is_named_and_an_error_when_strict(tmp_path, body, name):

@@ -134,6 +134,7 @@ bool SubpathTracer::arrive(Walker& w, const Hit& hit, Subpaths& out, EyeLight* l
     v.surface.eta = material.eta;
     v.surface.coat = c_.scene.coat(s.material);
     v.surface.metal = c_.scene.metal(s.material);
+    v.surface.beckmann = material.has_beckmann();
     v.surface.thin = material.thin;
     v.connects = material.kind == MaterialKind::kDiffuse || material.kind == MaterialKind::kGlossy;
     return true;

@@ -129,6 +129,25 @@ inline float pdf_ggx_vndf(Vec3 wo, Vec3 h, float alpha) {
     return wo.z > 0 ? smith_g1(wo.z, alpha) * ggx_d(h, alpha) * std::max(0.f, dot(wo, h)) / wo.z : 0.f;
 }
 
+// The same for Beckmann's distribution.
+
+inline float beckmann_d(Vec3 h, float alpha) {
+    if (!(h.z > 0)) return 0;
+    const float a2 = alpha * alpha, c2 = h.z * h.z;
+    return std::exp(-(h.x * h.x + h.y * h.y) / (a2 * c2)) / (kPi * a2 * c2 * c2);
+}
+/// The rational fit of Walter et al. 2007.
+inline float beckmann_g1(float cos_w, float alpha) {
+    if (!(cos_w > 0)) return 0;
+    const float a = cos_w / (alpha * std::sqrt(std::max(1e-12f, 1 - cos_w * cos_w)));
+    return a >= 1.6f ? 1.f : (3.535f * a + 2.181f * a * a) / (1 + 2.276f * a + 2.577f * a * a);
+}
+/// Microfacet normal; density D·cos per solid angle of h.
+inline Vec3 sample_beckmann(float alpha, Vec2 u) {
+    const float tan = alpha * std::sqrt(-std::log1p(-u.x)), phi = 2 * kPi * u.y;
+    return normalize({tan * std::cos(phi), tan * std::sin(phi), 1});
+}
+
 /// Schlick's approximation of the Fresnel reflectance, from the reflectance at normal incidence.
 inline Rgb schlick(Rgb f0, float cos) {
     const float m = std::clamp(1 - cos, 0.f, 1.f), m5 = m * m * m * m * m;

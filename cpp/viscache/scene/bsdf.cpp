@@ -42,6 +42,10 @@ float mean_entry(const ShadingPoint& sp) { return sp.coat ? sp.coat->mean : kEnt
 
 }  // namespace
 
+float lobe_g1(const ShadingPoint& sp, float cos) {
+    return sp.beckmann ? beckmann_g1(cos, sp.roughness) : smith_g1(cos, sp.roughness);
+}
+
 float glossy_share(const ShadingPoint& sp) {
     if (sp.kind != MaterialKind::kGlossy) return 0;
     const float cos_o = dot(sp.ns, sp.wo);
@@ -64,12 +68,13 @@ Reflection reflect(const ShadingPoint& sp, Vec3 wi) {
     const float cos_i = dot(sp.ns, wi), cos_o = dot(sp.ns, sp.wo), share = glossy_share(sp);
     Reflection r{under_lobe(sp, cos_o) * (diffuse_entry(sp, cos_i) / kPi), (1 - share) * cos_i / kPi};
     if (sp.kind == MaterialKind::kGlossy) {
-        const Vec3 h = normalize(wi + sp.wo);
-        const float d = ggx_d(frame_around(sp.ns).to_local(h), sp.roughness);
-        const float shadowed = d / (4 * cos_i * cos_o) * smith_g2(cos_i, cos_o, sp.roughness);
+        const Vec3 h = normalize(wi + sp.wo), local = frame_around(sp.ns).to_local(h);
+        const float d = sp.beckmann ? beckmann_d(local, sp.roughness) : ggx_d(local, sp.roughness);
+        const float seen = lobe_g1(sp, cos_o),
+                    shadowed = d / (4 * cos_i * cos_o) * (lobe_g1(sp, cos_i) * seen);
         r.f += lobe_fresnel(sp, dot(wi, h)) * shadowed;
-        // Density of the visible normal h times dω_h/dω_i = 1 / (4 cos(wo, h))
-        r.pdf += share * d * smith_g1(cos_o, sp.roughness) / (4 * cos_o);
+        // Density of the normal h, visible or any, times dω_h/dω_i = 1 / (4 cos(wo, h))
+        r.pdf += sp.beckmann ? share * d * local.z / (4 * dot(sp.wo, h)) : share * d * seen / (4 * cos_o);
     }
     return r;
 }
@@ -92,7 +97,8 @@ std::optional<BsdfSample> sample_bsdf(const ShadingPoint& sp, float u_lobe, Vec2
     Vec3 local;
     if (u_lobe < glossy_share(sp)) {
         const Vec3 wo = frame.to_local(sp.wo);
-        const Vec3 h = sample_ggx_vndf({wo.x, wo.y, std::max(wo.z, 1e-6f)}, sp.roughness, u);
+        const Vec3 h = sp.beckmann ? sample_beckmann(sp.roughness, u)
+                                   : sample_ggx_vndf({wo.x, wo.y, std::max(wo.z, 1e-6f)}, sp.roughness, u);
         local = h * (2 * dot(wo, h)) - wo;
     } else {
         local = square_to_cosine_hemisphere(u);

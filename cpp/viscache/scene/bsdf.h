@@ -17,6 +17,7 @@ struct ShadingPoint {
     float eta = 1.5f;
     const Coat* coat = nullptr;        ///< of a glossy surface; nullptr: none
     const Conductor* metal = nullptr;  ///< of a mirror or of a glossy surface without a base; nullptr: none
+    bool beckmann = false;             ///< microfacets are Beckmann's, not GGX's
     bool thin = false;                 ///< a dielectric that is a plate without thickness
 };
 
@@ -27,11 +28,11 @@ inline bool is_black(const ShadingPoint& sp) {
 }
 
 /// f(wo, wi) without the cosine, per steradian; symmetric in wo and wi; zero below either normal. Diffuse:
-/// base/π. Glossy: a GGX lobe with Schlick's Fresnel term F of `specular` = F0, plus the diffuse part below
-/// it (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1 − cos_i)⁵), whose albedo is
-/// 0.997 base (1 − F(cos_o)). Under a coat: the GGX lobe with the Fresnel term of the dielectric, times
-/// `specular`, plus coated_base/π · T(cos_o) T(cos_i). Of a metal: the GGX lobe with the Fresnel term of its
-/// index, times `specular`. If base, F0 and `specular` are at most 1, the surface
+/// base/π. Glossy: a lobe of GGX's or Beckmann's microfacets with Schlick's Fresnel term F of `specular` =
+/// F0, plus the diffuse part below it (Shirley et al. 1997), base/π · 1.047 (1 − F0)(1 − (1 − cos_o)⁵)(1 − (1
+/// − cos_i)⁵), whose albedo is 0.997 base (1 − F(cos_o)). Under a coat: the lobe with the Fresnel term of the
+/// dielectric, times `specular`, plus coated_base/π · T(cos_o) T(cos_i). Of a metal: the lobe with the
+/// Fresnel term of its index, times `specular`. If base, F0 and `specular` are at most 1, the surface
 /// reflects no more light than arrives. (Two corners: 0.7 % more at roughness 0.001 and grazing angles, 2 %
 /// more under a Beckmann coat of index below 1.)
 Rgb eval_bsdf(const ShadingPoint& sp, Vec3 wi);
@@ -41,6 +42,9 @@ float pdf_bsdf(const ShadingPoint& sp, Vec3 wi);
 /// Albedo of the diffuse part alone for light from wo: base, or 0.997 base (1 − F(cos_o)) under a glossy
 /// lobe, or what leaves through a coat.
 Rgb diffuse_albedo(const ShadingPoint& sp);
+
+/// Fraction of the microfacets visible from a direction.
+float lobe_g1(const ShadingPoint& sp, float cos);
 
 /// Probability that `sample_bsdf` samples the glossy lobe.
 float glossy_share(const ShadingPoint& sp);

@@ -45,13 +45,8 @@ struct Microfacets {
     bool beckmann = false;
     float alpha = 0.1f;
 
-    /// Smith's G1. Beckmann's is Walter et al.'s rational fit (2007), as in Mitsuba.
-    float visible(float cos) const {
-        if (!beckmann) return smith_g1(cos, alpha);
-        if (!(cos > 0)) return 0;
-        const float a = cos / (alpha * std::sqrt(std::max(1e-12f, 1 - cos * cos)));
-        return a >= 1.6f ? 1.f : (3.535f * a + 2.181f * a * a) / (1 + 2.276f * a + 2.577f * a * a);
-    }
+    /// Smith's G1.
+    float visible(float cos) const { return beckmann ? beckmann_g1(cos, alpha) : smith_g1(cos, alpha); }
 };
 
 /// The share of light from a direction that rough microfacets reflect or transmit once: the mean of `share`
@@ -68,8 +63,7 @@ double over_normals(float cos, Microfacets m, const Share& share) {
             double weight = node.weight;
             if (m.beckmann) {
                 // D cos is sampled; the normals are seen in proportion to D (wo · h)
-                const float tan = m.alpha * std::sqrt(-std::log1p(-float(node.x))), phi = 2 * kPi * u;
-                h = normalize({tan * std::cos(phi), tan * std::sin(phi), 1});
+                h = sample_beckmann(m.alpha, {float(node.x), u});
                 weight *= double(std::max(0.f, dot(wo, h)) / h.z);
             }
             total += weight;

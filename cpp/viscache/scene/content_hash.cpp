@@ -87,6 +87,7 @@ std::string content_hash(const SceneDescription& d) {
         if (m.opacity < 1) h.floats({m.opacity});
         if (m.mixes_metal())
             h.floats({m.metallic, float(m.metallic_roughness_texture), float(m.roughness_texture)});
+        if (m.beckmann) h.word(6);
         if (m.metal.is_given()) {
             h.vec(m.metal.eta);
             h.vec(m.metal.k);

@@ -23,8 +23,9 @@ LobeConstants lobe_constants(const ShadingPoint& p) {
     k.metal = p.metal;
     k.f0 = p.specular;
     k.cos_o = cos_o;
+    k.beckmann = p.beckmann;
     k.alpha2 = p.roughness * p.roughness;
-    k.outgoing = k.black ? 0.f : smith_g1(cos_o, p.roughness) / (4 * cos_o);
+    k.outgoing = k.black ? 0.f : lobe_g1(p, cos_o) / (4 * cos_o);
     k.share = k.black ? 0.f : glossy_share(p);
     return k;
 }

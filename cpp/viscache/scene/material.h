@@ -18,14 +18,14 @@ enum class CoatKind : uint8_t {
     kNone,      ///< none: the lobe has Schlick's Fresnel term of `specular`
     kSmooth,    ///< a smooth dielectric of index `eta`
     kRough,     ///< a rough dielectric of index `eta` and of `roughness`
-    kBeckmann,  ///< the same for Beckmann's microfacets, whose lobe is GGX's here
+    kBeckmann,  ///< the same with Beckmann's microfacets
 };
 
 struct Material {
     MaterialKind kind = MaterialKind::kDiffuse;
     Rgb base_color{0.5f, 0.5f, 0.5f};  ///< albedo of the Lambertian part, in [0, 1]
     Rgb specular{1, 1, 1};             ///< reflectance of the GGX or mirror part at normal incidence
-    float roughness = 0.1f;            ///< GGX alpha, in [1e-3, 1]
+    float roughness = 0.1f;            ///< alpha of the microfacets, in [1e-3, 1]
     float eta = 1.5f;                  ///< interior over exterior index of refraction; of glass and of coats
     bool two_sided = true;             ///< false: the back side is black
     int base_texture = -1;             ///< image that multiplies `base_color`; -1: none
@@ -39,9 +39,11 @@ struct Material {
         0;  ///< of glossy materials: the share that is metal, whose `specular` is the base colour
     int metallic_roughness_texture = -1;  ///< image, as in glTF: green multiplies √roughness, blue `metallic`
     int roughness_texture = -1;           ///< image that multiplies `roughness`; -1: none
-    Conductor metal{};  ///< of mirrors and of glossy materials without a base: the index of refraction;
-                        ///< `specular` then scales the reflection
+    Conductor metal{};      ///< of mirrors and of glossy materials without a base: the index of refraction;
+                            ///< `specular` then scales the reflection
+    bool beckmann = false;  ///< the microfacets of a glossy material without a coat are Beckmann's, not GGX's
 
+    bool has_beckmann() const { return beckmann || coat == CoatKind::kBeckmann; }
     /// True if base colour, `specular` and `roughness` have to be found for each point.
     bool mixes_metal() const {
         return metallic > 0 || metallic_roughness_texture >= 0 || roughness_texture >= 0;

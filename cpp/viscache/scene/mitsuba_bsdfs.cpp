@@ -17,12 +17,12 @@ void MitsubaReader::set_base(Material& m, const ColorTexture& base) {
     m.base_texture = base.image;
 }
 
-/// Warns of lobes that are not GGX's: Mitsuba's own default is Beckmann's.
-bool MitsubaReader::is_ggx(Node node) {
+/// Microfacets are GGX's or Beckmann's, which Mitsuba takes by default; warns of others.
+bool MitsubaReader::is_beckmann(Node node) {
     const std::string wanted = lower(string(node, "distribution", "beckmann"));
-    if (wanted != "ggx")
-        warn_at(node, "microfacets are GGX here; the distribution '" + wanted + "' is not modelled");
-    return wanted == "ggx";
+    if (wanted != "ggx" && wanted != "beckmann")
+        warn_at(node, "the distribution of microfacets '" + wanted + "' is not modelled; GGX's is used");
+    return wanted == "beckmann";
 }
 
 float MitsubaReader::roughness(Node node, double fallback) {
@@ -54,7 +54,7 @@ Material MitsubaReader::plastic(Node node, bool rough) {
     Material m;
     m.kind = MaterialKind::kGlossy;
     m.coat = rough ? CoatKind::kRough : CoatKind::kSmooth;
-    if (rough && !is_ggx(node)) m.coat = CoatKind::kBeckmann;
+    if (rough && is_beckmann(node)) m.coat = CoatKind::kBeckmann;
     m.nonlinear = boolean(node, "nonlinear", false);
     m.two_sided = false;
     set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
@@ -73,7 +73,7 @@ void MitsubaReader::set_roughness(Material& m, Node node) {
 
 Material MitsubaReader::conductor(Node node, bool rough) {
     Material m;
-    if (rough) is_ggx(node);
+    m.beckmann = rough && is_beckmann(node);
     m.kind = rough ? MaterialKind::kGlossy : MaterialKind::kMirror;
     m.base_color = {0, 0, 0};
     if (rough) set_roughness(m, node);

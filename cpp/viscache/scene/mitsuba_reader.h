@@ -85,7 +85,7 @@ private:
     int material_of(Node shape);
     Material bsdf(Node node, int depth);
     Material nested(Node node, int depth);
-    bool is_ggx(Node node);
+    bool is_beckmann(Node node);
     Material plastic(Node node, bool rough);
     Material conductor(Node node, bool rough);
     Material dielectric(Node node);

@@ -60,23 +60,31 @@ class SceneDescription:
         """
         Add a directional light: `direction` points towards it, irradiance in W/m² across it.
         """
-    def add_image(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, nearest: bool = False) -> int:
+    def add_image(self, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, nearest: bool = False, wrap: typing.Annotated[collections.abc.Sequence[str], "FixedSize(2)"] = ('repeat', 'repeat')) -> int:
         """
         Add an image (H, W, C), linear; returns its index. With nearest=True, its pixels have hard edges.
+        `wrap` is what it shows beyond its borders along u and v: "repeat", "mirror" or "clamp".
         """
     def add_instance(self, meshes: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> int:
         """
         Add an instance of meshes (added with in_world=False) by an affine (3, 4) or (4, 4) matrix; returns
         its index.
         """
-    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5, coat: CoatKind = CoatKind.NONE, nonlinear: bool = False, thin: bool = False, opacity: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> int:
+    def add_material(self, kind: MaterialKind = MaterialKind.DIFFUSE, *, base_color: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.5, 0.5, 0.5], specular: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [1.0, 1.0, 1.0], roughness: typing.SupportsFloat | typing.SupportsIndex = 0.10000000149011612, eta: typing.SupportsFloat | typing.SupportsIndex = 1.5, two_sided: bool = True, base_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_texture: typing.SupportsInt | typing.SupportsIndex = -1, alpha_cutoff: typing.SupportsFloat | typing.SupportsIndex = 0.5, coat: CoatKind = CoatKind.NONE, nonlinear: bool = False, thin: bool = False, opacity: typing.SupportsFloat | typing.SupportsIndex = 1.0, metallic: typing.SupportsFloat | typing.SupportsIndex = 0.0, metallic_roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, roughness_texture: typing.SupportsInt | typing.SupportsIndex = -1, metal_eta: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], metal_k: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], beckmann: bool = False) -> int:
         """
         Add a material; returns its index. Colours and roughness are in [0, 1], eta is the index of
         refraction, textures are indices of images, -1 for none. A coat covers a glossy material: a
         dielectric layer of index eta, smooth or of the roughness; then specular scales its
         reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be
         thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;
-        the rest are small holes in a fixed pattern.
+        the rest are small holes in a fixed pattern. A glossy material without a coat can be metallic
+        in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have an
+        image: the green channel of metallic_roughness_texture multiplies the root of roughness and the
+        blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.
+        A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index
+        metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both 0:
+        its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with
+        beckmann=True; those of a coat are named by its kind.
         """
     def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
         """

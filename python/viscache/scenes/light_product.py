@@ -166,6 +166,7 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
         nonlinear=material["nonlinear"],
         metal_eta=material["metal_eta"],
         metal_k=material["metal_k"],
+        beckmann=material["beckmann"],
     )
     out = np.zeros_like(directions)
     out[above] = sampling.eval_bsdf(point, directions[above].astype(np.float32))

@@ -1,0 +1,293 @@
+"""scene/conductor.h: metals by their complex index of refraction; Beckmann's microfacets."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from skimage.io import imsave
+
+import viscache as vc
+from scene.test_bsdf import Vector, direction
+from scene.test_coat import above, of_mitsuba
+from scene.test_metallic_roughness import bitmap, waves
+from scene.test_mitsuba_parity import VIEW, agreement
+from scene.test_mitsuba_parity import of_mitsuba as frames_of_mitsuba
+from scene.test_mitsuba_parity import of_viscache as frames_of_viscache
+from viscache import _core as core
+from viscache._core import MaterialKind
+from viscache._core.sampling import ShadingPoint, eval_bsdf
+
+COPPER: dict[str, Vector] = {
+    "metal_eta": (0.201, 0.9237, 1.1022),
+    "metal_k": (3.9133, 2.453, 2.1421),
+}
+
+
+def fresnel(cos: float, eta: Any, k: Any) -> npt.NDArray[np.float64]:
+    """The unpolarised reflectance, from Fresnel's equations with complex numbers."""
+    n = np.asarray(eta) + 1j * np.asarray(k)
+    inside = np.sqrt(1 - (1 - cos**2) / n**2)
+    across = (cos - n * inside) / (cos + n * inside)
+    along = (n * cos - inside) / (n * cos + inside)
+    return np.asarray((abs(across) ** 2 + abs(along) ** 2) / 2)
+
+
+def metal(cos_o: float, roughness: float, *, beckmann: bool = False, **more: Any) -> ShadingPoint:
+    given: dict[str, Any] = {"specular": (1, 1, 1)} | COPPER | more
+    return ShadingPoint(
+        MaterialKind.GLOSSY, direction(cos_o), roughness=roughness, beckmann=beckmann, **given
+    )
+
+
+@pytest.mark.parametrize("cos", [1.0, 0.7, 0.2, 0.02])
+@pytest.mark.parametrize(
+    ("eta", "k"),
+    [
+        ((0.2, 0.9, 1.1), (3.9, 2.4, 2.1)),
+        ((0, 1.5, 40), (1, 0, 60)),
+        ((9e3, 1e-3, 1), (1, 9e3, 0.1)),
+    ],
+)
+def test_a_metal_reflects_by_fresnels_equations(cos: float, eta: Vector, k: Vector) -> None:
+    """The lobe divided by that of a perfect mirror, at the mirror direction."""
+    wi = np.array([direction(cos, 0.7 + np.pi)])
+    ours = eval_bsdf(metal(cos, 0.3, metal_eta=eta, metal_k=k), wi)[0]
+    perfect = ShadingPoint(MaterialKind.GLOSSY, direction(cos), specular=(1, 1, 1), roughness=0.3)
+    np.testing.assert_allclose(ours / eval_bsdf(perfect, wi)[0], fresnel(cos, eta, k), rtol=1e-3)
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("distribution", ["ggx", "beckmann"])
+@pytest.mark.parametrize("alpha", [0.02, 0.1, 0.4, 1.0])
+@pytest.mark.parametrize("cos_o", [0.9, 0.4, 0.05])
+def test_a_rough_metal_is_mitsubas(cos_o: float, alpha: float, distribution: str) -> None:
+    rng, mirror = np.random.default_rng(4), np.array(direction(cos_o, 0.7 + np.pi))
+    near = mirror + 2 * alpha * rng.normal(size=(100, 3))
+    near /= np.linalg.norm(near, axis=1, keepdims=True)
+    wi = np.concatenate([near[near[:, 2] > 0.02], above(40)])
+    plugin = {"type": "roughconductor", "material": "Cu", "alpha": alpha}
+    theirs = of_mitsuba(plugin | {"distribution": distribution}, direction(cos_o), wi)
+
+    def ours(beckmann: bool, **more: Any) -> Any:
+        return eval_bsdf(metal(cos_o, alpha, beckmann=beckmann, **more), wi) * wi[:, 2:]
+
+    bright = theirs.max(1) > 1e-3 * theirs.max()
+    right = distribution == "beckmann"
+    assert ours(right)[bright] == pytest.approx(theirs[bright], rel=4e-3)
+    # Power: the other microfacets, and the approximation that took the place of Fresnel's term
+    assert np.abs(ours(not right)[bright] / theirs[bright] - 1).max() > 0.1
+    schlick = ShadingPoint(
+        MaterialKind.GLOSSY,
+        direction(cos_o),
+        specular=tuple(fresnel(1, *COPPER.values())),
+        roughness=alpha,
+        beckmann=right,
+    )
+    wrong = eval_bsdf(schlick, wi) * wi[:, 2:]
+    if cos_o < 0.5:  # towards the normal, both are alike
+        assert np.abs(wrong[bright] / theirs[bright] - 1).max() > 0.02
+
+
+def test_specular_scales_the_reflection_of_a_metal() -> None:
+    wi = np.array([direction(0.3, 0.7 + np.pi)])
+    part = eval_bsdf(metal(0.3, 0.2, specular=(0.5, 0.25, 0)), wi)
+    assert part == pytest.approx(eval_bsdf(metal(0.3, 0.2), wi) * [0.5, 0.25, 0])
+
+
+PLANE = """<shape type="rectangle"><transform name="to_world"><scale value="5"/>
+<rotate x="1" angle="-90"/></transform>{bsdf}</shape>
+<shape type="rectangle"><transform name="to_world"><scale x="2" y="1.2"/>
+<rotate x="1" angle="10"/><translate y="4.7" z="-3.2"/></transform>
+<emitter type="area"><rgb name="radiance" value="6,5,4"/></emitter></shape>
+<emitter type="constant"><rgb name="radiance" value="0.3,0.35,0.4"/></emitter>"""
+
+
+def write(folder: Path, bsdf: str) -> Path:
+    path = folder / "scene.xml"
+    path.write_text(f'<scene version="3.0.0">{VIEW}{PLANE.format(bsdf=bsdf)}</scene>')
+    return path
+
+
+def cases() -> Iterator[Any]:
+    named = '<string name="material" value="{}"/>'
+    given = '<rgb name="eta" value="1.4,0.4,0.2"/><rgb name="k" value="2,4,6"/>'
+    ggx = '<string name="distribution" value="ggx"/>'
+    tint = '<rgb name="specular_reflectance" value="0.9,0.5,0.2"/>'
+    for metal in ("Au", "Al", "W"):
+        yield pytest.param("conductor", named.format(metal), id=metal)
+        yield pytest.param("roughconductor", ggx + named.format(metal), id=f"rough {metal}")
+    yield pytest.param("roughconductor", named.format("Cr"), id="Beckmann's Cr")
+    yield pytest.param("roughconductor", tint + given, id="given and tinted")
+    yield pytest.param("roughconductor", tint, id="tinted mirror")
+    yield pytest.param("conductor", given, id="given")
+
+
+@pytest.mark.slow
+@pytest.mark.mitsuba
+@pytest.mark.parametrize(("kind", "values"), list(cases()))
+def test_a_metal_looks_as_in_mitsuba(tmp_path: Path, kind: str, values: str) -> None:
+    alpha = '<float name="alpha" value="0.25"/>' if kind.startswith("rough") else ""
+    path = write(tmp_path, f'<bsdf type="{kind}">{values}{alpha}</bsdf>')
+    vc.load_scene(path, strict=True)
+    ours, theirs = frames_of_viscache(path), frames_of_mitsuba(path)
+    assert agreement(ours, theirs) >= 0.95
+    assert np.mean(ours, (0, 1, 2)) == pytest.approx(np.mean(theirs, (0, 1, 2)), rel=0.01)
+    # Power: 5 % more light, and a perfect mirror in its place
+    assert agreement(np.multiply(ours, 1.05), theirs) < 0.9
+    perfect = frames_of_viscache(write(tmp_path, f'<bsdf type="{kind}">{alpha}</bsdf>'))
+    assert agreement(perfect, theirs) < 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("distribution", ["ggx", "beckmann"])
+def test_an_image_of_alpha_is_that_of_mitsuba(tmp_path: Path, distribution: str) -> None:
+    imsave(tmp_path / "rough.png", waves(0, 25, 130), check_contrast=False)
+
+    def rough(alpha: str) -> Path:
+        lobe = f'<string name="distribution" value="{distribution}"/>'
+        gold = '<string name="material" value="Au"/>'
+        return write(tmp_path, f'<bsdf type="roughconductor">{alpha}{lobe}{gold}</bsdf>')
+
+    path = rough(bitmap("alpha", "rough.png", True))
+    assert not vc.load_scene(path).warnings
+    ours, theirs = frames_of_viscache(path), frames_of_mitsuba(path)
+    assert agreement(ours, theirs) >= 0.95
+    assert np.mean(ours, (0, 1, 2)) == pytest.approx(np.mean(theirs, (0, 1, 2)), rel=0.01)
+    assert agreement(np.multiply(ours, 1.05), theirs) < 0.9
+    even = frames_of_viscache(rough('<float name="alpha" value="0.3"/>'))
+    assert agreement(even, theirs) < 0.9
+
+
+def in_a_mirror(integrator: Any, **material: Any) -> Any:
+    """A white sky in a floor, seen at a slant."""
+    floor = [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]]
+    scene = vc.Scene.from_arrays([(floor, [[0, 2, 1], [0, 3, 2]], material)], env=1.0)
+    view = vc.look_at((0, 1, 3), (0, 0, 0), fov_deg=2)
+    return vc.render(scene, integrator, camera=view, size=(8, 8), spp=4).image.mean((0, 1))
+
+
+@pytest.mark.parametrize("integrator", [vc.Direct(), vc.Bdpt(max_depth=3)], ids=["direct", "bdpt"])
+def test_a_mirror_of_metal_is_tinted_by_its_angle(integrator: Any) -> None:
+    cos = 1 / np.sqrt(10)
+    seen = in_a_mirror(integrator, kind="mirror", **COPPER)
+    assert seen == pytest.approx(fresnel(cos, *COPPER.values()), rel=2e-3)
+    upright = fresnel(1, *COPPER.values())
+    assert np.abs(seen / upright - 1).max() > 0.02
+    half = in_a_mirror(integrator, kind="mirror", specular=(0.5, 0.5, 0.5), **COPPER)
+    assert half == pytest.approx(seen / 2, rel=1e-3)
+
+
+def test_photons_are_tinted_by_a_mirror_as_eye_paths_are() -> None:
+    """A narrow beam by way of a mirror to a wall, whose virtual lights shine on another wall."""
+
+    def lit(**material: Any) -> Any:
+        d = vc.SceneDescription()
+        wall = d.add_material()
+        mirror = d.add_material(MaterialKind.MIRROR, **material)
+        faces = [[0, 1, 2], [0, 2, 3]]
+        for corners, surface in (
+            ([[-3, 0, -3], [3, 0, -3], [3, 0, 3], [-3, 0, 3]], mirror),
+            ([[4, 0, -3], [4, 6, -3], [4, 6, 3], [4, 0, 3]], wall),
+            ([[-4, 0, 3], [4, 0, 3], [4, 6, 3], [-4, 6, 3]], wall),
+        ):
+            d.add_mesh(corners, faces, material=surface)
+        to_light = np.array([-np.sqrt(8), 1, 0])
+        d.add_point_light(to_light, (9e4, 9e4, 9e4), axis=-to_light, cone_deg=(0.5, 1))
+        scene = vc.Scene.from_description(d)
+        view = vc.look_at((0, 2, -3), (2, 3.5, 3), fov_deg=20)
+        by = vc.Whitted(n_vpls=64, vpl_max_depth=2)
+        return vc.render(scene, by, camera=view, size=(16, 16), spp=1).image.mean((0, 1))
+
+    assert lit().min() > 1e-4
+    assert lit(**COPPER) / lit() == pytest.approx(fresnel(1 / 3, *COPPER.values()), rel=0.01)
+
+
+@pytest.mark.mitsuba
+def test_the_named_metals_are_those_of_mitsuba(tmp_path: Path) -> None:
+    mi: Any = pytest.importorskip("mitsuba")
+    mi.set_variant("scalar_rgb")
+    folder = Path(mi.__file__).parent / "data" / "ior"
+    names = sorted({f.name.split(".")[0] for f in folder.iterdir()})
+    assert len(names) > 60
+    for name in names:
+        bsdf = f'<bsdf type="conductor"><string name="material" value="{name}"/></bsdf>'
+        scene = core.load_scene_file(str(write(tmp_path, bsdf)))
+        if name.startswith("AlSb"):  # no index of red light in Mitsuba
+            assert len(scene.warnings) == 1
+            continue
+        assert not scene.warnings
+        theirs = mi.traverse(mi.load_dict({"type": "conductor", "material": name}))
+        for ours, key in (("metal_eta", "eta.value"), ("metal_k", "k.value")):
+            assert scene.materials[0][ours] == pytest.approx(np.ravel(theirs[key]), abs=1e-4)
+
+
+def test_metals_of_pbrt_files(tmp_path: Path) -> None:
+    def material(words: str) -> dict[str, Any]:
+        path = tmp_path / "scene.pbrt"
+        path.write_text(f"""WorldBegin
+        Material {words}
+        Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "integer indices" [0 1 2]
+        WorldEnd
+        """)
+        scene: core.SceneDescription = core.load_scene_file(str(path), True)
+        found: dict[str, Any] = scene.materials[0]
+        return found
+
+    given = '"rgb eta" [1.5 1.2 1] "rgb k" [2 3 4] "float roughness" 0.3'
+    for words in (f'"metal" {given}', f'"conductor" {given}'):
+        m = material(words)
+        assert m["kind"] == MaterialKind.GLOSSY and m["specular"] == [1, 1, 1]
+        assert m["metal_eta"] == pytest.approx([1.5, 1.2, 1])
+        assert m["metal_k"] == pytest.approx([2, 3, 4])
+    assert material('"conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k"')[
+        "metal_k"
+    ] == pytest.approx([3.983, 2.3856, 1.6034])
+    smooth = material('"conductor" "rgb reflectance" [0.25 0.5 1]')
+    assert smooth["kind"] == MaterialKind.MIRROR
+    upright = fresnel(1, smooth["metal_eta"], smooth["metal_k"])
+    assert upright == pytest.approx([0.25, 0.5, 1], abs=1e-3)
+
+
+def test_metals_are_part_of_the_content_and_travel() -> None:
+    def scene(**material: Any) -> vc.Scene:
+        triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        return vc.Scene.from_arrays(
+            [(*triangle, {"kind": "glossy", "base_color": (0, 0, 0)} | material)]
+        )
+
+    made = [
+        scene(),
+        scene(**COPPER),
+        scene(metal_eta=COPPER["metal_k"], metal_k=COPPER["metal_eta"]),
+        scene(beckmann=True),
+        scene(beckmann=True, **COPPER),
+    ]
+    assert len({s.content_hash for s in made}) == len(made)
+    assert [pickle.loads(pickle.dumps(s)).content_hash for s in made] == [
+        s.content_hash for s in made
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"metal_eta": (1, 0, 1)}, "not both 0"),
+        ({"metal_k": (1, 1, 2e4)}, "metal_eta and metal_k must be in"),
+        ({"metal_k": (1, 1, 1), "base_color": (0.1, 0, 0)}, "only mirrors and glossy materials"),
+        ({"metal_k": (1, 1, 1), "kind": "diffuse"}, "only mirrors and glossy materials"),
+        ({"beckmann": True, "kind": "mirror"}, "only a glossy material"),
+        ({"beckmann": True, "coat": "rough"}, "only a glossy material"),
+    ],
+)
+def test_wrong_metals_are_refused(wrong: dict[str, Any], said: str) -> None:
+    triangle = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    given: dict[str, Any] = {"kind": "glossy", "base_color": (0, 0, 0)} | wrong
+    with pytest.raises(vc.SceneError, match=said):
+        vc.Scene.from_arrays([(*triangle, given)])
