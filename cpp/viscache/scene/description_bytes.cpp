@@ -8,7 +8,7 @@ namespace viscache {
 
 namespace {
 
-constexpr uint64_t kTag = 0x3245435343564cull;  // changes with the fields below
+constexpr uint64_t kTag = 0x3345435343564cull;  // changes with the fields below
 
 /// The fields of each type, in one order for both directions.
 template <class Archive>
@@ -27,7 +27,7 @@ void fields(Archive& a, Image& i) {
 template <class Archive>
 void fields(Archive& a, Camera& c) {
     a(c.name, c.origin, c.right, c.up, c.forward, c.fov_y_rad, c.width, c.height, c.fov_is_horizontal,
-      c.view_height);
+      c.view_height, c.shift_x, c.shift_y);
 }
 template <class Archive>
 void fields(Archive& a, Warning& w) {
