@@ -57,7 +57,8 @@ def pictures(path: Path, integrator: Any, spp: int = 64, seeds: int = 8) -> Any:
 
 def in_blocks(ours: Any, theirs: Any) -> Any:
     """Hard edges make the noise of single pixels far from normal."""
-    return blocks.compare(*(np.stack([blocks.block_means(p, 4) for p in x]) for x in (ours, theirs)))
+    mine, other = ([blocks.block_means(p, 4) for p in side] for side in (ours, theirs))
+    return blocks.compare(mine, other)
 
 
 def of_mitsuba(path: Path) -> Any:
