@@ -20,7 +20,6 @@ import numpy as np
 from viscache.bench.common import Outcome, Sample, figure, ratio_figure
 from viscache.parity import renderers
 from viscache.parity.shared import shared_scenes
-from viscache.sources import SCENES_VARIABLE, made_by_others
 
 __all__ = ["loading"]
 
@@ -131,10 +130,6 @@ def _files(folder: Path, quick: bool, outcome: Outcome) -> Iterator[tuple[str, P
             outcome.skip(scene.name, scene.reason)
         else:
             yield scene.name, scene.path
-    if not quick and (box := made_by_others("cornell-box-obj/scene.obj")):
-        yield "shared/cornell-box-obj", _around(box, folder)
-    elif not quick:
-        outcome.skip("cornell-box-obj", f"no file; {SCENES_VARIABLE} names its folder")
 
 
 def _around(mesh: Path, folder: Path) -> Path:
