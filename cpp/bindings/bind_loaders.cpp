@@ -43,7 +43,8 @@ py::list camera_list(const SceneDescription& d) {
                      py::arg("right") = array3(c.right), py::arg("up") = array3(c.up),
                      py::arg("forward") = array3(c.forward), py::arg("fov_deg") = c.fov_y_rad * 180.f / kPi,
                      py::arg("horizontal") = c.fov_is_horizontal, py::arg("view_height") = c.view_height,
-                     py::arg("width") = c.width, py::arg("height") = c.height));
+                     py::arg("shift") = std::array{c.shift_x, c.shift_y}, py::arg("width") = c.width,
+                     py::arg("height") = c.height));
     return out;
 }
 

@@ -18,17 +18,18 @@ namespace {
 
 /// Every field of a camera, in the order of its declaration.
 using CameraState = std::tuple<std::string, std::array<float, 3>, std::array<float, 3>, std::array<float, 3>,
-                               std::array<float, 3>, float, int, int, bool, float>;
+                               std::array<float, 3>, float, int, int, bool, float, float, float>;
 
 CameraState camera_state(const Camera& c) {
-    return {c.name,      array3(c.origin), array3(c.right), array3(c.up),        array3(c.forward),
-            c.fov_y_rad, c.width,          c.height,        c.fov_is_horizontal, c.view_height};
+    return {c.name,  array3(c.origin), array3(c.right),     array3(c.up),  array3(c.forward), c.fov_y_rad,
+            c.width, c.height,         c.fov_is_horizontal, c.view_height, c.shift_x,         c.shift_y};
 }
 
 Camera camera_of(const CameraState& state) {
-    const auto& [name, origin, right, up, forward, fov, width, height, horizontal, view_height] = state;
-    const Camera camera{name, vec3(origin), vec3(right), vec3(up),   vec3(forward),
-                        fov,  width,        height,      horizontal, view_height};
+    const auto& [name, origin, right, up, forward, fov, width, height, horizontal, view_height, shift_x,
+                 shift_y] = state;
+    const Camera camera{name,  vec3(origin), vec3(right), vec3(up),    vec3(forward), fov,
+                        width, height,       horizontal,  view_height, shift_x,       shift_y};
     check_camera(camera);
     return camera;
 }
@@ -124,6 +125,10 @@ void bind_render(py::module_& m) {
         .def_readwrite("view_height", &Camera::view_height,
                        "Orthographic cameras: height of the picture in scene units, or its width where "
                        "`fov_is_horizontal`. 0: a pinhole.")
+        .def_readwrite("shift_x", &Camera::shift_x,
+                       "How far the picture's centre lies right of the axis, in widths of the picture.")
+        .def_readwrite("shift_y", &Camera::shift_y,
+                       "How far the picture's centre lies above the axis, in heights of the picture.")
         .def_readwrite("width", &Camera::width, "Pixels.")
         .def_readwrite("height", &Camera::height, "Pixels.")
         .def_property_readonly(

@@ -22,6 +22,7 @@ SMALL = (
     "aqvc-lookup",
     "oracle",
     "memory",
+    "loading",
     "correlation",
     "vlf-build",
     "vlf-ao",

@@ -171,3 +171,22 @@ def test_the_command_line_allows_it(folder, capsys):
     assert "allow_outside=True" in capsys.readouterr().err
     assert main(["info", scene, "--allow-outside"]) == 0
     assert "triangles" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "workers",
+    [[], pytest.param(["--workers", "2"], marks=pytest.mark.slow)],
+    ids=["here", "workers"],
+)
+def test_sweeps_allow_it_too(folder, capsys, workers):
+    put(folder.parent / "m.ply")
+    scene = xml(folder, MESH.format("../m.ply"))
+    file = folder / "sweep.toml"
+    file.write_text(
+        f'scene = "{scene.name}"\nintegrator = "direct"\nsize = [8, 8]\nmetrics = ["rel_l1"]\n'
+        "[over]\nc_e = [4]\n"
+    )
+    command = ["sweep", str(file), "-o", str(folder / "out"), *workers]
+    assert main(command) != 0
+    assert "allow_outside=True" in capsys.readouterr().err
+    assert main([*command, "--allow-outside"]) == 0

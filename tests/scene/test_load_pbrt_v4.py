@@ -125,19 +125,32 @@ def test_materials_have_their_nearest_kinds(tmp_path: Path) -> None:
         ('Material "dielectric" "float roughness" .2 ' + TRIANGLE, "rough glass"),
         ('Material "coateddiffuse" "rgb albedo" [.5 .5 .5] ' + TRIANGLE, "inside of a coat"),
         ('Material "diffusetransmission" ' + TRIANGLE, "'diffusetransmission' is not modelled"),
-        ('Material "measured" "string filename" "x.bsdf" ' + TRIANGLE, "'measured' is not modelled"),
-        ('Texture "d" "float" "constant" Material "diffuse" "texture displacement" "d" ' + TRIANGLE, "'displacement' is not modelled"),
+        (
+            'Material "measured" "string filename" "x.bsdf" ' + TRIANGLE,
+            "'measured' is not modelled",
+        ),
+        (
+            'Texture "d" "float" "constant" Material "diffuse" "texture displacement" "d" '
+            + TRIANGLE,
+            "'displacement' is not modelled",
+        ),
         ('Material "interface" ' + TRIANGLE, "without a surface"),
-        ('LightSource "infinite" "point3 portal" [0 0 0 1 0 0 1 1 0 0 1 0]', "portals are not modelled"),
+        (
+            'LightSource "infinite" "point3 portal" [0 0 0 1 0 0 1 1 0 0 1 0]',
+            "portals are not modelled",
+        ),
         ('LightSource "infinite" "string filename" "sky.exr"', "equal-area squares"),
         ('Shape "curve" "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]', "shape 'curve' is not modelled"),
         ('Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 1]', "curved patches"),
         ('MakeNamedMedium "fog" "string type" "homogeneous"', "media are not modelled"),
         ('ColorSpace "rec2020"', "colour space 'rec2020'"),
-        ('LightSource "point" "spectrum I" "illum-acesD60"', "spectrum 'illum-acesD60' is not known"),
+        (
+            'LightSource "point" "spectrum I" "illum-acesD60"',
+            "spectrum 'illum-acesD60' is not known",
+        ),
         ('Texture "t" "spectrum" "marble"', "texture 'marble' is not modelled"),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_modelled_is_warned_of_with_its_line(
     tmp_path: Path, words: str, text: str
 ) -> None:

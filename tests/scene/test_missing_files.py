@@ -62,3 +62,25 @@ def test_the_command_line_leaves_missing_meshes_out(
     assert cli.main(["info", path, "--missing", "skip", "--json"]) == cli.OK
     info = json.loads(capsys.readouterr().out)
     assert info["triangles"] == 2 and "left out" in info["warnings"][0]
+
+
+def test_a_sweep_leaves_missing_meshes_out_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written(tmp_path, "obj")
+    file = tmp_path / "sweep.toml"
+    text = 'scene = "scene.xml"\nintegrator = "direct"\nsize = [8, 8]\nmetrics = ["rel_l1"]\n'
+    file.write_text(text + "[over]\nc_e = [4]\n")
+    command = ["sweep", str(file), "-o", str(tmp_path / "out")]
+    assert cli.main(command) == cli.BAD_USAGE
+    assert 'missing="skip"' in capsys.readouterr().err
+    assert cli.main([*command, "--missing", "skip"]) == cli.OK
+    # The key of the file does the same
+    file.write_text(f'{text}missing = "skip"\n[over]\nc_e = [4, 8]\n')
+    assert cli.main(command) == cli.OK
+    file.write_text(f'{text}missing = "Skip"\n[over]\nc_e = [4]\n')
+    assert cli.main(command) == cli.BAD_USAGE
+    assert 'missing must be "error" or "skip"' in capsys.readouterr().err
+    file.write_text(f"{text}allow_outside = 1\n[over]\nc_e = [4]\n")
+    assert cli.main(command) == cli.BAD_USAGE
+    assert "allow_outside must be true or false" in capsys.readouterr().err

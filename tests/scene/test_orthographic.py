@@ -160,10 +160,13 @@ def test_files_say_how_much_the_camera_sees(tmp_path: Path) -> None:
     window = '"float screenwindow" [0 4 -1 1]'
     aside = camera_of(pbrt, f'{view} Camera "orthographic" {window} {film}')
     assert aside["view_height"] == 2
-    np.testing.assert_allclose(np.subtract(aside["origin"], one["origin"]),
-                               2 * np.array(one["right"]), atol=1e-6)  # fmt: skip
-    wide = camera_of(pbrt, f'{view} Camera "perspective" "float fov" 90 '
-                           f'"float screenwindow" [-1 1 -.5 .5] {film}')  # fmt: skip
+    np.testing.assert_allclose(
+        np.subtract(aside["origin"], one["origin"]), 2 * np.array(one["right"]), atol=1e-6
+    )
+    wide = camera_of(
+        pbrt,
+        f'{view} Camera "perspective" "float fov" 90 "float screenwindow" [-1 1 -.5 .5] {film}',
+    )
     assert wide["fov_deg"] == pytest.approx(np.degrees(2 * np.arctan(0.5)), rel=1e-5)
     with pytest.raises(core.SceneError, match="pixels that are not square"):
         camera_of(pbrt, f'{view} Camera "orthographic" "float screenwindow" [-1 1 -1 1] {film}')

@@ -16,6 +16,8 @@ struct Camera {
     bool fov_is_horizontal = false;  ///< true: `fov_y_rad` is the angle across the width instead
     float view_height = 0;  ///< > 0: parallel rays, and the picture is so high in scene units (so wide where
                             ///< `fov_is_horizontal`); `fov_y_rad` is not used. 0: a pinhole
+    float shift_x = 0, shift_y = 0;  ///< the picture is a part of a wider film: its centre lies so many
+                                     ///< widths right of the axis `forward`, and so many heights above it
 
     bool is_orthographic() const { return view_height > 0; }
 };

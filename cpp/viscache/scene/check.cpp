@@ -8,6 +8,7 @@ namespace viscache {
 namespace {
 
 constexpr double kLeastStretch = 1e-24, kMostUneven = 1e10;  // for the transforms of instances
+constexpr float kMaxShift = 1e3f;                            // of a camera's picture, in sizes of it
 constexpr float kMaxVertex = 1e16f;  // ray tracing fails for larger coordinates (visibility/query.h)
 
 template <class... Parts>
@@ -180,6 +181,9 @@ void check_camera(const Camera& c) {
              c.fov_y_rad * 180 / kPi);
     if (!(c.view_height >= 0 && c.view_height < kMaxVertex))
         fail("camera '", c.name, "': view_height must be finite and >= 0, got ", c.view_height);
+    for (float shift : {c.shift_x, c.shift_y})
+        if (!(std::fabs(shift) <= kMaxShift))
+            fail("camera '", c.name, "': the shift must be finite and at most ", kMaxShift, ", got ", shift);
     for (Vec3 axis : {c.forward, c.right, c.up})
         if (!(std::fabs(length(axis) - 1) < 1e-3f))
             fail("camera '", c.name, "': origin and target must be finite and differ");

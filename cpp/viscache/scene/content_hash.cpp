@@ -130,6 +130,10 @@ std::string content_hash(const SceneDescription& d) {
         h.vec(c.forward);
         h.floats({c.fov_y_rad, float(c.fov_is_horizontal)});
         if (c.is_orthographic()) h.floats({c.view_height});
+        if (c.shift_x != 0 || c.shift_y != 0) {
+            h.word(5);
+            h.floats({c.shift_x, c.shift_y});
+        }
     }
     return h.hex();
 }

@@ -28,7 +28,7 @@ void fields(Archive& a, Image& i) {
 template <class Archive>
 void fields(Archive& a, Camera& c) {
     a(c.name, c.origin, c.right, c.up, c.forward, c.fov_y_rad, c.width, c.height, c.fov_is_horizontal,
-      c.view_height);
+      c.view_height, c.shift_x, c.shift_y);
 }
 template <class Archive>
 void fields(Archive& a, Warning& w) {

@@ -30,8 +30,8 @@ struct FilmCamera {
         float depth = dot(d, camera.forward);
         if (!(depth > 0)) return std::nullopt;
         if (camera.is_orthographic()) depth = 1;
-        const float x = 0.5f * width * (1 + dot(d, camera.right) / (depth * half_width));
-        const float y = 0.5f * height * (1 - dot(d, camera.up) / (depth * half_height));
+        const float x = 0.5f * width * (1 - 2 * camera.shift_x + dot(d, camera.right) / (depth * half_width));
+        const float y = 0.5f * height * (1 + 2 * camera.shift_y - dot(d, camera.up) / (depth * half_height));
         if (!(x >= 0 && x < float(width) && y >= 0 && y < float(height))) return std::nullopt;
         return uint32_t(y) * uint32_t(width) + uint32_t(x);
     }
@@ -49,8 +49,8 @@ struct FilmCamera {
 private:
     /// `centre` moved in the image plane to pixel coordinates.
     Vec3 moved(Vec3 centre, float x, float y) const {
-        return centre + camera.right * ((2 * x / width - 1) * half_width) +
-               camera.up * ((1 - 2 * y / height) * half_height);
+        return centre + camera.right * ((2 * x / width - 1 + 2 * camera.shift_x) * half_width) +
+               camera.up * ((1 - 2 * y / height + 2 * camera.shift_y) * half_height);
     }
 };
 

@@ -128,6 +128,7 @@ void MitsubaReader::read_scene(const std::string& path) {
     version_major_ = version ? int(*version) : 3;
     register_ids(scene);
     read_elements(scene);
+    check_clip_planes();
 }
 
 void load_mitsuba(const std::string& path, Loading& loading) { MitsubaReader(loading).read_scene(path); }

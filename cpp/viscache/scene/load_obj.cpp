@@ -1,5 +1,6 @@
-// Wavefront OBJ and MTL, tokenised by tinyobjloader. Every line is checked first, because tinyobjloader
-// reads malformed numbers as 0 and silently drops faces with a wrong index.
+// Wavefront OBJ and MTL. Geometry is read here: tinyobjloader reads malformed numbers as 0 and silently drops
+// faces with a wrong index. The other lines are checked first, then read by tinyobjloader.
+#include <functional>
 #include <istream>
 #include <streambuf>
 #include <unordered_map>
@@ -28,79 +29,63 @@ std::string_view next_word(std::string_view& line) {
 
 std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 60)) + "'"; }
 
-void check_numbers(std::string_view rest, size_t least, const std::string& where) {
-    size_t n = 0;
-    for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
-        const auto x = parse_number(w);
-        if (!x || !std::isfinite(*x)) fail(where, "a finite number must stand here, got " + quoted(w));
-    }
-    if (n < least) fail(where, std::to_string(least) + " numbers are needed, got " + std::to_string(n));
-}
-
-void check_face(std::string_view rest, const std::string& where) {
-    size_t corners = 0;
-    for (std::string_view w; !(w = next_word(rest)).empty(); ++corners) {
-        size_t part = 0;
-        for (size_t begin = 0; begin <= w.size(); ++part) {
-            const size_t end = std::min(w.find('/', begin), w.size());
-            const std::string_view digits = w.substr(begin, end - begin);
-            const auto index = parse_integer(digits);
-            const bool may_be_empty = part == 1;
-            if (part > 2 || (!index && !(may_be_empty && digits.empty())) ||
-                (index && std::abs(*index) > 0x7ffffffe))
-                fail(where, "a face corner must be v, v/vt, v//vn or v/vt/vn, got " + quoted(w));
-            if (index && *index == 0) fail(where, "indices start at 1, got 0 in " + quoted(w));
-            begin = end + 1;
-        }
-    }
-    if (corners < 3) fail(where, "a face must have 3 or more corners, got " + std::to_string(corners));
-    if (corners > kMaxCorners) fail(where, "a face has " + std::to_string(corners) + " corners");
-}
-
-void check_obj_line(std::string_view line, const std::string& where) {
-    const std::string_view key = next_word(line);
-    if (key == "v" || key == "vn") check_numbers(line, 3, where);
-    if (key == "vt") check_numbers(line, 1, where);
-    if (key == "f") check_face(line, where);
-}
-
-void check_mtl_line(std::string_view line, const std::string& where) {
-    const std::string_view key = next_word(line);
-    if (key == "Kd" || key == "Ks" || key == "Ke" || key == "Ns" || key == "Ni" || key == "d" || key == "Tr")
-        if (std::string_view rest = line;
-            !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
-            check_numbers(line, 1, where);
-}
-
-/// Passes a text on line by line. Each line is checked first, and its number is known while it is parsed.
-class CheckedLines : public std::streambuf {
+/// Passes a text on line by line, and knows the number of the line that is parsed. Lines that are taken
+/// before are not passed on.
+class Lines : public std::streambuf {
 public:
-    using Check = void (*)(std::string_view, const std::string&);
-    CheckedLines(std::string& text, const std::string& path, Check check)
-        : text_(text), path_(path), check_(check) {}
+    /// Checks a line; true if nothing is left to do with it.
+    using Take = std::function<bool(std::string_view, const Lines&)>;
+    Lines(std::string& text, const std::string& path, Take take)
+        : text_(text), path_(path), take_(std::move(take)) {}
 
     std::string where() const { return at_line(path_, line_); }
     size_t line() const { return line_; }
 
 protected:
     int_type underflow() override {
-        if (begin_ >= text_.size()) return traits_type::eof();
-        const size_t end = std::min(text_.find('\n', begin_), text_.size() - 1) + 1;
-        ++line_;
-        const std::string_view line(text_.data() + begin_, end - begin_);
-        if (line.find('\0') != std::string_view::npos) fail(where(), "a zero byte in a text file");
-        check_(line, where());
-        setg(text_.data() + begin_, text_.data() + begin_, text_.data() + end);
-        begin_ = end;
-        return traits_type::to_int_type(*gptr());
+        while (begin_ < text_.size()) {
+            const size_t begin = begin_, end = std::min(text_.find('\n', begin), text_.size() - 1) + 1;
+            begin_ = end;
+            ++line_;
+            const std::string_view line(text_.data() + begin, end - begin);
+            if (line.find('\0') != std::string_view::npos) fail(where(), "a zero byte in a text file");
+            if (take_(line, *this)) continue;
+            setg(text_.data() + begin, text_.data() + begin, text_.data() + end);
+            return traits_type::to_int_type(*gptr());
+        }
+        return traits_type::eof();
     }
 
 private:
     std::string& text_;
     const std::string& path_;
-    Check check_;
+    Take take_;
     size_t begin_ = 0, line_ = 0;
 };
+
+/// The first three numbers of the rest of a line, which must hold `least` or more.
+Vec3 numbers(std::string_view rest, size_t least, const Lines& lines) {
+    float first[3] = {};
+    size_t n = 0;
+    for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
+        const auto x = parse_number(w);
+        if (!x || !std::isfinite(*x))
+            fail(lines.where(), "a finite number must stand here, got " + quoted(w));
+        if (n < 3) first[n] = float(*x);
+    }
+    if (n < least)
+        fail(lines.where(), std::to_string(least) + " numbers are needed, got " + std::to_string(n));
+    return {first[0], first[1], first[2]};
+}
+
+bool check_mtl_line(std::string_view line, const Lines& lines) {
+    const std::string_view key = next_word(line);
+    if (key == "Kd" || key == "Ks" || key == "Ke" || key == "Ns" || key == "Ni" || key == "d" || key == "Tr")
+        if (std::string_view rest = line;
+            !next_word(rest).empty() && line.find("spectral") == std::string_view::npos)
+            numbers(line, 1, lines);
+    return false;
+}
 
 Rgb rgb(const tinyobj::real_t* c) { return {c[0], c[1], c[2]}; }
 
@@ -135,7 +120,7 @@ Material convert(const tinyobj::material_t& in, const std::string& mtl, Loading&
 /// Reads the MTL files that an OBJ file names.
 class MtlReader : public tinyobj::MaterialReader {
 public:
-    MtlReader(const CheckedLines& lines, const std::string& obj, Loading* loading)
+    MtlReader(const Lines& lines, const std::string& obj, Loading* loading)
         : lines_(lines), obj_(obj), loading_(loading) {}
 
     bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
@@ -144,7 +129,7 @@ public:
         const std::string path = resolve(obj_, name);
         try {
             std::string text = read_file(path, lines_.where());
-            CheckedLines mtl(text, path, check_mtl_line);
+            Lines mtl(text, path, check_mtl_line);
             std::istream in(&mtl);
             in.exceptions(std::ios::badbit);
             std::string warning, error;
@@ -160,13 +145,14 @@ public:
     std::vector<std::string> files;  ///< the MTL file of each material
 
 private:
-    const CheckedLines& lines_;
+    const Lines& lines_;
     const std::string& obj_;
     Loading* loading_;
 };
 
+/// Indices from 0; -1: not given.
 struct Corner {
-    int64_t v = -1, t = -1, n = -1;
+    int32_t v = -1, t = -1, n = -1;
     bool operator==(const Corner&) const = default;
 };
 
@@ -179,71 +165,102 @@ struct CornerHash {
 };
 
 struct Face {
-    size_t first, count, line;
+    uint32_t count, line;
     int material;
 };
 
-/// Data collected by the callbacks of tinyobjloader.
+/// What the lines hold.
 struct Collected {
-    explicit Collected(const CheckedLines& lines) : lines(lines) {}
-
-    const CheckedLines& lines;
     std::vector<Vec3> positions, normals;
     std::vector<Vec2> uvs;
-    std::vector<Corner> corners;
+    std::vector<Corner> corners;  ///< of all faces, in their order
     std::vector<Face> faces;
     std::vector<tinyobj::material_t> materials;
     std::vector<std::pair<size_t, std::string>>
         unknown;  ///< line and name of each material that no MTL file defines
     int material = -1;
+
+    bool take(std::string_view line, const Lines& lines);
+
+private:
+    void take_face(std::string_view rest, const Lines& lines);
 };
 
-/// Converts a 1-based or relative index to a zero-based index; -1: not given. Ranges are checked once the
-/// counts are known.
-int64_t absolute(int index, size_t count, const CheckedLines& lines) {
-    if (index > 0) return index - 1;
-    if (index == 0) return -1;
-    if (size_t(-int64_t(index)) > count)
+/// An index from 0 for one that counts from 1, or from the last entry if it is negative. Upper limits are
+/// checked once the counts are known.
+int32_t absolute(int64_t index, size_t count, const Lines& lines) {
+    if (index > 0) return int32_t(index - 1);
+    if (size_t(-index) > count)
         fail(lines.where(), "a face uses the relative index " + std::to_string(index) + " after " +
                                 std::to_string(count) + " entries");
-    return int64_t(count) + index;
+    return int32_t(int64_t(count) + index);
 }
 
+/// v, v/vt, v//vn or v/vt/vn.
+void Collected::take_face(std::string_view rest, const Lines& lines) {
+    const size_t counts[3] = {positions.size(), uvs.size(), normals.size()};
+    size_t n = 0;
+    for (std::string_view w; !(w = next_word(rest)).empty(); ++n) {
+        int32_t found[3] = {-1, -1, -1};
+        size_t part = 0;
+        for (size_t begin = 0; begin <= w.size(); ++part) {
+            const size_t end = std::min(w.find('/', begin), w.size());
+            const std::string_view digits = w.substr(begin, end - begin);
+            const auto index = parse_integer(digits);
+            const bool may_be_empty = part == 1;
+            if (part > 2 || (!index && !(may_be_empty && digits.empty())) ||
+                (index && std::abs(*index) > 0x7ffffffe))
+                fail(lines.where(), "a face corner must be v, v/vt, v//vn or v/vt/vn, got " + quoted(w));
+            if (index && *index == 0) fail(lines.where(), "indices start at 1, got 0 in " + quoted(w));
+            if (index) found[part] = absolute(*index, counts[part], lines);
+            begin = end + 1;
+        }
+        corners.push_back({found[0], found[1], found[2]});
+    }
+    if (n < 3) fail(lines.where(), "a face must have 3 or more corners, got " + std::to_string(n));
+    if (n > kMaxCorners) fail(lines.where(), "a face has " + std::to_string(n) + " corners");
+    faces.push_back({uint32_t(n), uint32_t(lines.line()), material});
+}
+
+/// Takes the lines of geometry, of which there are most.
+bool Collected::take(std::string_view line, const Lines& lines) {
+    const std::string_view key = next_word(line);
+    if (key == "v") {
+        positions.push_back(numbers(line, 3, lines));
+    } else if (key == "vn") {
+        normals.push_back(numbers(line, 3, lines));
+    } else if (key == "vt") {
+        const Vec3 uv = numbers(line, 1, lines);
+        uvs.push_back({uv.x, uv.y});
+    } else if (key == "f") {
+        take_face(line, lines);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/// What tinyobjloader says about the rest of the lines. `user` is the pair of what was collected and the
+/// lines.
+using Told = std::pair<Collected*, const Lines*>;
 tinyobj::callback_t callbacks() {
     tinyobj::callback_t cb;
-    cb.vertex_cb = [](void* user, float x, float y, float z, float) {
-        static_cast<Collected*>(user)->positions.push_back({x, y, z});
-    };
-    cb.normal_cb = [](void* user, float x, float y, float z) {
-        static_cast<Collected*>(user)->normals.push_back({x, y, z});
-    };
-    cb.texcoord_cb = [](void* user, float u, float v, float) {
-        static_cast<Collected*>(user)->uvs.push_back({u, v});
-    };
-    cb.index_cb = [](void* user, tinyobj::index_t* indices, int n) {
-        auto& c = *static_cast<Collected*>(user);
-        c.faces.push_back({c.corners.size(), size_t(n), c.lines.line(), c.material});
-        for (int i = 0; i < n; ++i)
-            c.corners.push_back({absolute(indices[i].vertex_index, c.positions.size(), c.lines),
-                                 absolute(indices[i].texcoord_index, c.uvs.size(), c.lines),
-                                 absolute(indices[i].normal_index, c.normals.size(), c.lines)});
-    };
     cb.usemtl_cb = [](void* user, const char* name, int id) {
-        auto& c = *static_cast<Collected*>(user);
-        c.material = id;
-        if (id < 0) c.unknown.emplace_back(c.lines.line(), name);
+        const auto& [all, lines] = *static_cast<Told*>(user);
+        all->material = id;
+        if (id < 0) all->unknown.emplace_back(lines->line(), name);
     };
     cb.mtllib_cb = [](void* user, const tinyobj::material_t* materials, int n) {
-        static_cast<Collected*>(user)->materials.assign(materials, materials + n);
+        static_cast<Told*>(user)->first->materials.assign(materials, materials + n);
     };
     return cb;
 }
 
-void check_corner(const Corner& c, const Collected& all, const std::string& where) {
+void check_corner(const Corner& c, const Collected& all, const std::string& path, size_t line) {
     const auto check = [&](int64_t i, size_t count, const char* what) {
         if (i >= int64_t(count))
-            fail(where, std::string("a face uses ") + what + " index " + std::to_string(i + 1) +
-                            ", the file has " + std::to_string(count));
+            fail(at_line(path, line), std::string("a face uses ") + what + " index " + std::to_string(i + 1) +
+                                          ", the file has " + std::to_string(count));
     };
     check(c.v, all.positions.size(), "vertex");
     check(c.t, all.uvs.size(), "texture coordinate");
@@ -273,15 +290,16 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
     std::vector<Vec3> polygon;
     std::vector<uint32_t> ids;
     std::vector<Vec3u> local;
+    const Corner* corner = all.corners.data();
     for (const Face& face : all.faces) {
         Part& part = parts[split ? face.material : -1];
         polygon.clear();
         ids.clear();
         local.clear();
-        for (size_t i = face.first; i < face.first + face.count; ++i) {
-            check_corner(all.corners[i], all, at_line(path, face.line));
-            ids.push_back(part.vertex(all.corners[i], all));
-            polygon.push_back(all.positions[size_t(all.corners[i].v)]);
+        for (const Corner* const end = corner + face.count; corner != end; ++corner) {
+            check_corner(*corner, all, path, face.line);
+            ids.push_back(part.vertex(*corner, all));
+            polygon.push_back(all.positions[size_t(corner->v)]);
         }
         triangulate(polygon, local);
         for (const Vec3u& t : local) part.mesh.triangles.push_back({ids[t.x], ids[t.y], ids[t.z]});
@@ -293,14 +311,16 @@ std::map<int, Part> build_parts(const Collected& all, bool split, const std::str
 
 std::vector<Mesh> read_obj(const std::string& path, Loading* materials, const std::string& asked_at) {
     std::string text = read_file(path, asked_at);
-    CheckedLines lines(text, path, check_obj_line);
+    Collected all;
+    Lines lines(text, path, [&](std::string_view line, const Lines& at) { return all.take(line, at); });
     std::istream in(&lines);
     in.exceptions(std::ios::badbit);
-    Collected all(lines);
     MtlReader mtl(lines, path, materials);
     std::string warning, error;
-    if (!tinyobj::LoadObjWithCallback(in, callbacks(), &all, &mtl, &warning, &error))
+    Told told{&all, &lines};
+    if (!tinyobj::LoadObjWithCallback(in, callbacks(), &told, &mtl, &warning, &error))
         fail(lines.where(), error);
+    std::string().swap(text);
     if (all.faces.empty()) fail(path, "the file has no faces");
 
     std::vector<Mesh> meshes;

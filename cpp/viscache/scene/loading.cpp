@@ -251,6 +251,30 @@ void transform_uvs(Mesh& mesh, const UvTransform& t) {
     for (Vec2& uv : mesh.uvs) uv = t(uv);
 }
 
+bool uses_image(const Material& material) {
+    return material.base_texture >= 0 || material.alpha_texture >= 0;
+}
+
+void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {
+    if (!mesh.uvs.empty()) return;
+    Mesh split;
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Vec3u t = mesh.triangles[i];
+        const uint32_t corners[3] = {t.x, t.y, t.z};
+        const CornerUvs& uvs = turns.begin()[i % turns.size()];
+        for (int k = 0; k < 3; ++k) {
+            split.vertices.push_back(mesh.vertices[corners[k]]);
+            if (!mesh.normals.empty()) split.normals.push_back(mesh.normals[corners[k]]);
+            split.uvs.push_back(uvs[size_t(k)]);
+        }
+        const auto first = uint32_t(3 * i);
+        mesh.triangles[i] = {first, first + 1, first + 2};
+    }
+    mesh.vertices = std::move(split.vertices);
+    mesh.normals = std::move(split.normals);
+    mesh.uvs = std::move(split.uvs);
+}
+
 void flip_winding(Mesh& mesh) {
     for (Vec3u& t : mesh.triangles) std::swap(t.y, t.z);
 }
@@ -320,12 +344,12 @@ Affine scaling(double x, double y, double z) {
     return t;
 }
 
-Affine rotation(double degrees, double x, double y, double z) {
-    const double length = std::sqrt(x * x + y * y + z * z);
+Affine rotation(double degrees, double x, double y, double z, bool unit_axis) {
+    const double length = unit_axis ? std::sqrt(x * x + y * y + z * z) : 1;
     Affine t;
     if (!(length > 0)) return t;
     const double a[3] = {x / length, y / length, z / length};
-    const double angle = degrees * (3.14159265358979323846 / 180.0);
+    const double angle = degrees * kDegree;
     const double c = std::cos(angle), s = std::sin(angle);
     // Rodrigues' formula: c I + s [a]x + (1 - c) a aᵀ.
     const double cross[3][3] = {{0, -a[2], a[1]}, {a[2], 0, -a[0]}, {-a[1], a[0], 0}};
@@ -345,6 +369,18 @@ std::optional<double> uniform_scale(const Affine& t) {
         for (int j = 0; j < 3; ++j)
             if (std::abs(dots[i][j] - (i == j ? s2 : 0)) > 1e-4 * s2) return {};
     return std::sqrt(s2);
+}
+
+void crop_camera(Camera& c, int left, int top, int width, int height) {
+    const double across = double(c.width) / width, upwards = double(c.height) / height;
+    const double right = (left + width / 2.0) / c.width - 0.5, below = (top + height / 2.0) / c.height - 0.5;
+    c.shift_x = float((c.shift_x + right) * across);
+    c.shift_y = float((c.shift_y - below) * upwards);
+    const double kept = c.fov_is_horizontal ? across : upwards;
+    c.fov_y_rad = float(2 * std::atan(std::tan(c.fov_y_rad / 2.0) / kept));
+    c.view_height = float(c.view_height / kept);
+    c.width = width;
+    c.height = height;
 }
 
 void set_metal(Material& m, Rgb eta, Rgb k) {

@@ -2,6 +2,7 @@
 // Code shared by the scene loaders: file positions, limits, checked meshes. Internal to the loaders.
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,7 +17,8 @@ namespace viscache::loading {
 
 constexpr uint64_t kMaxFileBytes = uint64_t(8) << 30;
 constexpr float kMaxCoordinate = 1e16f;
-constexpr int kMaxDepth = 64;  ///< maximum nesting of elements, includes and nodes
+constexpr int kMaxDepth = 64;                             ///< maximum nesting of elements, includes and nodes
+constexpr double kDegree = 3.14159265358979323846 / 180;  ///< in radians
 
 /// Throws SceneError with the message "where: what".
 [[noreturn]] void fail(const std::string& where, const std::string& what);
@@ -127,6 +129,11 @@ private:
 };
 
 void transform_uvs(Mesh& mesh, const UvTransform& t);
+using CornerUvs = std::array<Vec2, 3>;
+/// Gives the triangles of a mesh without texture coordinates these, in turn.
+void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns);
+/// Whether shapes of this material need texture coordinates.
+bool uses_image(const Material& material);
 
 /// Refuses non-finite or huge vertices, indices out of range, attribute counts that do not match, and meshes
 /// without triangles.
@@ -148,7 +155,8 @@ void triangulate(const std::vector<Vec3>& polygon, std::vector<Vec3u>& triangles
 std::optional<Affine> inverse_of(const Affine& t);
 Affine translation(double x, double y, double z);
 Affine scaling(double x, double y, double z);
-Affine rotation(double degrees, double x, double y, double z);
+/// `unit_axis` false: the axis counts with its length, by which the result scales, as in Mitsuba 3.
+Affine rotation(double degrees, double x, double y, double z, bool unit_axis = true);
 bool is_finite(const Affine& t);
 
 /// Radius factor of a transform that maps spheres to spheres (rotation, reflection, uniform scale);
@@ -162,6 +170,8 @@ void smooth_normals(Mesh& mesh);
 Mesh cube_mesh();  ///< [-1, 1]³, 12 triangles facing out
 Mesh sphere_mesh(Vec3 center, float radius);
 Mesh disk_mesh();  ///< unit disk at z = 0, facing +z; a polygon of the disk's area
+/// The same with texture coordinates: the radius, and the angle in turns.
+Mesh polar_disk_mesh();
 
 /// A point of a profile in the half plane (r, z), with the tangent of the profile.
 struct ProfilePoint {
@@ -171,6 +181,9 @@ struct ProfilePoint {
 /// the profile: an upward line faces outwards. u grows with the angle, v along the profile. The polygon
 /// around the axis has the circumference of the circle.
 Mesh revolved_mesh(const std::vector<ProfilePoint>& profile, double phi_max_rad = 6.283185307179586);
+
+/// Makes the picture of a camera the part of its film that begins at the pixel (left, top).
+void crop_camera(Camera& camera, int left, int top, int width, int height);
 
 /// Describes a mirror or a glossy material without a base by an index of refraction. A channel without one is
 /// a perfect mirror.

@@ -163,4 +163,20 @@ Mesh disk_mesh() {
     return m;
 }
 
+Mesh polar_disk_mesh() {
+    Mesh m;
+    const Mesh plain = disk_mesh();
+    const auto n = uint32_t(plain.triangles.size());
+    for (uint32_t i = 0; i < n; ++i) {
+        const Vec3u t = plain.triangles[i];
+        const uint32_t first = 3 * i;
+        for (uint32_t corner : {t.x, t.y, t.z}) m.vertices.push_back(plain.vertices[corner]);
+        // The angle at the centre is that of the middle of the slice
+        const float from = float(i) / float(n), step = 1 / float(n);
+        m.uvs.insert(m.uvs.end(), {{0, from + step / 2}, {1, from}, {1, from + step}});
+        m.triangles.push_back({first, first + 1, first + 2});
+    }
+    return m;
+}
+
 }  // namespace viscache::loading

@@ -5,7 +5,6 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr float kDegree = kPi / 180.f;
 constexpr Rgb kWhite{1, 1, 1};
 
 }  // namespace
@@ -52,10 +51,10 @@ void MitsubaReader::spot(Node node) {
     if (!(inner >= 0 && inner <= outer)) fail_at(node, "the beam width must be in [0, cutoff angle]");
     if (length2(axis) == 0) fail_at(node, "the transform of a spot light must not be singular");
     if (property(node, "texture")) warn_at(node, "the texture of a spot light is not modelled; ignored");
-    loading_.scene.point_lights.push_back(
-        {t.point({0, 0, 0}),
-         color(node, "intensity", kWhite),
-         {Falloff::kAngle, axis, std::cos(float(inner) * kDegree), std::cos(float(outer) * kDegree)}});
+    loading_.scene.point_lights.push_back({t.point({0, 0, 0}),
+                                           color(node, "intensity", kWhite),
+                                           {Falloff::kAngle, axis, std::cos(float(inner) * float(kDegree)),
+                                            std::cos(float(outer) * float(kDegree))}});
 }
 
 void MitsubaReader::emitter(Node node) {

@@ -98,11 +98,12 @@ private:
 
     // mitsuba_shapes.cpp
     void shape(Node node);
-    std::optional<Mesh> shape_mesh(Node node, const std::string& type);
+    std::optional<Mesh> shape_mesh(Node node, const std::string& type, bool has_image);
     std::optional<Mesh> mesh_file(Node node, const std::string& type);
     Mesh serialized_mesh(Node node, const std::string& path);
     Mesh cylinder(Node node);
-    void sphere(Node node, const Rgb& emission, int material, bool in_group, std::vector<int>* group);
+    void sphere(Node node, const ColorTexture& emission, int material, bool in_group,
+                std::vector<int>* group);
     void instance(Node node);
     void add_shape(Node node, std::vector<int>* group);
     const std::vector<int>& group_meshes(Node node);
@@ -121,6 +122,8 @@ private:
     void sensor(Node node);
     void field_of_view(Node node, Camera& camera);
     void view_extent(Node node, Camera& camera);
+    void crop(Node film, Camera& camera);
+    void check_clip_planes();
 
     Loading& loading_;
     std::vector<std::unique_ptr<XmlFile>> files_;
@@ -133,6 +136,11 @@ private:
     std::map<int, UvTransform> material_uv_;         ///< key: index of the material
     std::map<size_t, std::vector<int>> groups_;      ///< key: shapegroup element
     std::map<std::string, std::string> serialized_;  ///< file contents; key: path
+    struct Clipped {
+        Node sensor;
+        size_t camera;
+    };
+    std::vector<Clipped> clip_planes_;  ///< the sensors, whose planes are judged at the end
     int version_major_ = 3;
 };
 

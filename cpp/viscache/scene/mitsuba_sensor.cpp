@@ -1,11 +1,10 @@
 // Mitsuba XML: cameras.
+#include "viscache/scene/clip_planes.h"
 #include "viscache/scene/mitsuba_reader.h"
 
 namespace viscache::loading {
 
 namespace {
-
-constexpr float kDegree = kPi / 180.f;
 
 /// Horizontal angle of view for a diagonal angle of view.
 float across_width(float diagonal, float aspect) {
@@ -19,7 +18,7 @@ float across_width(float diagonal, float aspect) {
 void MitsubaReader::field_of_view(Node node, Camera& camera) {
     const float aspect = float(camera.width) / float(camera.height);
     std::string axis = string(node, "fov_axis", "x");
-    float fov = float(number(node, "fov", 45)) * kDegree;
+    float fov = float(number(node, "fov", 45)) * float(kDegree);
     if (!property(node, "fov")) {
         float millimetres = 50;
         if (const Node focal = property(node, "focal_length")) {
@@ -62,12 +61,7 @@ void MitsubaReader::sensor(Node node) {
     for (const Node film : node.children("film")) {
         camera.width = integer(film, "width", camera.width);
         camera.height = integer(film, "height", camera.height);
-        if (property(film, "crop_width") || property(film, "crop_height"))
-            warn_at(film, "a crop is not modelled; the whole film is used");
     }
-    for (const char* offset : {"principal_point_offset_x", "principal_point_offset_y"})
-        if (number(node, offset, 0) != 0)
-            warn_at(property(node, offset), "an offset of the principal point is not modelled; ignored");
     if (camera.width < 1 || camera.height < 1) fail_at(node, "the film's width and height must be >= 1");
 
     // Mitsuba's camera looks along +z with x to the left.
@@ -84,7 +78,38 @@ void MitsubaReader::sensor(Node node) {
         view_extent(node, camera);
     else
         field_of_view(node, camera);
+    camera.shift_x = float(number(node, "principal_point_offset_x", 0));
+    camera.shift_y = float(-number(node, "principal_point_offset_y", 0));
+    for (const Node film : node.children("film")) crop(film, camera);
+    clip_planes_.push_back({node, loading_.scene.cameras.size()});
     loading_.scene.cameras.push_back(camera);
+}
+
+/// The picture becomes a part of the film.
+void MitsubaReader::crop(Node film, Camera& camera) {
+    const int width = integer(film, "crop_width", camera.width),
+              height = integer(film, "crop_height", camera.height), left = integer(film, "crop_offset_x", 0),
+              top = integer(film, "crop_offset_y", 0);
+    if (width == camera.width && height == camera.height && left == 0 && top == 0) return;
+    if (left < 0 || top < 0 || width < 1 || height < 1 || left > camera.width - width ||
+        top > camera.height - height)
+        fail_at(film, "the crop must lie on the film");
+    crop_camera(camera, left, top, width, height);
+}
+
+/// Near and far planes cut a picture in Mitsuba. They are not modelled, which matters where they cut
+/// something.
+void MitsubaReader::check_clip_planes() {
+    for (const auto& [node, index] : clip_planes_) {
+        const ClipPlanes planes{float(number(node, "near_clip", 1e-2)), float(number(node, "far_clip", 1e4))};
+        const CutGeometry cut = cut_geometry(loading_.scene, loading_.scene.cameras[index], planes);
+        const auto warn_of = [&](const char* name, const char* what) {
+            const Node given = property(node, name);
+            warn_at(given ? given : node, what);
+        };
+        if (cut.before) warn_of("near_clip", "the near plane is not modelled; what lies before it is seen");
+        if (cut.behind) warn_of("far_clip", "the far plane is not modelled; what lies behind it is seen");
+    }
 }
 
 }  // namespace viscache::loading

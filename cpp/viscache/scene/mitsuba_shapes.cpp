@@ -48,7 +48,8 @@ std::optional<Mesh> MitsubaReader::mesh_file(Node node, const std::string& type)
     return mesh;
 }
 
-std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type) {
+/// `has_image`: the mesh needs texture coordinates.
+std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type, bool has_image) {
     if (type == "obj" || type == "ply" || type == "serialized") return mesh_file(node, type);
     if (!is_generated(type)) {
         warn_at(node, "shape '" + type + "' is not modelled; skipped");
@@ -57,12 +58,13 @@ std::optional<Mesh> MitsubaReader::shape_mesh(Node node, const std::string& type
     Mesh mesh = type == "rectangle"  ? rectangle_mesh()
                 : type == "cube"     ? cube_mesh()
                 : type == "cylinder" ? cylinder(node)
+                : has_image          ? polar_disk_mesh()
                                      : disk_mesh();
     for (Vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
     return mesh;
 }
 
-void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in_group,
+void MitsubaReader::sphere(Node node, const ColorTexture& emission, int material, bool in_group,
                            std::vector<int>* group) {
     const Vec3 center = vector(node, "center").value_or(Vec3{0, 0, 0});
     const double radius = number(node, "radius", 1);
@@ -71,8 +73,10 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
     const auto scale = uniform_scale(to_world);
     // A transform that mirrors turns a sphere inside out, as in Mitsuba 3: its radius becomes negative.
     const bool flipped = boolean(node, "flip_normals", false) != (to_world.determinant() < 0);
-    if (max_component(emission) > 0 && scale && !flipped && !in_group) {
-        loading_.scene.sphere_lights.push_back({to_world.point(center), float(radius * *scale), emission});
+    const bool emits = max_component(emission.color) > 0 && !in_group;
+    if (emits && emission.image < 0 && scale && !flipped) {
+        loading_.scene.sphere_lights.push_back(
+            {to_world.point(center), float(radius * *scale), emission.color});
         return;
     }
     Mesh mesh = sphere_mesh(center, float(radius));
@@ -83,9 +87,12 @@ void MitsubaReader::sphere(Node node, const Rgb& emission, int material, bool in
     mesh.name = attribute(node, "id");
     mesh.material = material;
     mesh.in_world = !in_group;
-    mesh.emission = in_group ? Rgb{} : emission;
-    if (max_component(mesh.emission) > 0)
-        warn_at(node, "an emitting sphere that is stretched or turned inside out is tessellated");
+    if (emits) {
+        mesh.emission = emission.color;
+        mesh.emission_texture = emission.image;
+        warn_at(node,
+                "an emitting sphere that is stretched, turned inside out or has an image is tessellated");
+    }
     const int index = loading_.add_mesh(std::move(mesh), where(node));
     if (group) group->push_back(index);
 }
@@ -101,14 +108,10 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     for (const Node child : node.children())
         if (std::string_view(child.name()) == "medium") warn_at(child, "media are not modelled; skipped");
     if (material < 0) return warn_at(node, "a shape with the bsdf 'null' is skipped");
-    if (type == "sphere") {
-        if (emission.image >= 0)
-            warn_at(node, "an image for the radiance of a sphere is not modelled; white is used");
-        return sphere(node, emission.color, material, group != nullptr, group);
-    }
-    auto mesh = shape_mesh(node, type);
+    if (type == "sphere") return sphere(node, emission, material, group != nullptr, group);
+    const bool has_image = uses_image(loading_.scene.materials[size_t(material)]) || emission.image >= 0;
+    auto mesh = shape_mesh(node, type, has_image);
     if (!mesh) return;
-    transform_uvs(*mesh, material_uv_[material]);
     if (property(node, "max_smooth_angle"))
         warn_at(node, "'maxSmoothAngle' is not modelled; the normals of the file are kept");
     if (boolean(node, "face_normals", false)) mesh->normals.clear();
@@ -117,6 +120,11 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     // Files without normals are smooth, with the front where their winding says
     if (mesh->normals.empty() && !is_generated(type) && !boolean(node, "face_normals", false))
         smooth_normals(*mesh);
+    if (has_image && mesh->uvs.empty()) {
+        check_mesh(*mesh, where(node));
+        add_triangle_uvs(*mesh, {CornerUvs{{{0, 1}, {1, 1}, {0, 0}}}});
+    }
+    transform_uvs(*mesh, material_uv_[material]);
     // The front is where the normals point, also under a transform that mirrors. Files without normals have
     // it where their winding says.
     if (is_generated(type) && to_world.determinant() < 0) {
@@ -131,8 +139,6 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
     if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;
     mesh->material = material;
-    if (emission.image >= 0 && mesh->uvs.empty())
-        warn_at(node, "the shape has no texture coordinates; one texel of its image is its radiance");
     mesh->emission = emission.color;
     mesh->emission_texture = emission.image;
     mesh->in_world = group == nullptr;

@@ -159,7 +159,8 @@ Affine MitsubaReader::transform_step(Node step) {
         fail_at(step, "one or three numbers are needed");
     if (tag == "translate") return translation(v[0], v[1], v[2]);
     if (tag == "scale") return scaling(v[0], v[1], v[2]);
-    if (tag == "rotate") return rotation(attribute_number(step, "angle", 0), v[0], v[1], v[2]);
+    if (tag == "rotate")
+        return rotation(attribute_number(step, "angle", 0), v[0], v[1], v[2], version_major_ < 2);
     fail_at(step, "unknown transform <" + std::string(step.name()) + ">");
 }
 

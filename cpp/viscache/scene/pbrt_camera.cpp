@@ -52,7 +52,24 @@ void PbrtReader::film(const std::string& where) {
     film_width_ = params.integer("xresolution", film_width_);
     film_height_ = params.integer("yresolution", film_height_);
     if (film_width_ < 1 || film_height_ < 1) fail(where, "the film's resolution must be >= 1");
-    if (params.has("cropwindow")) loading_.warn(where, "a crop is not modelled; the whole film is used");
+    if (const PbrtParam* crop = params.find("cropwindow")) {
+        const auto& v = crop->numbers;
+        if (v.size() != 4)
+            fail(crop->where, "a crop window must be four numbers: x from and to, y from and to");
+        const auto edge = [](double x, int size) { return int(std::ceil(std::clamp(x, 0.0, 1.0) * size)); };
+        crop_ = {edge(std::min(v[0], v[1]), film_width_), edge(std::max(v[0], v[1]), film_width_),
+                 edge(std::min(v[2], v[3]), film_height_), edge(std::max(v[2], v[3]), film_height_)};
+    }
+    if (const PbrtParam* bounds = params.find("pixelbounds")) {
+        const auto& v = bounds->numbers;
+        if (v.size() != 4)
+            fail(bounds->where, "pixel bounds must be four numbers: x from and to, y from and to");
+        const auto edge = [](double x, int size) { return int(std::clamp(x, 0.0, double(size))); };
+        crop_ = {edge(v[0], film_width_), edge(v[1], film_width_), edge(v[2], film_height_),
+                 edge(v[3], film_height_)};
+    }
+    if (crop_ && ((*crop_)[1] <= (*crop_)[0] || (*crop_)[3] <= (*crop_)[2]))
+        fail(where, "the crop has no pixels");
 }
 
 void PbrtReader::finish_camera() {
@@ -71,14 +88,18 @@ void PbrtReader::finish_camera() {
     // Both sides of the film give the same camera; the shorter one keeps it when the size is changed
     c.fov_is_horizontal = film_width_ < film_height_;
     const double half = (c.fov_is_horizontal ? x1 - x0 : y1 - y0) / 2 * camera_->unit;
-    const Vec3 centre = c.right * float((x0 + x1) / 2) + c.up * float((y0 + y1) / 2);
     if (c.is_orthographic()) {
+        const Vec3 centre = c.right * float((x0 + x1) / 2) + c.up * float((y0 + y1) / 2);
         c.view_height = float(2 * half);
         c.origin = c.origin + centre * float(camera_->unit);
     } else {
         c.fov_y_rad = float(2 * std::atan(half));
-        if (length(centre) > 1e-3f * float(half / camera_->unit))
-            loading_.warn(camera_->where, "a screen window beside the axis is not modelled; it is centred");
+        c.shift_x = float((x0 + x1) / 2 / (x1 - x0));
+        c.shift_y = float((y0 + y1) / 2 / (y1 - y0));
+    }
+    if (crop_) {
+        const auto [left, right, top, bottom] = *crop_;
+        crop_camera(c, left, top, right - left, bottom - top);
     }
     loading_.scene.cameras.push_back(c);
 }

@@ -14,6 +14,7 @@ struct PbrtTexture {
 // pbrt_round_shapes.cpp
 bool is_whole_sphere(const PbrtParams& params);
 std::optional<Mesh> round_shape(const std::string& type, const PbrtParams& params, const std::string& where);
+Mesh textured_disk(const PbrtParams& params);  ///< a whole disk
 
 class PbrtReader {
 public:
@@ -26,6 +27,7 @@ private:
     struct AreaLight {
         Rgb radiance;
         bool two_sided = false;
+        int image = -1;
         double power = 0;  ///< > 0: of a light of the colour `radiance`, instead of its radiance
     };
     template <class T>
@@ -104,6 +106,7 @@ private:
     Rgb radiance(const AreaLight& light, double area) const;
     Mesh bilinear_mesh(const PbrtParams& params, const std::string& where);
     int shape_material(const PbrtParams& params, const std::string& where);
+    static void add_default_uvs(Mesh& mesh, const std::string& type, const PbrtParams& params);
     void orient(Mesh& mesh);
     void light(const std::string& where);
     void spot_light(const PbrtParams& params, const std::string& where);
@@ -135,6 +138,7 @@ private:
     };
     std::optional<PendingCamera> camera_;
     int film_width_ = 1280, film_height_ = 720;
+    std::optional<std::array<int, 4>> crop_;  ///< pixels of the film: x from, to; y from, to
     bool in_world_ = false, world_ended_ = false;
     bool is_v4_ = false;  ///< words of pbrt-v4 were found
 };

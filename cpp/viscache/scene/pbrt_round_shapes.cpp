@@ -6,7 +6,6 @@ namespace viscache::loading {
 namespace {
 
 constexpr int kArcs = 24;  ///< pieces of a curved profile
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 double positive(const PbrtParams& params, const char* name, const std::string& type,
                 const std::string& where) {
@@ -61,6 +60,14 @@ bool is_whole_sphere(const PbrtParams& params) {
     const double radius = params.number("radius", 1);
     return params.number("zmin", -radius) <= -radius && params.number("zmax", radius) >= radius &&
            params.number("phimax", 360) >= 360;
+}
+
+Mesh textured_disk(const PbrtParams& params) {
+    const auto radius = float(params.number("radius", 1)), height = float(params.number("height", 0));
+    Mesh mesh = polar_disk_mesh();
+    for (Vec3& p : mesh.vertices) p = {p.x * radius, p.y * radius, height};
+    for (Vec2& uv : mesh.uvs) uv = {uv.y, 1 - uv.x};
+    return mesh;
 }
 
 /// A surface of revolution; empty if the type is none.

@@ -107,6 +107,18 @@ Mesh PbrtReader::bilinear_mesh(const PbrtParams& params, const std::string& wher
     return mesh;
 }
 
+/// The texture coordinates that pbrt gives to shapes without.
+void PbrtReader::add_default_uvs(Mesh& mesh, const std::string& type, const PbrtParams& params) {
+    if (!mesh.uvs.empty()) return;
+    const CornerUvs triangle{{{0, 0}, {1, 0}, {1, 1}}}, other_half{{{0, 0}, {1, 1}, {0, 1}}};
+    if (type == "disk")
+        mesh = textured_disk(params);
+    else if (type == "bilinearmesh")
+        add_triangle_uvs(mesh, {triangle, other_half});
+    else
+        add_triangle_uvs(mesh, {triangle});
+}
+
 /// pbrt keeps normals on their side in mirrored transforms. Shading normals, if given, determine the side of
 /// a triangle.
 void PbrtReader::orient(Mesh& mesh) {
@@ -123,7 +135,9 @@ void PbrtReader::orient(Mesh& mesh) {
 /// True if the shape is a full sphere that emits outwards.
 bool PbrtReader::sphere_light(const PbrtParams& params, const std::string& where) {
     const auto scale = uniform_scale(now_.ctm);
-    if (!now_.area_light || object_ || !scale || now_.reversed || !is_whole_sphere(params)) return false;
+    if (!now_.area_light || now_.area_light->image >= 0 || object_ || !scale || now_.reversed ||
+        !is_whole_sphere(params))
+        return false;
     const double radius = params.number("radius", 1);
     if (!(radius > 0)) fail(where, "the radius of a sphere must be > 0");
     const double r = radius * *scale, area = 12.566370614359172 * r * r;
@@ -164,14 +178,18 @@ void PbrtReader::shape(const std::string& where) {
     if (!mesh) return;
     // Indices and normals must be valid before the winding is changed.
     check_mesh(*mesh, where);
-    orient(*mesh);
     mesh->material = shape_material(params, where);
+    const bool shines_image = now_.area_light && !object_ && now_.area_light->image >= 0;
+    if (shines_image || uses_image(loading_.scene.materials[size_t(mesh->material)]))
+        add_default_uvs(*mesh, type, params);
+    orient(*mesh);
     transform_uvs(*mesh, material_uv_[mesh->material]);
     mesh->in_world = object_ == nullptr;
     if (now_.area_light && object_) {
         loading_.warn(where, "emission inside an object is not modelled (as in pbrt); skipped");
     } else if (now_.area_light) {
         mesh->emission = radiance(*now_.area_light, light_area(*mesh, type));
+        mesh->emission_texture = now_.area_light->image;
         mesh->emits_two_sided = now_.area_light->two_sided;
     }
     const int index = loading_.add_mesh(std::move(*mesh), where);
@@ -189,9 +207,17 @@ void PbrtReader::area_light(const std::string& where) {
     const PbrtParams params = params_of("light");
     if (type != "diffuse" && type != "area")
         return loading_.warn(where, "area light '" + type + "' is not modelled; skipped");
-    if (params.has("filename")) loading_.warn(where, "an image of an area light is not modelled; L is used");
-    now_.area_light = AreaLight{color(params, "L", kOne) * color(params, "scale", kOne),
-                                params.boolean("twosided", false), params.number("power", 0)};
+    AreaLight light{color(params, "L", kOne) * color(params, "scale", kOne),
+                    params.boolean("twosided", false)};
+    light.power = params.number("power", 0);
+    if (const PbrtParam* file = params.find("filename")) {
+        light.image =
+            loading_.add_image(path_named(params.string("filename", ""), file->where), file->where, true);
+        if (light.power > 0)
+            loading_.warn(where, "the power of a light with an image is not modelled; its scale is used");
+        light.power = 0;
+    }
+    now_.area_light = light;
 }
 
 void PbrtReader::infinite_light(const PbrtParams& params, const std::string& where) {
@@ -223,8 +249,8 @@ void PbrtReader::spot_light(const PbrtParams& params, const std::string& where) 
     if (length2(axis) == 0) fail(where, "a spot light needs two different points");
     if (!(outer > 0 && outer <= 180 && inner <= outer))
         fail(where, "a spot light needs 0 < coneangle <= 180 and conedeltaangle >= 0");
-    const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis,
-                        float(std::cos(inner * M_PI / 180)), float(std::cos(outer * M_PI / 180))};
+    const SpotCone cone{is_v4_ ? Falloff::kSmooth : Falloff::kQuartic, axis, float(std::cos(inner * kDegree)),
+                        float(std::cos(outer * kDegree))};
     loading_.scene.point_lights.push_back(
         {now_.ctm.point(from), color(params, "I", kOne) * color(params, "scale", kOne), cone});
 }

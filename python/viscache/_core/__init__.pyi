@@ -460,9 +460,9 @@ class Camera:
     """
     A camera; made by `viscache.look_at`, `viscache.orthographic` or a scene file.
     """
-    def __getstate__(self) -> tuple[str, typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], float, int, int, bool, float]:
+    def __getstate__(self) -> tuple[str, typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], typing.Annotated[list[float], "FixedSize(3)"], float, int, int, bool, float, float, float]:
         ...
-    def __setstate__(self, arg0: tuple[str, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, bool, typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def __setstate__(self, arg0: tuple[str, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], typing.SupportsFloat | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, bool, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]) -> None:
         ...
     @property
     def forward(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
@@ -511,6 +511,22 @@ class Camera:
         """
         Unit vector to the right in the picture.
         """
+    @property
+    def shift_x(self) -> float:
+        """
+        How far the picture's centre lies right of the axis, in widths of the picture.
+        """
+    @shift_x.setter
+    def shift_x(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def shift_y(self) -> float:
+        """
+        How far the picture's centre lies above the axis, in heights of the picture.
+        """
+    @shift_y.setter
+    def shift_y(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
     @property
     def up(self) -> typing.Annotated[list[float], "FixedSize(3)"]:
         """

@@ -12,6 +12,7 @@ from viscache.bench.aqvc_lookup import aqvc_lookup
 from viscache.bench.common import Outcome, machine
 from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
+from viscache.bench.loading import loading
 from viscache.bench.memory import memory
 from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
@@ -65,6 +66,10 @@ BENCHES: dict[str, BenchInfo] = {
     "memory": BenchInfo(
         description="peak memory of a 1280x800 frame of a scene of 2.2 million triangles",
         function=memory,
+    ),
+    "loading": BenchInfo(
+        description="time and memory to load scene files and build their trees against Mitsuba",
+        function=loading,
     ),
     "correlation": BenchInfo(
         description="pairs of rows per second and core against numpy and the machine's bound",

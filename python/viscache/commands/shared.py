@@ -68,6 +68,11 @@ def chosen_settings(arguments: argparse.Namespace) -> dict[by_name.Role, Any]:
 def add_scene(parser: argparse.ArgumentParser) -> None:
     """`SCENE`, `--missing` and `--allow-outside`."""
     parser.add_argument("scene", metavar="SCENE", help="a file, or a built-in name with parameters")
+    add_loading(parser)
+
+
+def add_loading(parser: argparse.ArgumentParser) -> None:
+    """`--missing` and `--allow-outside`: how a scene file is read."""
     parser.add_argument(
         "--missing",
         choices=("error", "skip"),

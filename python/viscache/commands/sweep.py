@@ -7,13 +7,20 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from viscache.commands.shared import add_workers, chosen_executor, print_json, threads_of_a_worker
+from viscache.commands.shared import (
+    add_loading,
+    add_workers,
+    chosen_executor,
+    print_json,
+    threads_of_a_worker,
+)
 from viscache.sweeps.sweep import SweepFile
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE.toml")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
+    add_loading(parser)
     add_workers(parser)
     parser.add_argument(
         "--apart",
@@ -30,6 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     sweep = SweepFile.load(arguments.file)
+    # A switch of the command and a key of the file do the same
+    if arguments.missing == "skip":
+        sweep = replace(sweep, missing="skip")
+    if arguments.allow_outside:
+        sweep = replace(sweep, allow_outside=True)
     if sweep.threads is None:
         sweep = replace(sweep, threads=threads_of_a_worker(arguments))
     with chosen_executor(arguments) as executor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
@@ -88,40 +89,24 @@ def judge(
         Of our frames.
     """
     mine, other = load_viscache(path, threads), load_mitsuba(mi, path)
-    if mine.render is None or other.render is None:
-        verdict: Verdict = "not loaded" if mine.render is None else "not comparable"
-        why = mine.warnings[0] if mine.render is None else f"Mitsuba: {other.warnings[0]}"
-        return Judged(
-            name=name, verdict=verdict, warnings=mine.warnings, mitsuba=other.warnings, why=why
-        )
+    judged = partial(Judged, name=name, warnings=mine.warnings, mitsuba=other.warnings)
+    if mine.render is None:
+        return judged(verdict="not loaded", why=mine.warnings[0])
+    if other.render is None:
+        return judged(verdict="not comparable", why=f"Mitsuba: {other.warnings[0]}")
     stacks = _Stacks(mine, other, effort.spp)
     stacks.grow(1)
     if stacks.sizes[0] != stacks.sizes[1]:
         why = "sizes of the pictures: {} and {}".format(*stacks.sizes)
-        return Judged(
-            name=name,
-            verdict="warned" if mine.warnings else "differs",
-            warnings=mine.warnings,
-            mitsuba=other.warnings,
-            why=why,
-        )
+        return judged(verdict="warned" if mine.warnings else "differs", why=why)
     stacks.grow(effort.first)
     compared = stacks.compared()
     while stacks.count < effort.most and not _clear(compared, effort):
         stacks.grow(min(2 * stacks.count, effort.most))
         compared = stacks.compared()
     verdict, why = _verdict(compared, mine.warnings, other.warnings)
-    return Judged(
-        name=name,
-        verdict=verdict,
-        why=why,
-        warnings=mine.warnings,
-        mitsuba=other.warnings,
-        compared=compared,
-        ours=stacks.mean(0),
-        theirs=stacks.mean(1),
-        pictures=stacks.count,
-    )
+    pictures = {"ours": stacks.mean(0), "theirs": stacks.mean(1)}
+    return judged(verdict=verdict, why=why, compared=compared, pictures=stacks.count, **pictures)
 
 
 def _clear(compared: Comparison, effort: Effort) -> bool:

@@ -58,7 +58,8 @@ def mitsuba(threads: int | None = None) -> Iterator[Any]:
     before, threads_before = mi.variant(), dr.thread_count()
     mi.set_variant("scalar_rgb")
     if threads is not None:
-        dr.set_thread_count(threads)
+        # Mitsuba reads EXR files in threads beside its own: with one thread it would wait for ever
+        dr.set_thread_count(max(2, threads))
     try:
         yield mi
     finally:

@@ -27,6 +27,8 @@ RENAMED = {"roughdiffuse": "diffuse", "lambertian": "diffuse"}
 GONE = {
     "bitmap": ("filterType", "filter_type", "gamma", "maxAnisotropy", "cache"),
     "diffuse": ("alpha", "useFastApprox"),
+    "obj": ("maxSmoothAngle", "max_smooth_angle"),
+    "serialized": ("maxSmoothAngle", "max_smooth_angle"),
     "conductor": ("extEta", "ext_eta"),
     "roughconductor": ("extEta", "ext_eta"),
     "sunsky": ("sunRadiusScale", "sun_radius_scale", "extend", "resolution"),

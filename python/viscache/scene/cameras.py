@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from viscache import _core
 from viscache.scene.scene import Scene
@@ -13,12 +13,12 @@ from viscache.settings.spelling import spelled
 __all__ = ["look_at", "orthographic"]
 
 
+Point: TypeAlias = Sequence[float]
+
+
 @spelled
 def look_at(
-    origin: Sequence[float],
-    target: Sequence[float],
-    up: Sequence[float] = (0.0, 1.0, 0.0),
-    fov_deg: float = 45.0,
+    origin: Point, target: Point, up: Point = (0.0, 1.0, 0.0), fov_deg: float = 45.0
 ) -> _core.Camera:
     """A pinhole camera at `origin` that looks at `target`.
 
@@ -42,10 +42,7 @@ def look_at(
 
 @spelled
 def orthographic(
-    origin: Sequence[float],
-    target: Sequence[float],
-    up: Sequence[float] = (0.0, 1.0, 0.0),
-    height: float = 2.0,
+    origin: Point, target: Point, up: Point = (0.0, 1.0, 0.0), height: float = 2.0
 ) -> _core.Camera:
     """A camera of parallel rays in the direction from `origin` to `target`.
 
@@ -77,9 +74,7 @@ def orthographic(
     return camera
 
 
-def _placed(
-    origin: Sequence[float], target: Sequence[float], up: Sequence[float], fov_deg: float
-) -> _core.Camera:
+def _placed(origin: Point, target: Point, up: Point, fov_deg: float) -> _core.Camera:
     for name, value in (("origin", origin), ("target", target), ("up", up)):
         require(len(value) == 3, f"{name} must be 3 numbers", value)
     x, y, z = (float(v) for v in origin)
@@ -110,6 +105,7 @@ def camera_in_words(wish: str | int | _core.Camera | None) -> Any:
     names = ["name", "origin", "right", "up", "forward", "fov_rad", "fov_is_horizontal"]
     if wish.view_height > 0:
         names.append("view_height")
+    names += [name for name in ("shift_x", "shift_y") if getattr(wish, name) != 0]
     return {name: getattr(wish, name) for name in names}
 
 

@@ -176,8 +176,8 @@ def reflected(scene: Scene, hits: Hits, index: int | np.integer[Any], directions
 def _pixel_rays(camera: _core.Camera, size: tuple[int, int]) -> Array:
     """Unit directions (H·W, 3) through the centres of the pixels."""
     width, height = size
-    x = (np.arange(width) + 0.5) / width * 2 - 1
-    y = 1 - (np.arange(height) + 0.5) / height * 2
+    x = (np.arange(width) + 0.5) / width * 2 - 1 + 2 * camera.shift_x
+    y = 1 - (np.arange(height) + 0.5) / height * 2 + 2 * camera.shift_y
     reach = math.tan(camera.fov_rad / 2)
     across, upwards = (
         (reach, reach * height / width)

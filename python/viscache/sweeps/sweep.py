@@ -15,13 +15,14 @@ from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from viscache import _core, sources
 from viscache import metrics as _metrics
 from viscache.oracles.correct import Correct
 from viscache.oracles.written import is_written
 from viscache.progress import Progress
+from viscache.scene import Scene
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import require
@@ -200,6 +201,9 @@ class SweepFile:
         Preset of the visibility, where it is only a name.
     folder : path, optional
         What a relative scene or environment is relative to.
+    missing : {"error", "skip"}
+    allow_outside : bool
+        How the scene's file is read, as `load_scene` takes them.
     title, use, camera, env, size, spp, repeats, seed, converged, metrics, threads
         As `sweep` takes them.
     """
@@ -211,6 +215,8 @@ class SweepFile:
     visibility: str | Mapping[str, Any] = "aqvc"
     rays: str | Mapping[str, Any] = "embree"
     preset: str | None = None
+    missing: Literal["error", "skip"] = "error"
+    allow_outside: bool = False
     title: str = ""
     use: str | None = None
     camera: str | None = None
@@ -281,7 +287,7 @@ class SweepFile:
             visibility = {"preset": self.preset, **table}
         env = None if self.env is None else sources.absolute(self.env, self.folder)
         return sweep(
-            sources.absolute(self.scene, self.folder),
+            self._scene(),
             self.integrator,
             visibility=visibility,
             rays=self.rays,
@@ -303,6 +309,13 @@ class SweepFile:
             env=env,
         )
 
+    def _scene(self) -> str | Scene:
+        """The scene's spec, by which workers load it; with options, the scene itself."""
+        spec = sources.absolute(self.scene, self.folder)
+        if self.missing == "error" and not self.allow_outside:
+            return spec
+        return sources.open_scene(spec, missing=self.missing, allow_outside=self.allow_outside)
+
 
 _TYPES: dict[str, tuple[type, ...]] = {
     "scene": (str,),
@@ -310,6 +323,8 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "visibility": (str, Mapping),
     "rays": (str, Mapping),
     "preset": (str,),
+    "missing": (str,),
+    "allow_outside": (bool,),
     "title": (str,),
     "use": (str,),
     "camera": (str,),
@@ -327,9 +342,16 @@ _TYPES: dict[str, tuple[type, ...]] = {
 
 
 def _check_types(table: Mapping[str, Any]) -> None:
-    words = {str: "a string", Mapping: "a table", list: "a list", int: "an integer"}
+    words = {
+        str: "a string",
+        Mapping: "a table",
+        list: "a list",
+        int: "an integer",
+        bool: "true or false",
+    }
     for name, value in table.items():
-        if not isinstance(value, _TYPES[name]) or isinstance(value, bool):
+        # In Python, true and false are integers too
+        if not isinstance(value, _TYPES[name]) or isinstance(value, bool) != (bool in _TYPES[name]):
             what = " or ".join(words[t] for t in _TYPES[name])
             raise ValueError(f"{name} must be {what}, got {value!r}")
     points = table["over"]

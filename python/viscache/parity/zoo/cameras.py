@@ -44,6 +44,8 @@ def _perspective() -> Iterator[tuple[str, str]]:
     yield "clip-far-away", view(LOOK, more=property_tags(near))
     cut = {"fov": 45.0, "near_clip": 4.5, "far_clip": 100.0}
     yield "clip-near", view(LOOK, more=property_tags(cut))
+    cut = {"fov": 45.0, "near_clip": 0.1, "far_clip": 6.0}
+    yield "clip-far", view(LOOK, more=property_tags(cut))
 
 
 def _placed() -> Iterator[tuple[str, str]]:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["PICTURES", "SKY_MAP", "WEDGE", "write_files"]
+__all__ = ["BARE", "PICTURES", "SKY_MAP", "WEDGE", "write_files"]
 
 Array = npt.NDArray[Any]
 
 WEDGE = "wedge"
+#: Without texture coordinates.
+BARE = "wedge-bare"
 #: Stem of the pictures of texture scenes, and their suffixes.
 PICTURES = {"png": "blocks.png", "jpeg": "blocks.jpg", "exr": "blocks.exr", "hdr": "blocks.hdr"}
 GREY, ALPHA, DEEP, PALETTE = "grey.png", "alpha.png", "deep.png", "palette.png"
@@ -31,10 +33,14 @@ _UVS = np.array([[0.1, 0.0], [0.9, 0.2], [0.6, 1.0], [0.2, 0.8], [0.7, 0.5]])
 def write_files(folder: Path) -> None:
     """Write all files into a folder."""
     flat, smooth = _flat(), _smooth()
-    for name, mesh in ((WEDGE, flat), (f"{WEDGE}-smooth", smooth)):
+    meshes = {WEDGE: flat, f"{WEDGE}-smooth": smooth, f"{WEDGE}-creased": _creased()}
+    for name, mesh in meshes.items():
         (folder / f"{name}.obj").write_text(_obj(*mesh), encoding="ascii")
         (folder / f"{name}.ply").write_text(_ply(*mesh), encoding="ascii")
         (folder / f"{name}.serialized").write_bytes(_serialized(*mesh))
+    bare = (flat[0], None, None, flat[3])
+    (folder / f"{BARE}.obj").write_text(_obj(*bare), encoding="ascii")
+    (folder / f"{BARE}.ply").write_text(_ply(*bare), encoding="ascii")
     _write_pictures(folder)
 
 
@@ -65,20 +71,32 @@ def _smooth() -> tuple[Array, Array | None, Array, Array]:
     return _CORNERS, normals / np.linalg.norm(normals, axis=1, keepdims=True), _UVS, _FACES
 
 
-def _obj(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> str:
+def _creased() -> tuple[Array, Array | None, Array, Array]:
+    """Each face has corners and a normal of its own."""
+    corners, faces = _CORNERS[_FACES], np.arange(3 * len(_FACES)).reshape(-1, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    positions = corners.reshape(-1, 3)
+    return positions, np.repeat(normals, 3, axis=0), _UVS[_FACES].reshape(-1, 2), faces
+
+
+def _obj(positions: Array, normals: Array | None, uvs: Array | None, faces: Array) -> str:
     lines = [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in positions]
-    lines += [f"vt {u:.6g} {v:.6g}" for u, v in uvs]
+    lines += [] if uvs is None else [f"vt {u:.6g} {v:.6g}" for u, v in uvs]
     if normals is not None:
         lines += [f"vn {x:.6g} {y:.6g} {z:.6g}" for x, y, z in normals]
     for face in faces + 1:
-        corners = (f"{i}/{i}/{i}" if normals is not None else f"{i}/{i}" for i in face)
-        lines.append("f " + " ".join(corners))
+        uv = "" if uvs is None else "/{0}"
+        corner = "{0}" + uv + ("" if normals is None else "/{0}" if uv else "//{0}")
+        lines.append("f " + " ".join(corner.format(i) for i in face))
     return "\n".join(lines) + "\n"
 
 
-def _ply(positions: Array, normals: Array | None, uvs: Array, faces: Array) -> str:
-    columns = [positions, *([] if normals is None else [normals]), uvs]
-    names = ["x", "y", "z", *([] if normals is None else ["nx", "ny", "nz"]), "u", "v"]
+def _ply(positions: Array, normals: Array | None, uvs: Array | None, faces: Array) -> str:
+    columns = [c for c in (positions, normals, uvs) if c is not None]
+    names = ["x", "y", "z"]
+    names += [] if normals is None else ["nx", "ny", "nz"]
+    names += [] if uvs is None else ["u", "v"]
     lines = ["ply", "format ascii 1.0", f"element vertex {len(positions)}"]
     lines += [f"property float {name}" for name in names]
     lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]

@@ -115,6 +115,8 @@ def _areas() -> Iterator[tuple[str, str]]:
         f"{property_tags({'filename': PICTURES['exr']})}</texture></emitter>"
     )
     yield "area-picture", shape("rectangle", down, picture)
+    for kind in ("disk", "sphere"):
+        yield f"area-picture-{kind}", shape(kind, down, picture)
     strip = f'<scale value="0.2"/>{down}'
     many = (
         shape("rectangle", f'{strip}<translate x="{x}" z="{z}"/>', area("20,18,16"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 from viscache.parity.zoo.case import SKY, Case, area, shape
 from viscache.parity.zoo.files import WEDGE
@@ -86,6 +87,14 @@ def shape_cases() -> Iterator[Case]:
             body=shape(kind, SLANT, properties + SURFACE + area() + FLIP),
             lights=DIM,
             quick=name == "ply",
+        )
+    for kind, turned in product(("obj", "ply"), ("plain", "mirror-x")):
+        # Every normal is that of one face: those of a smooth lamp weigh Mitsuba's samples
+        body = _file(f"{WEDGE}-creased.{kind}") + SURFACE + area()
+        yield Case(
+            name=f"emitter/{kind}-creased-{turned}",
+            body=shape(kind, TRANSFORMS[turned] + SLANT, body),
+            lights=DIM,
         )
     yield from _normals()
     yield from _instances()

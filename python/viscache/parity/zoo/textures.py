@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from viscache.parity.zoo.case import SKY, Case, property_tags, shape, view
-from viscache.parity.zoo.files import ALPHA, DEEP, GREY, PALETTE, PICTURES, WEDGE
+from viscache.parity.zoo.files import ALPHA, BARE, DEEP, GREY, PALETTE, PICTURES, WEDGE
 from viscache.parity.zoo.shapes import LIFT, SHAPES
 
 __all__ = ["texture_cases"]
@@ -80,10 +80,16 @@ def _on_shapes() -> Iterator[Case]:
                 lights=SKY,
                 quick=(name, turned) in {("cube", "plain"), ("obj", "plain")},
             )
-    for kind, flip in product(("obj", "ply", "serialized"), (False, True)):
+    for kind, flip in product(("obj", "ply"), (False, True)):
         values = {"filename": f"{WEDGE}.{kind}", "flip_tex_coords": flip, "face_normals": True}
         yield Case(
             name=f"uv/{kind}-flip-{str(flip).lower()}",
             body=shape(kind, LIFT, property_tags(values) + picture),
+            lights=SKY,
+        )
+    for kind, more in product(("obj", "ply"), ({"face_normals": True}, {})):
+        yield Case(
+            name=f"uv/{kind}-without-{'flat' if more else 'smooth'}",
+            body=shape(kind, LIFT, property_tags({"filename": f"{BARE}.{kind}", **more}) + both),
             lights=SKY,
         )

@@ -1,0 +1,173 @@
+"""Crops, offsets of the principal point, screen windows beside the axis: parts of wider films."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from viscache import _core as core
+from viscache.parity import blocks
+from viscache.sweeps.plan import camera_in_words
+
+FILM = (48, 32)
+#: A box under an even sky, and a lamp: every pixel sees something else.
+ROOM = """<scene version="3.0.0"><sensor type="{kind}">{more}<transform name="to_world">{scale}
+<lookat origin="1.5,2.5,4" target="0,0.4,0" up="0,1,0"/></transform>
+<film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="32"/>{film}
+<rfilter type="box"/></film></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/>
+</transform><bsdf type="diffuse"><texture type="checkerboard" name="reflectance">
+<transform name="to_uv"><scale x="5" y="5"/></transform></texture></bsdf></shape>
+<shape type="cube"><transform name="to_world"><scale value=".5"/><rotate y="1" angle="30"/>
+<translate x=".3" y=".5"/></transform></shape>
+<shape type="rectangle"><transform name="to_world"><scale value=".4"/><rotate x="1" angle="90"/>
+<translate y="2.5"/></transform><emitter type="area"><rgb name="radiance" value="9,8,7"/></emitter>
+</shape></scene>"""
+FOV = '<float name="fov" value="50"/>'
+#: x and y from, width, height.
+CROP = (20, 4, 24, 16)
+CROPPED = "".join(
+    f'<integer name="crop_{name}" value="{value}"/>'
+    for name, value in zip(("offset_x", "offset_y", "width", "height"), CROP, strict=True)
+)
+OFFSET = "".join(
+    f'<float name="principal_point_offset_{axis}" value="{value}"/>'
+    for axis, value in (("x", 0.2), ("y", -0.1))
+)
+
+
+def room(
+    folder: Path, *, more: str = "", film: str = "", kind: str = "perspective", scale: str = ""
+) -> Path:
+    path = folder / "room.xml"
+    path.write_text(ROOM.format(kind=kind, more=FOV + more, film=film, scale=scale))
+    return path
+
+
+def pictures(path: Path, integrator: Any, spp: int = 64, seeds: int = 8) -> Any:
+    scene = vc.load_scene(path, strict=True)
+    made = [vc.render(scene, integrator, spp=spp, seed=s).image for s in range(seeds)]
+    return np.stack(made).astype(np.float64)
+
+
+def in_blocks(ours: Any, theirs: Any) -> Any:
+    """Hard edges make the noise of single pixels far from normal."""
+    mine, other = ([blocks.block_means(p, 4) for p in side] for side in (ours, theirs))
+    return blocks.compare(mine, other)
+
+
+def of_mitsuba(path: Path) -> Any:
+    mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
+    mi.set_variant("scalar_rgb")
+    scene, by = mi.load_file(str(path)), mi.load_dict({"type": "direct"})
+    made = [np.array(mi.render(scene, integrator=by, spp=64, seed=s)) for s in range(8)]
+    return np.stack(made).astype(np.float64)
+
+
+@pytest.mark.slow
+@pytest.mark.stat
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("more", ["", OFFSET], ids=["centred", "offset"])
+@pytest.mark.parametrize("film", ["", CROPPED], ids=["film", "crop"])
+def test_the_picture_is_mitsubas(tmp_path: Path, more: str, film: str) -> None:
+    path = room(tmp_path, more=more, film=film)
+    ours, theirs = pictures(path, vc.Direct()), of_mitsuba(path)
+    assert ours.shape == theirs.shape
+    assert in_blocks(ours, theirs).agrees
+    # Power: one pixel aside would be noticed
+    assert not in_blocks(np.roll(ours, 1, axis=2), theirs).agrees
+
+
+def test_a_crop_is_that_part_of_the_picture(tmp_path: Path) -> None:
+    x, y, width, height = CROP
+    for kind, scale in (("perspective", ""), ("orthographic", '<scale value="2"/>')):
+        whole = pictures(room(tmp_path, kind=kind, scale=scale), vc.Direct(), 16, 6)
+        part = pictures(room(tmp_path, kind=kind, scale=scale, film=CROPPED), vc.Direct(), 16, 6)
+        assert part.shape[1:3] == (height, width)
+        expected = whole[:, y : y + height, x : x + width]
+        assert in_blocks(part, expected).agrees
+        assert not in_blocks(part, np.roll(expected, 1, axis=2)).agrees
+
+
+@pytest.mark.slow
+@pytest.mark.stat
+def test_light_paths_reach_the_right_pixel(tmp_path: Path) -> None:
+    """Connections with the camera go from points to pixels, all others from pixels to points."""
+    path = room(tmp_path, more=OFFSET, film=CROPPED)
+    on = pictures(path, vc.Bdpt(max_depth=3))
+    off = pictures(path, vc.Bdpt(max_depth=3, camera_connections="off"))
+    assert in_blocks(on, off).agrees
+    assert not in_blocks(np.roll(on, 1, axis=1), off).agrees
+
+
+def camera_of(path: Path, text: str) -> Any:
+    path.write_text(text)
+    return core.load_scene_file(str(path), True).cameras[0]
+
+
+def test_pbrts_windows_and_crops_are_the_same_cameras(tmp_path: Path) -> None:
+    path = tmp_path / "s.pbrt"
+    view = 'LookAt 1 2 3 0 0 0 0 1 0 Camera "perspective" "float fov" 90 '
+    film = 'Film "image" "integer xresolution" 40 "integer yresolution" 20 '
+    world = "WorldBegin WorldEnd"
+    whole = camera_of(path, f"{view}{film}{world}")
+    assert list(whole["shift"]) == [0, 0] and whole["fov_deg"] == pytest.approx(90)
+    # The right half of the film, then its lower half
+    half = camera_of(path, f'{view}{film}"float cropwindow" [.5 1 0 1] {world}')
+    assert (half["width"], half["height"]) == (20, 20)
+    assert half["shift"] == pytest.approx([0.5, 0]) and half["fov_deg"] == pytest.approx(90)
+    lower = camera_of(path, f'{view}{film}"integer pixelbounds" [0 40 10 20] {world}')
+    assert lower["shift"] == pytest.approx([0, -0.5])
+    assert lower["fov_deg"] == pytest.approx(np.degrees(2 * np.arctan(0.5)))
+    window = camera_of(path, f'{view}"float screenwindow" [0 4 -1 1] {film}{world}')
+    assert window["shift"] == pytest.approx([0.5, 0]) and window["fov_deg"] == pytest.approx(90)
+    with pytest.raises(core.SceneError, match="the crop has no pixels"):
+        camera_of(path, f'{view}{film}"float cropwindow" [.5 .5 0 1] {world}')
+    xml = ROOM.format(kind="perspective", more=FOV, film=CROPPED.replace("24", "40"), scale="")
+    with pytest.raises(core.SceneError, match="the crop must lie on the film"):
+        camera_of(tmp_path / "s.xml", xml)
+
+
+def test_a_shift_travels_and_changes_the_scene(tmp_path: Path) -> None:
+    shifted = vc.load_scene(room(tmp_path, more=OFFSET))
+    plain = vc.load_scene(room(tmp_path))
+    assert shifted.content_hash != plain.content_hash
+    back = pickle.loads(pickle.dumps(shifted)).cameras[0]
+    for camera in (back, pickle.loads(pickle.dumps(shifted.cameras[0]))):
+        assert (camera.shift_x, camera.shift_y) == (pytest.approx(0.2), pytest.approx(0.1))
+    words = camera_in_words(back)
+    assert words["shift_x"] == pytest.approx(0.2)
+    assert "shift_x" not in camera_in_words(plain.cameras[0])
+    back.shift_x = float("nan")
+    with pytest.raises(ValueError, match="the shift must be finite"):
+        vc.render(shifted, vc.Direct(), camera=back, size=(4, 4))
+
+
+NEAR, FAR = '<float name="near_clip" value="{}"/>', '<float name="far_clip" value="{}"/>'
+
+
+def warned(folder: Path, more: str, **rest: str) -> list[str]:
+    return vc.load_scene(room(folder, more=f"\n{more}", **rest)).warnings
+
+
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_planes_that_cut_the_picture_are_warned_of(tmp_path: Path, kind: str) -> None:
+    scale = '<scale value="2"/>' if kind == "orthographic" else ""
+    for more, text in (
+        (NEAR.format(4), "the near plane is not modelled; what lies before it is seen"),
+        (FAR.format(4), "the far plane is not modelled; what lies behind it is seen"),
+    ):
+        assert not warned(tmp_path, NEAR.format(0.1) + FAR.format(100), kind=kind, scale=scale)
+        (warning,) = warned(tmp_path, more, kind=kind, scale=scale)
+        assert "room.xml:2" in warning and text in warning
+    # Before the plane, but outside of the picture
+    narrow = NEAR.format(3.5) + '<float name="fov" value="5"/>'
+    if kind == "perspective":
+        path = room(tmp_path, more=narrow)
+        path.write_text(path.read_text().replace(FOV, "", 1))
+        assert not vc.load_scene(path).warnings
