@@ -66,9 +66,15 @@ def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) ->
         queries, rays = count["queries"], count["rays"]
         own = group in ("area", "ambient")
         own = own or (group == "environment" and integrator["environment"] != "shared")
-        if queries >= LEAST_QUERIES:
+        if queries >= LEAST_QUERIES and not _is_exact(visibility, group, own):
             texts += _warning(group, rays / queries, OWN_SAMPLES if own else SHARED_LIGHTS)
     return texts
+
+
+def _is_exact(visibility: Mapping[str, Any], group: str, own: bool) -> bool:
+    """Whether exact rays answered the group: named, or own samples by default."""
+    named = visibility.get("exact_groups", ())
+    return own and group in ("area", "environment") if named == "auto" else group in named
 
 
 def _warning(group: str, rays_per_query: float, model: Cost) -> list[str]:

@@ -39,6 +39,7 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
       extent_(offset_extent),
       spp_(spp),
       shares_(frame_table != nullptr),
+      exact_(caster, offset_extent, parameters_, shares_),
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
       sample_rows_(caster, offset_extent) {
@@ -54,6 +55,7 @@ void QuantizedCache::use_kept(const KeptTable& table, KeptChecks checks) {
 
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
+    exact_.oracle().watch(control);
     tracer_.watch(control);
     pairs_.watch(control);
     sample_rows_.watch(control);
@@ -103,6 +105,8 @@ void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     if (wanted.rows() == 0 || lights.count == 0) return;
     if (wanted.rows() != tile_.size() || wanted.columns() != lights.count)
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
+    if (exact_.answers_shared(lights.group))
+        return exact_.oracle().block(eyes, lights, wanted, visible, counters);
     // Under Eq. 6 the key depends on both ends at once, so it does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
@@ -214,6 +218,14 @@ void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
 
 void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                            std::span<Word> visible, Counters& counters) {
+    exact_.pairs(eyes, queries, visible, counters,
+                 [&](std::span<const ShadowQuery> cached, std::span<Word> seen) {
+                     cached_pairs(eyes, cached, seen, counters);
+                 });
+}
+
+void QuantizedCache::cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                                  std::span<Word> visible, Counters& counters) {
     run_pairs(eyes, queries, visible, run_of_eye_, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         ++counters.groups[queries[i].group].queries;
@@ -240,6 +252,7 @@ void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
 }
 
 PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
+    if (exact_.answers_own(group)) return {};
     if (!has_sample_rows(group)) return pair_order(eyes);
     sample_counters_ = {};
     begin_sample_rows(group, sample_counters_);
@@ -248,6 +261,7 @@ PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
 
 void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                              Counters& counters) {
+    if (exact_.answers_own(samples.group)) return exact_.oracle().samples(eyes, samples, visible, counters);
     GroupCounters& group = counters.groups[size_t(samples.group)];
     if (has_sample_rows(samples.group)) {
         begin_sample_rows(samples.group, counters);
