@@ -20,8 +20,10 @@ int AqvcSource::dealt_tile_edge() const {
     return parameters_.storage == Storage::kPaperTiles ? kPaperTile : 0;
 }
 
-std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, bool own) {
-    if (parameters_.form != Form::kWaves || answers_exactly(parameters_, group, own)) return nullptr;
+std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, const FarEnds* lights) {
+    const bool exact =
+        lights ? answers_exactly(parameters_, group, lights->count) : answers_own_exactly(parameters_, group);
+    if (parameters_.form != Form::kWaves || exact) return nullptr;
     return std::make_unique<ExactOracle>(caster_, scene_.offset_extent());
 }
 

@@ -11,16 +11,17 @@ class ExactPart {
 public:
     /// With a table of the frame no group is exact unless it is named: its connections are to fill the table.
     ExactPart(const RayCaster& caster, float extent, const AqvcParameters& parameters, bool of_frame)
-        : oracle_(caster, extent) {
-        for (int g = 0; g < kLightGroups; ++g) {
-            shared_.set(size_t(g), answers_exactly(parameters, g, false));
-            own_.set(size_t(g), answers_exactly(parameters, g, !of_frame));
-        }
+        : oracle_(caster, extent), parameters_(parameters) {
+        const bool none = of_frame && !parameters.exact_groups;
+        for (int g = 0; g < kLightGroups; ++g)
+            own_.set(size_t(g), !none && answers_own_exactly(parameters, g));
     }
 
-    /// Far ends that all eye points share.
-    bool answers_shared(int group) const { return shared_.test(size_t(group)); }
-    /// Far ends of single eye points.
+    /// True if it answers connections with these lights.
+    bool answers(const FarEnds& lights) const {
+        return answers_exactly(parameters_, lights.group, lights.count);
+    }
+    /// True if it answers far ends of single eye points.
     bool answers_own(int group) const { return own_.test(size_t(group)); }
     ExactOracle& oracle() { return oracle_; }
 
@@ -49,7 +50,8 @@ public:
 
 private:
     ExactOracle oracle_;
-    LightGroupSet shared_, own_;
+    const AqvcParameters& parameters_;
+    LightGroupSet own_;
     // Of a call of `pairs`: numbers of the cached and of the exact queries, the queries of one of them,
     // answers
     std::array<std::vector<uint32_t>, 2> numbers_;

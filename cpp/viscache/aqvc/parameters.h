@@ -133,8 +133,8 @@ inline constexpr std::tuple kAqvcRows{
         "`refinement` of single light groups, with the names of `c_e_groups`."),
     row("exact_groups", &AqvcParameters::exact_groups, kPlain,
         "Light groups whose queries all get a ray, as with `Exact`. \"auto\": samples of area lights and of "
-        "the sky where they are each eye point's own; directions that all share stay in the cache. The form "
-        "\"pairs\" and `Bdpt` have no such group by default."),
+        "the sky where they are each eye point's own, and groups of at most 8 lights that all share. The "
+        "form \"pairs\" and `Bdpt` have no such group by default."),
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
         "Ratio between the C_E of one refinement level and that of the next. The first level, C_E itself, "
         "may lie nearer to the second."),
@@ -219,13 +219,21 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && (c_e > p.c_finest || c_e * c_e > spp);
 }
 
-/// True if exact rays answer the queries of this light group. `own`: its far ends are each eye point's own.
-/// Auto: such samples of area lights and skies, unless the form is that of the paper. Their far ends hardly
+/// True if exact rays answer the queries between eye points and `shared` lights of this group. Auto: groups
+/// of few lights, because cells cost more than so few rays.
+inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared) {
+    if (p.exact_groups) return p.exact_groups->test(size_t(group));
+    constexpr size_t kFew =
+        8;  // measured: up to 2 times slower with 1–4 lights, as fast with 8 (docs/aqvc.md)
+    return p.form == Form::kWaves && shared <= kFew;
+}
+
+/// The same for far ends that are each eye point's own. Auto: samples of area lights and skies. They hardly
 /// repeat, so the cache saves little time and leaves squares.
-inline bool answers_exactly(const AqvcParameters& p, int group, bool own) {
+inline bool answers_own_exactly(const AqvcParameters& p, int group) {
     if (p.exact_groups) return p.exact_groups->test(size_t(group));
     const auto g = LightGroup(group);
-    return own && p.form == Form::kWaves && (g == LightGroup::kArea || g == LightGroup::kEnvironment);
+    return p.form == Form::kWaves && (g == LightGroup::kArea || g == LightGroup::kEnvironment);
 }
 
 /// C_E of every level from coarse to fine, at most kMaxLevels. The first is lift·C_E. The others are

@@ -65,7 +65,8 @@ private:
     void cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                       Counters& counters);
     bool has_sample_rows(int group) const;
-    void begin_sample_rows(int group, Counters& counters);
+    void make_anchors(const EyeBlock& eyes);
+    void begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters);
     void samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
                           std::span<const uint32_t> numbers, const std::vector<uint32_t>& run_of_eye,
                           std::span<Word> visible, Counters& counters);
@@ -92,6 +93,7 @@ private:
     bool shares_;  ///< uses the table of the frame
     ExactPart exact_;
     std::array<std::vector<double>, kLightGroups> levels_;
+    size_t tile_size_ = 0;
     TileAnchors tile_;
     OrderMaker order_maker_;
     TileOrder order_;

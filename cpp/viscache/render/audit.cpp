@@ -62,11 +62,11 @@ void TileAudit::begin_tile(const Tile& tile, const EyeTile& eyes) {
     }
 }
 
-VisibilityOracle* TileAudit::oracle(int group, bool own) {
-    Auditor& auditor = auditors_[size_t(group)][own];
+VisibilityOracle* TileAudit::oracle(int group, const FarEnds* lights) {
+    Auditor& auditor = auditors_[size_t(group)][lights == nullptr];
     if (!auditor.asked) {
         auditor.asked = true;
-        auditor.oracle = source_.make_audit(group, own);
+        auditor.oracle = source_.make_audit(group, lights);
         if (auditor.oracle) auditor.oracle->watch(control_);
     }
     audits_ |= auditor.oracle != nullptr;
@@ -89,7 +89,7 @@ bool TileAudit::differ(std::span<const Word> a, std::span<const Word> b) {
 }
 
 void TileAudit::samples(const WeightedSamples& samples, std::span<const Word> visible) {
-    VisibilityOracle* exact = oracle(samples.at.group, true);
+    VisibilityOracle* exact = oracle(samples.at.group, nullptr);
     if (!exact || eye_.empty()) return;
     const LocalSamples& all = samples.at;
     LocalSamples some;

@@ -34,7 +34,7 @@ public:
     /// Compares the answers of a block. `value(eye, row)`: the light of the visible columns.
     template <class Value>
     void block(const FarEnds& lights, const BitMatrix& wanted, const BitMatrix& visible, Value value) {
-        VisibilityOracle* exact = oracle(lights.group, false);
+        VisibilityOracle* exact = oracle(lights.group, &lights);
         if (!exact || eye_.empty()) return;
         ask_block(*exact, lights, wanted);
         for (size_t k = 0; k < eye_.size(); ++k)
@@ -51,7 +51,7 @@ private:
         std::array<Rgb, kLightGroups> error;
     };
     /// The exact oracle for a light group; nullptr if its answers need no audit.
-    VisibilityOracle* oracle(int group, bool own);
+    VisibilityOracle* oracle(int group, const FarEnds* lights);
     void ask_block(VisibilityOracle& exact, const FarEnds& lights, const BitMatrix& wanted);
     static bool differ(std::span<const Word> a, std::span<const Word> b);
     void add(int group, size_t k, Rgb error) { pixels_[pixel_of_[k]].error[size_t(group)] += error; }
@@ -63,8 +63,8 @@ private:
     const FrameSettings& frame_;
     OracleSource& source_;
     const Control& control_;
-    std::array<std::array<Auditor, 2>, kLightGroups> auditors_;
-    bool audits_ = false;  ///< at least one light group is audited
+    std::array<std::array<Auditor, 2>, kLightGroups> auditors_;  ///< of shared lights, of own samples
+    bool audits_ = false;                                        ///< at least one light group is audited
     std::vector<Pixel> pixels_;
     std::vector<uint32_t> eye_, pixel_of_;  ///< the eye points of these pixels, and their pixels
     std::vector<uint32_t> number_;          ///< per eye point of the tile: its number in `eye_`, or kNone
