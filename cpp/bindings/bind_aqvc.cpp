@@ -66,6 +66,30 @@ struct PythonValue<std::array<std::optional<Refinement>, kLightGroups>> {
     }
 };
 
+/// A set of light groups: their names in the order of the groups, or "auto".
+template <>
+struct PythonValue<std::optional<LightGroupSet>> {
+    using Given = py::object;
+
+    static py::object read(const auto&, const std::optional<LightGroupSet>& groups) {
+        if (!groups) return py::str("auto");
+        py::list names;
+        for (size_t g = 0; g < groups->size(); ++g)
+            if (groups->test(g)) names.append(kLightGroupNames[g]);
+        return py::tuple(names);
+    }
+    static std::optional<LightGroupSet> write(const auto& row, const py::object& given) {
+        if (py::isinstance<py::str>(given) && given.cast<std::string>() == "auto") return std::nullopt;
+        if (py::isinstance<py::str>(given))
+            throw py::value_error(std::string(row.name) + " must be \"auto\" or a set of light groups, got " +
+                                  given.cast<std::string>());
+        LightGroupSet groups;
+        for (const py::handle name : given) groups.set(group_named(row.name, name.cast<std::string>()));
+        return groups;
+    }
+    static std::string kind(const Range&) { return "set of light groups or \"auto\""; }
+};
+
 void bind_aqvc(py::module_& m) {
     py::module_ a = m.def_submodule("aqvc", "Quantized visibility cache (AQVC).");
     py::class_<AqvcParameters> c(a, "AqvcParameters",

@@ -17,6 +17,15 @@ py::array_t<float> image_of(const FrameResult& f, const std::vector<T>& values) 
     return a;
 }
 
+/// The real sums of an audit.
+py::dict audit_sums(const FrameResult& f, const AuditSums& audit) {
+    py::dict of_groups;
+    for (int g = 0; g < kLightGroups; ++g)
+        if (!f.groups[g].empty()) of_groups[kLightGroupNames[g]] = audit.groups[size_t(g)];
+    return py::dict(py::arg("error") = audit.error, py::arg("square") = audit.square,
+                    py::arg("groups") = of_groups);
+}
+
 py::dict counters_of(const FrameResult& f) {
     const Counters& c = f.counters;
     py::dict groups;
@@ -68,6 +77,12 @@ py::dict counters_of(const FrameResult& f) {
         d["product_without_record"] = c.product_without_record;
         d["greatest_ratio"] = c.greatest_ratio;
         d["pilot_rays"] = c.pilot_rays;
+    }
+    if (f.audit.pixels) {
+        py::dict audit = audit_sums(f, f.audit);
+        audit["pixels"] = f.audit.pixels;
+        audit["rays"] = f.audit.rays;
+        d["audit"] = audit;
     }
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;
@@ -138,7 +153,14 @@ py::dict frame_dict(const FrameResult& f) {
     }
     if (f.aligned) timings["aligned_s"] = f.aligned_s;
     out["layers"] = layers;
-    if (!f.tile_sums.empty()) out["tile_sums"] = f.tile_sums;
+    if (!f.tile_sums.empty()) {
+        py::list sums;
+        for (const TileSums& tile : f.tile_sums)
+            sums.append(py::dict(py::arg("lost_throughput") = tile.lost_throughput,
+                                 py::arg("expected_false_hits") = tile.expected_false_hits,
+                                 py::arg("audit") = audit_sums(f, tile.audit)));
+        out["tile_sums"] = sums;
+    }
     out["threads"] = f.threads;
     out["tile_edge_px"] = f.tile_edge_px;
     return out;

@@ -54,7 +54,8 @@ def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) ->
     Parameters
     ----------
     parameters, counters
-        Of a frame of the quantized cache, in its default form; others have no warning.
+        Of a frame of the quantized cache, in its default form; others have no warning, nor have
+        light groups that exact rays answered.
     """
     visibility, integrator = parameters["visibility"], parameters["integrator"]
     if visibility["name"] != "Aqvc" or visibility["form"] != "waves" or "keep" in parameters:
@@ -66,9 +67,16 @@ def cost_warnings(parameters: Mapping[str, Any], counters: Mapping[str, Any]) ->
         queries, rays = count["queries"], count["rays"]
         own = group in ("area", "ambient")
         own = own or (group == "environment" and integrator["environment"] != "shared")
-        if queries >= LEAST_QUERIES:
+        if queries >= LEAST_QUERIES and not _is_exact(count, counters):
             texts += _warning(group, rays / queries, OWN_SAMPLES if own else SHARED_LIGHTS)
     return texts
+
+
+def _is_exact(count: Mapping[str, Any], counters: Mapping[str, Any]) -> bool:
+    """Whether rays outside of the cache answered all queries of a group."""
+    of_cache = sum(counters.get("rays_per_level", ())) + counters.get("leftover_rays", 0)
+    outside = counters.get("rays", of_cache) - of_cache
+    return bool(count["rays"] == count["queries"] <= outside)
 
 
 def _warning(group: str, rays_per_query: float, model: Cost) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any, Literal, cast, get_args
 
 from viscache import _core, sources
 from viscache.aqvc_table import AqvcTable
+from viscache.audited import error_warnings
 from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
@@ -287,9 +288,9 @@ def render_part(
     )
     if frame.parts > 1:
         made.parameters["part"] = [frame.part, frame.parts]
-        made.counters["tile_sums"] = [list(sums) for sums in result.get("tile_sums", [])]
+        made.counters["tile_sums"] = result.get("tile_sums", [])
     else:
-        made.warnings += cost_warnings(made.parameters, made.counters)
+        made.warnings += cost_warnings(made.parameters, made.counters) + error_warnings(made)
     made.counters["sha256"] = made.sha256
     return made
 

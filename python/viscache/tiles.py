@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from viscache import sources, workers
+from viscache.audited import error_warnings
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, Layer
 from viscache.render import render_part
@@ -217,18 +218,23 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         for part in parts
         for i, tile in enumerate(part.frame.counters.get("tile_sums", []))
     ]
-    sums = [tile for _, tile in sorted(numbered)]
+    sums = [tile for _, tile in sorted(numbered, key=lambda pair: pair[0])]
     counters.pop("tile_sums", None)
     counters["vpls"] = first.counters["vpls"]
     rays = counters["rays"]
     counters["ray_reduction"] = counters["queries"] / rays if rays else 0.0
     if sums:  # tile by tile, in the order of a frame in one piece
         width, height = parts[0].size
-        lost, false_hits = 0.0, 0.0
+        total: dict[str, Any] = {}
         for of_tile in sums:
-            lost, false_hits = lost + of_tile[0], false_hits + of_tile[1]
+            _add(total, of_tile)
         samples = float(width) * height * first.parameters["spp"]
-        counters |= {"lost_throughput": lost / samples, "expected_false_hits": false_hits}
+        counters |= {
+            "lost_throughput": total["lost_throughput"] / samples,
+            "expected_false_hits": total["expected_false_hits"],
+        }
+        if "audit" in counters:
+            counters["audit"] |= total["audit"]
     timings: dict[str, float] = {}
     for part in parts:
         for name, seconds in part.frame.timings.items():
@@ -242,7 +248,7 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         provenance=first.provenance,
         warnings=first.warnings,
     )
-    made.warnings = made.warnings + cost_warnings(parameters, counters)
+    made.warnings = made.warnings + cost_warnings(parameters, counters) + error_warnings(made)
     made.counters["sha256"] = made.sha256
     return made
 

@@ -40,7 +40,7 @@ def test_closed_sets_have_the_names_of_the_table() -> None:
 
 
 def test_the_help_is_one_page_with_every_default() -> None:
-    assert len(fields(vc.Aqvc)) <= 16
+    assert len(fields(vc.Aqvc)) <= 17
     for cls in (vc.Aqvc, vc.PaperForm):
         page, struct = inspect.getdoc(cls) or "", _core.aqvc.AqvcParameters()
         shown = {name: p.default for name, p in inspect.signature(cls).parameters.items()}
@@ -120,6 +120,7 @@ def other_value(name: str) -> Any:
         "table_bytes": 8 << 20,
         "c_e_groups": {"point": 5.0},
         "refinement_groups": {"point": "on"},
+        "exact_groups": ("point",),
     }
     value = getattr(_core.aqvc.AqvcParameters(), name)
     if name in special:
@@ -131,8 +132,8 @@ def other_value(name: str) -> Any:
     return value + 1 if isinstance(value, int) else value * 1.5
 
 
-#: Parameters that choose C_E or its refinement; they may change from frame to frame.
-CHOOSE_CELLS = {"c_e", "c_e_groups", "refinement", "refinement_groups"}
+#: Parameters that choose C_E, its refinement or what is cached; frames may differ in them.
+CHOOSE_CELLS = {"c_e", "c_e_groups", "refinement", "refinement_groups", "exact_groups"}
 #: Parameters that a kept table does not allow to change, and the table's own parameters.
 REFUSED, OF_THE_TABLE = {"form", "storage"}, {"hash", "digest_bits"}
 

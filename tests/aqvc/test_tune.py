@@ -120,7 +120,7 @@ def test_a_target_out_of_reach_is_told() -> None:
 def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
     scene = vc.scenes.apartment(triangles=2000)
     whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
-    one = vc.Aqvc(c_l=1)
+    one = vc.Aqvc(c_l=1, exact_groups=())
     found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36), visibility=one)
     assert found.visibility.c_l == 1
     finest, coarser = (found.pilots[i].error for i in (0, 2))
@@ -136,7 +136,8 @@ def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
 def test_under_a_sky_light_cells_are_made_as_small_as_the_target_needs() -> None:
     scene = vc.scenes.apartment(triangles=2000)
     whitted = vc.Whitted(n_vpls=33, n_environment=2, n_brdf=2)
-    found = vc.tune(scene, whitted, rel_l1=0.008, size=(96, 72))
+    every = vc.Aqvc(exact_groups=())
+    found = vc.tune(scene, whitted, rel_l1=0.008, size=(96, 72), visibility=every)
     assert found.reached and "limits it" not in found.message
     assert found.visibility.c_l is not None and found.visibility.c_l < 1
     assert f"c_l={found.visibility.c_l:.3g}" in repr(found)
@@ -219,6 +220,7 @@ def lamp_in_view() -> vc.Scene:
 def test_a_lamp_in_view_does_not_hide_the_error_unless_the_papers_metric_is_asked_for() -> None:
     scene, direct = lamp_in_view(), vc.Direct(n_area=2)
     given: dict[str, Any] = {"rel_l1": 0.02, "size": (96, 60)}
+    given["visibility"] = vc.Aqvc(exact_groups=())
     found = vc.tune(scene, direct, **given)
     papers = vc.tune(scene, direct, metric="rel_l1", **given)
     assert found.metric == "rel_l1_reflected" and found.error == found.rel_l1_reflected
@@ -321,7 +323,8 @@ def test_the_frame_has_the_error_that_was_asked_for_within_30_percent(name: str)
     """From tiles of the frame itself where there are enough, else from whole small frames."""
     make, integrator, size, target, samples = SCENES[name]
     scene, frame = make(), {"size": size, "spp": 16}
-    found = vc.tune(scene, integrator, rel_l1=target, **frame)
+    every = vc.Aqvc(exact_groups=())
+    found = vc.tune(scene, integrator, rel_l1=target, visibility=every, **frame)
     assert found.samples >= samples
     got = error_of(scene, integrator, found, **frame)
     assert target / 1.3 <= got <= target * 1.3

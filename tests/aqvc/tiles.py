@@ -137,12 +137,12 @@ def facing(eyes: dict, far_ends: dict) -> np.ndarray:
 def tile_run(
     eyes: dict, *, spp: int = 1, scale: float = 1.0, shift=(0, 0, 0), radius=None, **options
 ):
-    """A cache over the eye points with the given parameters."""
+    """A cache over the eye points with the given parameters; every light group is cached."""
     center = tuple(float(c * scale + s) for c, s in zip(CENTER, shift, strict=True))
     return _core._testing.TileRun(
         caster(scale, shift),
         eyes,
-        _core.aqvc.AqvcParameters(**options),
+        _core.aqvc.AqvcParameters(**{"exact_groups": ()} | options),
         center=center,
         radius=RADIUS * scale if radius is None else radius,
         extent=EXTENT * scale,

@@ -19,7 +19,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("frame_html", "settings"),
     ("oracles",),
     ("emitted_light", "exact_cost", "frame", "scene", "variance"),
-    ("metrics", "notebook", "scenes", "temporal"),
+    ("audited", "metrics", "notebook", "scenes", "temporal"),
     ("sources",),
     ("aqvc_table", "combinations", "vismap", "vlf"),
     ("render",),

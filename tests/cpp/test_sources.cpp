@@ -80,6 +80,7 @@ void roulette_learns_before_the_frame() {
 void a_kept_table_passes_bits_to_the_next_frame() {
     Setup setup;
     AqvcParameters p;
+    p.exact_groups = LightGroupSet{};
     p.c_e = 6;
     p.form = Form::kPairs;
     p.scale_free = true;
@@ -96,6 +97,7 @@ void a_kept_table_passes_bits_to_the_next_frame() {
 void a_share_of_one_is_exact() {
     Setup setup;
     AqvcParameters p;
+    p.exact_groups = LightGroupSet{};
     p.c_e = 40;
     AqvcSource inner(*setup.world, setup.caster, p, 1), alone(*setup.world, setup.caster, p, 1);
     ResidualSource source(*setup.world, setup.caster, inner, 1, 3);
@@ -109,6 +111,7 @@ void a_share_of_one_is_exact() {
 /// Mean brightness over seeds, with its standard error.
 std::pair<double, double> corrected_mean(Setup& setup, bool weighted) {
     AqvcParameters p;
+    p.exact_groups = LightGroupSet{};
     p.c_e = 60;
     p.refinement = Refinement::kOff;
     double sum = 0, squares = 0;
@@ -169,6 +172,7 @@ void queries_by_arrays_equal_rays() {
                          threads, setup.control);
     };
     AqvcParameters p;
+    p.exact_groups = LightGroupSet{};
     p.c_e = 1e-3;
     ExactSource first(*setup.world, setup.caster), second(*setup.world, setup.caster);
     AqvcSource tiny(*setup.world, setup.caster, p, 1);

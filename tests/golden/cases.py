@@ -96,6 +96,11 @@ def swept() -> str:
     return digest(table["rel_l1"].values, np.asarray(table["rays"].values, dtype=np.int64))
 
 
+def cached(c_e: float, **given: Any) -> vc.Aqvc:
+    """The quantized cache for all light groups."""
+    return vc.Aqvc(c_e=c_e, exact_groups=(), **given)
+
+
 def cases() -> dict[str, Callable[[], str]]:
     """Name → what makes the digest."""
     whitted, direct = vc.Whitted(n_vpls=64), vc.Direct()
@@ -103,9 +108,9 @@ def cases() -> dict[str, Callable[[], str]]:
     for name, scene in (("room", ROOM), ("slits", "slits"), ("cube", "cube_on_plane")):
         found[f"{name} exact"] = frame(scene, whitted)
         for c_e in (2.0, 8.0, 16.0):
-            found[f"{name} aqvc {c_e}"] = frame(scene, whitted, visibility=vc.Aqvc(c_e=c_e), spp=4)
+            found[f"{name} aqvc {c_e}"] = frame(scene, whitted, visibility=cached(c_e), spp=4)
         for preset in ("fast", "paper", "as_printed"):
-            cache = vc.Aqvc(preset=preset, c_e=8)
+            cache = cached(8, preset=preset)
             found[f"{name} aqvc {preset}"] = frame(scene, direct, visibility=cache)
         found[f"{name} shadow maps"] = frame(
             scene, whitted, visibility=vc.ShadowMap(resolution=128, vpls=True)
@@ -136,6 +141,10 @@ def cases() -> dict[str, Callable[[], str]]:
         lamps = vc.Direct(light_choice=choice)  # type: ignore[arg-type]
         found[f"cornell by {choice}"] = frame("cornell_box", lamps)
         found[f"conference by {choice}"] = frame("conference?triangles=5000", lamps)
+    for preset in ("default", "fast"):  # area lights are exact
+        found[f"cornell aqvc {preset}"] = frame(
+            "cornell_box", whitted, visibility=vc.Aqvc(preset=preset, c_e=8)
+        )
     found |= {
         "kept table": kept_frames,
         "correlation": correlation,

@@ -41,12 +41,12 @@ def energy(image: Image, reference: Image) -> float:
 def render(
     scene: vc.Scene, integrator: Any = None, *, size: tuple[int, int] = SIZE, **aqvc: Any
 ) -> vc.Frame:
-    """A frame with these parameters of `Aqvc` and of its `paper`.
+    """A frame with these parameters of `Aqvc` and of its `paper`; every light group is cached.
 
     `spp`, `seed`, `threads`, `camera` go to `vc.render`.
     """
     passed = {n: aqvc.pop(n) for n in ("spp", "seed", "threads", "camera") if n in aqvc}
-    visibility = replaced(vc.Aqvc(), aqvc, "visibility")
+    visibility = replaced(vc.Aqvc(exact_groups=()), aqvc, "visibility")
     return vc.render(scene, integrator or SHARED, visibility=visibility, size=size, **passed)
 
 

@@ -168,7 +168,9 @@ def test_cones_out_of_range_are_refused(given: dict[str, Any], message: str) -> 
         vc.SceneDescription().add_point_light((0, 0, 0), (1, 1, 1), **given)
 
 
-@pytest.mark.parametrize("visibility", [vc.ShadowMap(resolution=512), vc.Aqvc(c_e=4)])
+@pytest.mark.parametrize(
+    "visibility", [vc.ShadowMap(resolution=512), vc.Aqvc(c_e=4, exact_groups=())]
+)
 def test_caches_see_spot_lights_as_points(visibility: Any) -> None:
     scene = with_spots().to_viscache()
     exact = vc.render(scene, vc.Direct(), size=(64, 48), spp=4)

@@ -12,6 +12,8 @@ public:
     /// `spp`: samples per pixel.
     AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp);
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
+    /// In the form kWaves, for light groups that are not answered exactly.
+    std::unique_ptr<VisibilityOracle> make_audit(int group, const FarEnds* lights) override;
     int dealt_tile_edge() const override;
 
 protected:

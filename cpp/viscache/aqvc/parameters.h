@@ -6,6 +6,7 @@
 // viscache.Aqvc and viscache.PaperForm.
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -52,6 +53,8 @@ inline constexpr std::array kNames<Form>{"waves", "pairs"};
 template <>
 inline constexpr std::array kNames<Storage>{"table", "exact", "shared", "paper_tiles"};
 
+using LightGroupSet = std::bitset<kLightGroups>;
+
 /// Meaning and range of each parameter, and whether keys depend on it: see kAqvcRows.
 struct AqvcParameters {
     double c_e = 12;
@@ -64,6 +67,7 @@ struct AqvcParameters {
     uint32_t grid_seed = 0;
     Refinement refinement = Refinement::kAuto;
     std::array<std::optional<Refinement>, kLightGroups> refinement_groups{};
+    std::optional<LightGroupSet> exact_groups{};  ///< empty: auto
     double level_step = 4;
     double c_finest = 4;
     bool by_contribution = false;
@@ -127,6 +131,10 @@ inline constexpr std::tuple kAqvcRows{
         "`Bdpt` uses \"off\" unless a value is given."),
     row("refinement_groups", &AqvcParameters::refinement_groups, kPlain,
         "`refinement` of single light groups, with the names of `c_e_groups`."),
+    row("exact_groups", &AqvcParameters::exact_groups, kPlain,
+        "Light groups whose queries all get a ray, as with `Exact`. \"auto\": samples of area lights and of "
+        "the sky where they are each eye point's own, and groups of at most 8 lights that all share. The "
+        "form \"pairs\" and `Bdpt` have no such group by default."),
     row("level_step", &AqvcParameters::level_step, kPlain, {.low = 1.1},
         "Ratio between the C_E of one refinement level and that of the next. The first level, C_E itself, "
         "may lie nearer to the second."),
@@ -209,6 +217,23 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     const bool shared = g == LightGroup::kPoint || g == LightGroup::kDirectional || g == LightGroup::kVpl;
     const double c_e = p.group_c_e(group);
     return shared && (c_e > p.c_finest || c_e * c_e > spp);
+}
+
+/// True if exact rays answer the queries between eye points and `shared` lights of this group. Auto: groups
+/// of few lights, because cells cost more than so few rays.
+inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared) {
+    if (p.exact_groups) return p.exact_groups->test(size_t(group));
+    constexpr size_t kFew =
+        8;  // measured: up to 2 times slower with 1–4 lights, as fast with 8 (docs/aqvc.md)
+    return p.form == Form::kWaves && shared <= kFew;
+}
+
+/// The same for far ends that are each eye point's own. Auto: samples of area lights and skies. They hardly
+/// repeat, so the cache saves little time and leaves squares.
+inline bool answers_own_exactly(const AqvcParameters& p, int group) {
+    if (p.exact_groups) return p.exact_groups->test(size_t(group));
+    const auto g = LightGroup(group);
+    return p.form == Form::kWaves && (g == LightGroup::kArea || g == LightGroup::kEnvironment);
 }
 
 /// C_E of every level from coarse to fine, at most kMaxLevels. The first is lift·C_E. The others are

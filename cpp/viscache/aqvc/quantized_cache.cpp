@@ -39,6 +39,7 @@ QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& pa
       extent_(offset_extent),
       spp_(spp),
       shares_(frame_table != nullptr),
+      exact_(caster, offset_extent, parameters_, shares_),
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
       sample_rows_(caster, offset_extent) {
@@ -54,18 +55,26 @@ void QuantizedCache::use_kept(const KeptTable& table, KeptChecks checks) {
 
 void QuantizedCache::watch(const Control& control) {
     VisibilityOracle::watch(control);
+    exact_.oracle().watch(control);
     tracer_.watch(control);
     pairs_.watch(control);
     sample_rows_.watch(control);
 }
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
-    tile_.make(eyes, grid_);
+    tile_.eyes = nullptr;
     pairs_.begin_tile();
     has_order_ = false;
     sample_group_ = -1;
-    if (parameters_.form == Form::kWaves) placer_.begin(tile_);
     cells_in_use_ = 0;
+    tile_size_ = eyes.size();
+}
+
+/// Anchors of the tile's eye points, for the first query that the cache answers.
+void QuantizedCache::make_anchors(const EyeBlock& eyes) {
+    if (tile_.eyes) return;
+    tile_.make(eyes, grid_);
+    if (parameters_.form == Form::kWaves) placer_.begin(tile_);
 }
 
 /// Cells of the tile at these levels, computed once and shared by all groups with these levels.
@@ -101,8 +110,10 @@ PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
 void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                            BitMatrix& visible, Counters& counters) {
     if (wanted.rows() == 0 || lights.count == 0) return;
-    if (wanted.rows() != tile_.size() || wanted.columns() != lights.count)
+    if (wanted.rows() != tile_size_ || wanted.columns() != lights.count)
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
+    if (exact_.answers(lights)) return exact_.oracle().block(eyes, lights, wanted, visible, counters);
+    make_anchors(eyes);
     // Under Eq. 6 the key depends on both ends at once, so it does not factor into rows and columns.
     const Semantic s = key_semantic(lights.semantic, lights.group, parameters_);
     const bool coupled = s == Semantic::kSurface && parameters_.res_rule == ResolutionRule::kEq6;
@@ -206,6 +217,7 @@ void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
                                std::span<Word> visible, const std::vector<uint32_t>& run_of_eye,
                                Counters& counters) {
     if (!shares_) make_order(eyes);
+    make_anchors(eyes);
     ClampCounts clamps;
     const PairContext context{tile_, parameters_, levels_, run_of_eye, caster_, extent_};
     pairs_.run(context, queries, visible, counters, clamps);
@@ -214,6 +226,14 @@ void QuantizedCache::run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery
 
 void QuantizedCache::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
                            std::span<Word> visible, Counters& counters) {
+    exact_.pairs(eyes, queries, visible, counters,
+                 [&](std::span<const ShadowQuery> cached, std::span<Word> seen) {
+                     cached_pairs(eyes, cached, seen, counters);
+                 });
+}
+
+void QuantizedCache::cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
+                                  std::span<Word> visible, Counters& counters) {
     run_pairs(eyes, queries, visible, run_of_eye_, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         ++counters.groups[queries[i].group].queries;
@@ -229,8 +249,9 @@ bool QuantizedCache::has_sample_rows(int group) const {
     return parameters_.form != Form::kPairs && !shares_ && !coupled;
 }
 
-void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
+void QuantizedCache::begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters) {
     if (sample_group_ == group) return;
+    make_anchors(eyes);
     ClampCounts clamps;
     // Rows are emptier than a table, because most cells use few of the columns
     sample_rows_.begin(tile_, levels_[size_t(group)], batch(), 16 * parameters_.table_bytes, counters,
@@ -240,17 +261,19 @@ void QuantizedCache::begin_sample_rows(int group, Counters& counters) {
 }
 
 PairOrder QuantizedCache::sample_order(const EyeBlock& eyes, int group) {
+    if (exact_.answers_own(group)) return {};
     if (!has_sample_rows(group)) return pair_order(eyes);
     sample_counters_ = {};
-    begin_sample_rows(group, sample_counters_);
+    begin_sample_rows(eyes, group, sample_counters_);
     return {sample_rows_.order(), sample_rows_.run_end()};
 }
 
 void QuantizedCache::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                              Counters& counters) {
+    if (exact_.answers_own(samples.group)) return exact_.oracle().samples(eyes, samples, visible, counters);
     GroupCounters& group = counters.groups[size_t(samples.group)];
     if (has_sample_rows(samples.group)) {
-        begin_sample_rows(samples.group, counters);
+        begin_sample_rows(eyes, samples.group, counters);
         counters.merge(std::exchange(sample_counters_, {}));
         ClampCounts clamps;
         group.rays += sample_rows_.run(samples, parameters_, visible, left_, counters, clamps);

@@ -3,7 +3,8 @@
 //
 // The parameters choose between two forms. Groups of shared lights use level waves or the hash table. Samples
 // of single eye points use bit rows by light cell or the table. Other connections of single eye points use
-// the table. Nothing is kept after the tile, except in a table of the frame or a kept table.
+// the table. Exact rays answer the light groups of `exact_groups`. Nothing is kept after the tile, except in
+// a table of the frame or a kept table.
 //
 // Counters: look-ups and hits count single bits. Neighbour probes are counted per query in `pairs` and per
 // cell in waves. A boundary query is one whose neighbours disagree at the last level before the finest.
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "viscache/aqvc/columns.h"
+#include "viscache/aqvc/exact_part.h"
 #include "viscache/aqvc/miss_tracer.h"
 #include "viscache/aqvc/pairs.h"
 #include "viscache/aqvc/parameters.h"
@@ -37,7 +39,10 @@ public:
 
     void watch(const Control& control) override;
     void weigh(const Contributions* contributions) override { contributions_ = contributions; }
-    void log(QueryLog* log) override { log_ = log; }
+    void log(QueryLog* log) override {
+        log_ = log;
+        exact_.oracle().log(log);
+    }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
@@ -57,8 +62,11 @@ public:
 private:
     void run_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                    const std::vector<uint32_t>& run_of_eye, Counters& counters);
+    void cached_pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+                      Counters& counters);
     bool has_sample_rows(int group) const;
-    void begin_sample_rows(int group, Counters& counters);
+    void make_anchors(const EyeBlock& eyes);
+    void begin_sample_rows(const EyeBlock& eyes, int group, Counters& counters);
     void samples_by_pairs(const EyeBlock& eyes, const LocalSamples& samples,
                           std::span<const uint32_t> numbers, const std::vector<uint32_t>& run_of_eye,
                           std::span<Word> visible, Counters& counters);
@@ -83,7 +91,9 @@ private:
     QueryLog* log_ = nullptr;
     ContributionLevels contribution_levels_;
     bool shares_;  ///< uses the table of the frame
+    ExactPart exact_;
     std::array<std::vector<double>, kLightGroups> levels_;
+    size_t tile_size_ = 0;
     TileAnchors tile_;
     OrderMaker order_maker_;
     TileOrder order_;

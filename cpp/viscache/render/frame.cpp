@@ -137,14 +137,14 @@ private:
 /// Renders tiles on one thread. Its buffers are reused.
 class TileWorker {
 public:
-    TileWorker(const FrameContext& context, std::unique_ptr<VisibilityOracle> oracle, const Control& control)
-        : c_(context), oracle_(std::move(oracle)) {
+    TileWorker(const FrameContext& context, OracleSource& source, const Control& control)
+        : c_(context), oracle_(source.make()), audit_(context.frame, source, control) {
         oracle_->watch(control);
         if (c_.product) product_.emplace(*c_.product);
     }
 
     void render(size_t number, const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
-                ProductSeconds& product, const Control& control) {
+                ProductSeconds& product, AuditSums& audit, const Control& control) {
         StageClock clock;
         c_.tracer.trace(tile, eyes_, counters, control);
         clock.lap(stages.eye_paths);
@@ -152,6 +152,7 @@ public:
             sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
         eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
+        audit_.begin_tile(tile, eyes_);
         clock.lap(stages.visibility);
         for (const SharedLights& lights : c_.shared) {
             add_shared(lights, counters, stages, clock, control);
@@ -159,6 +160,7 @@ public:
         add_local(counters, stages, clock, control);
         if (c_.shares) add_shares(c_.shares->first[number]);
         if (product_) add_product(tile, counters, stages, product, control);
+        audit_.end_tile(audit);
         clock.skip();
         write(tile, out);
         clock.lap(stages.shading);
@@ -182,17 +184,16 @@ private:
         oracle_->weigh(&contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
+        audit_.block(lights.ends, wanted_, visible_, [&](size_t i, const Word* row) {
+            return eyes_.throughput[i] * reflected(lights, i, row);
+        });
         clock.lap(stages.visibility);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         WeightedLights weighted(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
-            const ShadingPoint& sp = eyes_.shading[i];
             const SharedLights& counted = weighted.with(oracle_->block_weights(uint32_t(i)));
-            const Rgb value = sp.kind == MaterialKind::kGlossy
-                                  ? sum_row_glossy(counted, shade(i), sp, visible_.row(i))
-                                  : sum_row(counted, shade(i), visible_.row(i)) * (sp.base * (1 / kPi));
-            sum[eyes_.pixel[i]] += eyes_.throughput[i] * value;
+            sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, visible_.row(i));
         }
         clock.lap(stages.shading);
     }
@@ -254,6 +255,7 @@ private:
             answer_.assign(words_for(local_.at.size()), 0);
             oracle_->weigh_samples(local_.contribution);
             oracle_->samples(eyes_.block, local_.at, answer_, counters);
+            audit_.samples(local_, answer_);
             clock.lap(stages.visibility);
             add_seen(sum);
             clock.lap(stages.shading);
@@ -277,6 +279,13 @@ private:
         std::vector<Rgb>& sum = sums_[size_t(LightGroup::kAmbient)];
         for (size_t i = 0; i < eyes_.size(); ++i)
             sum[eyes_.pixel[i]] += eyes_.throughput[i] * c_.shares->share[first + i];
+    }
+
+    /// Light of the columns in `row` that eye point i reflects.
+    Rgb reflected(const SharedLights& lights, size_t i, const Word* row) const {
+        const ShadingPoint& sp = eyes_.shading[i];
+        return sp.kind == MaterialKind::kGlossy ? sum_row_glossy(lights, shade(i), sp, row)
+                                                : sum_row(lights, shade(i), row) * (sp.base * (1 / kPi));
     }
 
     EyeShade shade(size_t i) const {
@@ -309,6 +318,7 @@ private:
 
     const FrameContext& c_;
     std::unique_ptr<VisibilityOracle> oracle_;
+    TileAudit audit_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
     WeightedSamples local_;
@@ -419,11 +429,12 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
     std::vector<ProductSeconds> product_stages(tiles.size());
+    std::vector<AuditSums> audits(tiles.size());
     const auto render_tile = [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
-        if (!mine) mine = std::make_unique<TileWorker>(context, source.make(), control);
-        mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], control);
+        if (!mine) mine = std::make_unique<TileWorker>(context, source, control);
+        mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], audits[i], control);
         source.end_item(mine->oracle(), i);
         control.done.fetch_add(1);
     };
@@ -435,11 +446,13 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     else
         parallel_for(tiles.size(), out.threads, render_tile);
     if (frame.parts > 1)
-        for (const Counters& c : counted) out.tile_sums.push_back({c.lost_throughput, c.expected_false_hits});
+        for (size_t i = 0; i < tiles.size(); ++i)
+            out.tile_sums.push_back({counted[i].lost_throughput, counted[i].expected_false_hits, audits[i]});
     for (size_t i = 0; i < tiles.size(); ++i) {
         counters.merge(counted[i]);
         out.stages.merge(stages[i]);
         out.product.merge(product_stages[i]);
+        out.audit.merge(audits[i]);
     }
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);

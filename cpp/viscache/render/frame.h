@@ -4,6 +4,7 @@
 
 #include "viscache/math/parallel.h"
 #include "viscache/render/aligned_ambient.h"
+#include "viscache/render/audit.h"
 #include "viscache/render/environment_product.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/shared_lights.h"
@@ -11,6 +12,12 @@
 #include "viscache/visibility/oracle_source.h"
 
 namespace viscache {
+
+/// Real sums of one tile; their order decides the last bits of the sum over a frame.
+struct TileSums {
+    double lost_throughput = 0, expected_false_hits = 0;
+    AuditSums audit;
+};
 
 struct FrameResult {
     int width = 0, height = 0, spp = 1;
@@ -25,6 +32,7 @@ struct FrameResult {
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
+    AuditSums audit;
     SourceReport source;  ///< report of the oracle source
     StageSeconds stages;
     ProductSeconds product;               ///< product sampling of the environment; included in `stages`
@@ -37,7 +45,7 @@ struct FrameResult {
     double prepare_s = 0;                 ///< wall seconds of the source's preparation
     size_t n_vpls = 0;
     int tile_edge_px = 0;
-    std::vector<std::array<double, 2>> tile_sums;  ///< for parts: lost throughput and false hits of each tile
+    std::vector<TileSums> tile_sums;  ///< for parts: of each tile
     int threads = 0;
 };
 

@@ -25,7 +25,7 @@ SIZE, QUICK_SIZE = (192, 120), (64, 40)
 SHARES = (None, 0.05, 0.1, 0.25, 0.5)
 #: The share whose rows have bands.
 SHOWN = 0.1
-METHODS: dict[str, Visibility] = {"AQVC C_E 12": Aqvc(), "no shadows": Unoccluded()}
+METHODS: dict[str, Visibility] = {"AQVC C_E 12": Aqvc(exact_groups=()), "no shadows": Unoccluded()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -80,7 +80,7 @@ def methods(quick: bool) -> dict[str, Visibility]:
     """Settings by name."""
     plain = NeePlusPlus(n_voxels=8, learn_pixels=512) if quick else NeePlusPlus()
     roulette = {f"NEE++ p^{e:g}": replace(plain, exponent=e) for e in EXPONENTS}
-    return {**roulette, **{f"AQVC C_E {c_e:g}": Aqvc(c_e=c_e) for c_e in C_E}}
+    return {**roulette, **{f"AQVC C_E {c_e:g}": Aqvc(c_e=c_e, exact_groups=()) for c_e in C_E}}
 
 
 def same_samples(shot: Shot, quick: bool) -> dict[str, Trade]:

@@ -101,7 +101,8 @@ def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
-        settings = replaced(Aqvc(c_e=C_E, grid_seed=grid), given, "visibility")
+        cache = Aqvc(c_e=C_E, grid_seed=grid, exact_groups=())
+        settings = replaced(cache, given, "visibility")
         trade = Trade(frame=shot.frame(settings), exact=exact)
         found.append(
             [
@@ -216,7 +217,13 @@ def light_kinds(quick: bool, size: Size) -> list[Row]:
         exact = shot.frame()
         trades = {
             state: Trade(
-                frame=shot.frame(Aqvc(c_e=C_E, refinement_groups=dict.fromkeys(kinds, state))),
+                frame=shot.frame(
+                    Aqvc(
+                        c_e=C_E,
+                        refinement_groups=dict.fromkeys(kinds, state),
+                        exact_groups=(),
+                    )
+                ),
                 exact=exact,
             )
             for state in ("off", "on")

@@ -131,7 +131,7 @@ def _double(image: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
 def presets(c_e: float, **given: Any) -> dict[str, Aqvc]:
     """The default and the paper's preset at one C_E."""
     return {
-        "default": Aqvc(c_e=c_e, **given),
+        "default": Aqvc(c_e=c_e, exact_groups=(), **given),
         "paper": Aqvc(preset="paper", c_e=c_e, **given),
     }
 

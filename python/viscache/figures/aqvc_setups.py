@@ -82,7 +82,8 @@ class Setup:
 
     def cache(self, preset: Preset, c_e: float, **given: Any) -> Aqvc:
         """A preset at one C_E, except for the light groups whose C_E the paper keeps fixed."""
-        return Aqvc(preset=preset, c_e=c_e, c_e_groups=dict(self.c_e_groups), **given)
+        groups = dict(self.c_e_groups)
+        return Aqvc(preset=preset, c_e=c_e, c_e_groups=groups, exact_groups=(), **given)
 
 
 @lru_cache(maxsize=4)

@@ -6,7 +6,7 @@ classes here read them from there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
 from typing import Any, Literal
@@ -54,6 +54,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "level_step": 2.0,
         "vpl_key": "surface",
         "refinement": "on",
+        "exact_groups": (),
         "form": "pairs",
         "batch": 1,
     },
@@ -78,6 +79,18 @@ def _fill(settings: Any, preset: Mapping[str, Any]) -> None:
         if f.name in ROWS.by_name and isinstance(getattr(settings, f.name), NotGiven):
             value = preset.get(f.name, plain(f.default))
             object.__setattr__(settings, f.name, not_given(value))
+
+
+def _group_set(given: Any) -> Any:
+    """Light groups in their order, or "auto"."""
+    if isinstance(given, str) and given == "auto":
+        return given
+    names = isinstance(given, Collection) and not isinstance(given, str | Mapping)
+    require(names, 'exact_groups must be "auto" or a set of light groups', given)
+    for group in given:
+        known = group in LIGHT_GROUPS
+        require(known, f"exact_groups must name {', '.join(LIGHT_GROUPS)}", group)
+    return tuple(group for group in LIGHT_GROUPS if group in given)
 
 
 @setting
@@ -160,6 +173,7 @@ class Aqvc:
     grid_seed: int = _default("grid_seed")
     refinement: Literal["auto", "on", "off"] = _default("refinement")
     refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
+    exact_groups: Collection[str] | Literal["auto"] = _default("exact_groups")
     level_step: float = _default("level_step")
     c_finest: float = _default("c_finest")
     by_contribution: bool = _default("by_contribution")
@@ -179,6 +193,8 @@ class Aqvc:
                 value,
             )
         self._check_refinement_groups()
+        if not isinstance(self.exact_groups, NotGiven):
+            object.__setattr__(self, "exact_groups", _group_set(self.exact_groups))
         require(isinstance(self.paper, PaperForm), "paper must be vc.PaperForm(...)", self.paper)
         _fill(self, PRESETS[self.preset])
         paper = replace(self.paper)

@@ -25,6 +25,10 @@ class _Text(NotGiven, str):
     __slots__ = ()
 
 
+class _Tuple(NotGiven, tuple[Any, ...]):
+    __slots__ = ()
+
+
 class _Flag(NotGiven, int):
     """True or False, which cannot have subclasses."""
 
@@ -37,10 +41,10 @@ class _Flag(NotGiven, int):
 
 
 def not_given(value: Any) -> Any:
-    """The value marked as not given; what is no number, text or flag stays as it is."""
+    """The value marked as not given; what is no number, text, tuple or flag stays as it is."""
     if isinstance(value, bool):
         return _Flag(value)
-    for kind, marked in ((int, _Int), (float, _Float), (str, _Text)):
+    for kind, marked in ((int, _Int), (float, _Float), (str, _Text), (tuple, _Tuple)):
         if isinstance(value, kind):
             return marked(value)
     return value
@@ -50,7 +54,7 @@ def plain(value: Any) -> Any:
     """The value without its mark."""
     if isinstance(value, _Flag):
         return bool(value)
-    for marked, kind in ((_Int, int), (_Float, float), (_Text, str)):
+    for marked, kind in ((_Int, int), (_Float, float), (_Text, str), (_Tuple, tuple)):
         if isinstance(value, marked):
             return kind(value)
     return value

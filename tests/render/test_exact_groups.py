@@ -1,0 +1,197 @@
+"""Light groups of the quantized cache that exact rays answer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+from render import quantized as q
+
+SIZE = (64, 40)
+MIXED = vc.Whitted(n_vpls=12, n_area=4, n_environment=3, n_brdf=3)
+GROUPS = ("point", "directional", "area", "environment", "vpl")
+FORMS: dict[str, vc.Aqvc] = {
+    "waves": vc.Aqvc(c_e=8),
+    "by contribution": vc.Aqvc(preset="fast", c_e=8),
+    "pairs": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs")),
+    "one at a time": vc.Aqvc(c_e=8, preset="paper"),
+    "queue": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", queue=64)),
+    "paper tiles": vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", storage="paper_tiles")),
+    "Eq. 6": vc.Aqvc(c_e=8, paper=vc.PaperForm(res_rule="eq6")),
+}
+
+
+@pytest.fixture(scope="module")
+def scene() -> vc.Scene:
+    """Lamps, a sun, an area light and a sky."""
+    return q.lit_box().with_environment(0.5)
+
+
+def render(scene: vc.Scene, visibility: Any, integrator: Any = MIXED, **options: Any) -> vc.Frame:
+    return vc.render(scene, integrator, visibility=visibility, size=SIZE, **options)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_named_groups_have_the_bytes_and_counts_of_exact_visibility(
+    scene: vc.Scene, form: str
+) -> None:
+    exact = render(scene, vc.Exact())
+    none = render(scene, replace(FORMS[form], exact_groups=()))
+    chosen = ("point", "area")
+    some = render(scene, replace(FORMS[form], exact_groups=chosen))
+    for group in GROUPS:
+        layer, truth = some.layers[group], exact.layers[group]
+        assert np.array_equal(layer, truth) == (group in chosen)
+        assert not np.array_equal(none.layers[group], truth)  # else this says nothing
+    for group in chosen:
+        assert some.counters["groups"][group] == exact.counters["groups"][group]
+    assert none.counters["rays"] < some.counters["rays"] < exact.counters["rays"]
+    both = render(scene, replace(FORMS[form], exact_groups=GROUPS), threads=2)
+    assert np.array_equal(both.image, exact.image)
+    assert both.counters["groups"] == exact.counters["groups"]
+
+
+@pytest.mark.parametrize("form", ["waves", "by contribution"])
+def test_the_other_groups_keep_their_bytes(scene: vc.Scene, form: str) -> None:
+    none = render(scene, replace(FORMS[form], exact_groups=()))
+    some = render(scene, replace(FORMS[form], exact_groups={"point", "environment"}))
+    for group in ("directional", "area", "vpl"):
+        assert np.array_equal(some.layers[group], none.layers[group])
+        assert some.counters["groups"][group] == none.counters["groups"][group]
+
+
+@pytest.mark.parametrize("preset", ["default", "fast"])
+def test_own_samples_of_area_lights_and_skies_are_exact_by_default(
+    scene: vc.Scene, preset: Any
+) -> None:
+    cache, exact = vc.Aqvc(preset=preset), render(scene, vc.Exact())
+    frame = render(scene, cache)
+    assert cache.exact_groups == "auto" == frame.parameters["visibility"]["exact_groups"]
+    rays = {group: count["rays"] for group, count in frame.counters["groups"].items()}
+    for group, count in exact.counters["groups"].items():
+        own = group in ("area", "environment")
+        assert np.array_equal(frame.layers[group], exact.layers[group]) == own
+        assert (rays[group] == count["rays"]) == own
+
+
+def test_directions_that_all_share_stay_in_the_cache_by_default(scene: vc.Scene) -> None:
+    shared = vc.Direct(environment="shared", n_environment=32)
+    counts = {
+        named: render(scene, vc.Aqvc(exact_groups=named), shared).counters["groups"]["environment"]
+        for named in ("auto", ("environment",), ())
+    }
+    assert counts["auto"] == counts[()] != counts["environment",]
+    assert counts["environment",]["rays"] == counts["environment",]["queries"]
+
+
+def test_ambient_occlusion_stays_in_the_cache_by_default() -> None:
+    ambient, scene = vc.AmbientOcclusion(n_samples=16, max_distance=None), q.scene("slats")
+    counts = render(scene, vc.Aqvc(), ambient).counters["groups"]["ambient"]
+    assert counts["rays"] < counts["queries"]
+    named = render(scene, vc.Aqvc(exact_groups=["ambient"]), ambient)
+    assert named.sha256 == render(scene, vc.Exact(), ambient).sha256
+
+
+@pytest.mark.parametrize(
+    "cache",
+    [
+        vc.Aqvc(preset="paper"),
+        vc.Aqvc(preset="as_printed"),
+        vc.Aqvc(paper=vc.PaperForm(form="pairs")),
+    ],
+    ids=["paper", "as printed", "pairs"],
+)
+def test_the_paper_form_caches_every_group_unless_one_is_named(
+    scene: vc.Scene, cache: vc.Aqvc
+) -> None:
+    counts = render(scene, cache).counters["groups"]
+    assert all(count["rays"] < count["queries"] for count in counts.values())
+
+
+def test_threads_and_samples_per_pixel_change_nothing(scene: vc.Scene) -> None:
+    cache = vc.Aqvc(c_e=8, exact_groups=("vpl", "area"))
+    frames = [render(scene, cache, spp=4, threads=n) for n in (1, 3)]
+    assert frames[0].sha256 == frames[1].sha256
+    assert frames[0].counters == frames[1].counters
+
+
+def test_a_kept_table_holds_no_bits_of_named_groups(scene: vc.Scene) -> None:
+    found = {}
+    for named in ((), ("point", "area")):
+        table = vc.AqvcTable(table_bytes=1 << 24)
+        cache = vc.Aqvc(c_e=8, refinement="off", exact_groups=named)
+        frames = [render(scene, cache, keep=table) for _ in range(2)]
+        found[named] = frames[1].counters["groups"]
+    exact = render(scene, vc.Exact()).counters["groups"]
+    assert found[()]["point"]["rays"] == found["point", "area"]["vpl"]["rays"] == 0
+    for group in ("point", "area"):
+        assert found["point", "area"][group] == exact[group]
+    # By default everything is kept
+    table = vc.AqvcTable(table_bytes=1 << 24)
+    cache = vc.Aqvc(c_e=8, refinement="off")
+    frames = [render(scene, cache, keep=table) for _ in range(2)]
+    assert frames[1].counters["rays"] == 0
+
+
+def test_bidirectional_paths_fill_the_table_unless_a_group_is_named() -> None:
+    scene, bdpt = q.scene("cornell_box"), vc.Bdpt(max_depth=4)
+    options: dict[str, Any] = {"integrator": bdpt, "spp": 2}
+    exact = render(scene, vc.Exact(), **options)
+    default = render(scene, vc.Aqvc(c_e=8), **options)
+    assert default.sha256 == render(scene, vc.Aqvc(c_e=8, exact_groups=()), **options).sha256
+    groups = exact.counters["groups"]
+    assert all(n["rays"] < n["queries"] for n in default.counters["groups"].values())
+    named = vc.Aqvc(c_e=8, exact_groups=tuple(groups))
+    assert render(scene, named, **options).sha256 == exact.sha256
+    some = vc.Aqvc(c_e=8, exact_groups=("connection",))
+    frames = [render(scene, some, threads=n, **options) for n in (1, 2)]
+    assert frames[0].sha256 == frames[1].sha256 != exact.sha256
+    assert frames[0].counters["groups"]["connection"] == groups["connection"]
+
+
+def test_the_log_of_queries_says_that_exact_groups_are_exact(
+    scene: vc.Scene, tmp_path: Any
+) -> None:
+    import xarray
+
+    conn = vc.connections(scene, MIXED, size=SIZE)
+    path = tmp_path / "queries.nc"
+    vc.record_queries(conn, vc.Aqvc(c_e=8, exact_groups=("vpl",)), path)
+    with xarray.open_dataset(path, engine="h5netcdf") as queries:
+        group = queries["group"].values
+        wrong = queries["v"].values != queries["answer"].values
+        exact = group == 4
+        clusters = queries["cluster"].values[exact]
+    assert exact.any() and not wrong[exact].any() and wrong[~exact].any()
+    assert len(np.unique(clusters)) == len(clusters)
+
+
+def test_answers_to_connections_and_corrected_frames_are_those_of_the_renderer(
+    scene: vc.Scene,
+) -> None:
+    conn = vc.connections(scene, MIXED, size=SIZE)
+    for cache in (vc.Aqvc(c_e=8), vc.Aqvc(c_e=8, exact_groups=("vpl", "area"))):
+        assert conn.frame(conn.answers(cache)).sha256 == render(scene, cache).sha256
+        corrected = render(scene, cache, use=vc.Correct(share=1))
+        np.testing.assert_allclose(corrected.image, render(scene, vc.Exact()).image, atol=1e-5)
+
+
+def test_sets_are_kept_in_the_order_of_the_groups_and_others_are_refused() -> None:
+    assert vc.Aqvc(exact_groups={"vpl", "area"}) == vc.Aqvc(exact_groups=["area", "vpl"])
+    assert vc.Aqvc(exact_groups={"vpl", "area"}).resolved()["exact_groups"] == ("area", "vpl")
+    for given, message in (
+        ("area", 'exact_groups must be "auto"'),
+        (("lamp",), "exact_groups must name point, directional"),
+        (3, 'exact_groups must be "auto" or a set'),
+        ({"area": 1}, 'exact_groups must be "auto" or a set'),
+    ):
+        with pytest.raises(ValueError, match=message):
+            vc.Aqvc(exact_groups=given)  # type: ignore[arg-type]
+    core = vc.Aqvc().core()
+    for wrong in ("area", ("lamp",)):
+        with pytest.raises(ValueError, match="exact_groups must be"):
+            core.exact_groups = wrong
