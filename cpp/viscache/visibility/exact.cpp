@@ -45,8 +45,8 @@ static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> orde
     }
 }
 
-/// True if the rows of a block are worth sorting. Sorting costs about as much as tracing 20 columns; the later
-/// groups of a tile use the same order.
+/// True if the rows of a block are worth sorting. Sorting costs about as much as tracing 20 columns; the
+/// later groups of a tile use the same order.
 bool ExactOracle::in_space(const EyeBlock& eyes, const FarEnds& lights) {
     constexpr size_t kFewColumns = 64;
     if (order_.size() == eyes.size()) return true;

@@ -23,8 +23,11 @@ public:
     /// `extent` is Scene::offset_extent. Without an order or a flag, short trials select the fastest.
     ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster), extent_(extent), by_light_(order != PacketOrder::kByPixel),
-          block_plan_(plans(order, flag), {}, 1024), pairs_flag_(flag) {}
+        : caster_(caster),
+          extent_(extent),
+          by_light_(order != PacketOrder::kByPixel),
+          block_plan_(plans(order, flag), {}, 1024),
+          pairs_flag_(flag) {}
 
     void begin_tile(const EyeBlock&) override { order_.clear(); }
     void log(QueryLog* log) override { log_ = log; }

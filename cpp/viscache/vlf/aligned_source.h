@@ -11,7 +11,11 @@ public:
     /// With `choose`, each tile takes the engine that is cheaper for it.
     AlignedSource(const Scene& scene, const RayCaster& caster, const AlignedBatch& batch, bool choose,
                   std::optional<PacketOrder> order, std::optional<Coherence> flag)
-        : batch_(batch), caster_(caster), extent_(scene.offset_extent()), order_(order), flag_(flag),
+        : batch_(batch),
+          caster_(caster),
+          extent_(scene.offset_extent()),
+          order_(order),
+          flag_(flag),
           choose_(choose) {}
     std::unique_ptr<VisibilityOracle> make() override {
         ExactOracle exact(caster_, extent_, order_, flag_);
