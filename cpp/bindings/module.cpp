@@ -30,6 +30,7 @@ void bind_scene_info(py::module_& m);
 void bind_sky(py::module_& m);
 void bind_sources(py::module_& m);
 void bind_shadow_map(py::module_& m);
+void bind_shafts(py::module_& m);
 void bind_taps(py::module_& m);
 void bind_triangles(py::module_& m);
 void bind_vismap_estimate(py::module_& m);
@@ -86,6 +87,7 @@ PYBIND11_MODULE(_core, m) {
     bind_vlf_dynamic(m);
     bind_vlf_parts(m);
     bind_sources(m);
+    bind_shafts(m);
     bind_frames(m);
     bind_ask(m);
     bind_taps(m);

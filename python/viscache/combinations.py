@@ -123,6 +123,11 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
                     and not isinstance(r.integrator, _IN_TILES)),
          lambda r: r.integrator),
+    Rule("`Exact(engine=…)`", "any rays but robust Embree", '`engine="packets"`',
+         'rays must be vc.Embree() with engine="shafts" or "auto"',
+         lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine != "packets"
+                    and not _robust(r)),
+         lambda r: r.rays),
     Rule("`keep=AqvcTable(...)`", "any visibility but `Aqvc`", "`Aqvc`",
          "visibility must be vc.Aqvc(...) with keep",
          lambda r: r.keep and not isinstance(r.visibility, Aqvc)),

@@ -16,7 +16,7 @@ from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct, in_words
-from viscache.oracles.sources import oracle_source, parameters_of
+from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
@@ -223,6 +223,7 @@ def render_part(
             spp=spp,
             seed=seed,
             batch=batch,
+            shafts=shafts_for(geometry, visibility),
             kept=kept,
             bidirectional=isinstance(integrator, Bdpt),
         )

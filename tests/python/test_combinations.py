@@ -31,6 +31,7 @@ BROKEN: list[dict[str, Any]] = [
     {"integrator": vc.AmbientOcclusion(n_samples=33, directions="shared"), "visibility": vc.Aqvc()},
     {"visibility": vc.Exact(sky_engine="auto"), "rays": vc.Bsp()},
     {"visibility": vc.Exact(sky_engine="auto"), "integrator": vc.Bdpt()},
+    {"visibility": vc.Exact(engine="shafts"), "rays": vc.Bsp()},
     {"keep": True},
     {"keep": True, "visibility": vc.Aqvc(), "integrator": vc.Bdpt()},
     {"keep": True, "visibility": vc.Aqvc(), "parts": 2},

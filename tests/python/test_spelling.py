@@ -102,7 +102,12 @@ def test_classes_and_functions_stay_what_they_were() -> None:
     assert dataclasses.replace(cache, c_e=8).c_n == 6
     with pytest.raises(TypeError, match="did you mean 'c_e'"):
         dataclasses.replace(cache, c_ee=8)
-    assert list(inspect.signature(vc.Exact).parameters) == ["order", "coherent", "sky_engine"]
+    assert list(inspect.signature(vc.Exact).parameters) == [
+        "order",
+        "coherent",
+        "sky_engine",
+        "engine",
+    ]
     assert "c_e" in pydoc.render_doc(vc.Aqvc) and vc.render.__name__ == "render"
     assert inspect.signature(vc.render).parameters["spp"].default == 1
 

@@ -45,21 +45,26 @@ static void trace_sorted(const RayCaster& caster, std::span<const uint32_t> orde
     }
 }
 
+/// True if the rows of a block are worth sorting. Sorting costs about as much as tracing 20 columns; the
+/// later groups of a tile use the same order.
+bool ExactOracle::in_space(const EyeBlock& eyes, const FarEnds& lights) {
+    constexpr size_t kFewColumns = 64;
+    if (order_.size() == eyes.size()) return true;
+    if (!by_light_ || eyes.size() <= 16 || lights.count < kFewColumns) return false;
+    order_ = packet_order(eyes.origin);
+    return true;
+}
+
 void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters) {
     uint64_t queries = 0;
-    for (size_t first = 0; first < wanted.rows(); first += 16) {
-        check_cancelled();
-        block_plan_.piece([&](const Plan& plan) {
-            size_t rays = 0;
-            if (plan.order == PacketOrder::kByLight)
-                rays = rows16_by_light(first, eyes, lights, wanted, visible, plan.flag);
-            else
-                for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
-                    rays += row_by_pixel(row, eyes, lights, wanted, visible, plan.flag);
-            queries += rays;
-            return rays;
-        });
+    if (in_space(eyes, lights)) {
+        gather_rows(wanted, order_, wanted_in_order_);
+        visible_in_order_.reset(wanted.rows(), wanted.columns());
+        queries = trace_rows(eyes, order_, lights, wanted_in_order_, visible_in_order_);
+        scatter_rows(visible_in_order_, order_, visible);
+    } else {
+        queries = trace_rows(eyes, {}, lights, wanted, visible);
     }
     if (log_)
         for (uint32_t i = 0; i < wanted.rows(); ++i)
@@ -72,6 +77,28 @@ void ExactOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     group.occluded += queries - count_bits(visible);
 }
 
+/// Traces a block whose row i belongs to eye point order[i], or i without an order. Returns the number of
+/// rays.
+uint64_t ExactOracle::trace_rows(const EyeBlock& eyes, std::span<const uint32_t> order, const FarEnds& lights,
+                                 const BitMatrix& wanted, BitMatrix& visible) {
+    uint64_t queries = 0;
+    for (size_t first = 0; first < wanted.rows(); first += 16) {
+        check_cancelled();
+        block_plan_.piece([&](const Plan& plan) {
+            size_t rays = 0;
+            if (plan.order == PacketOrder::kByLight)
+                rays = rows16_by_light(first, eyes, order, lights, wanted, visible, plan.flag);
+            else
+                for (size_t row = first; row < std::min(first + 16, wanted.rows()); ++row)
+                    rays += row_by_pixel(row, order.empty() ? uint32_t(row) : order[row], eyes, lights,
+                                         wanted, visible, plan.flag);
+            queries += rays;
+            return rays;
+        });
+    }
+    return queries;
+}
+
 std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> order,
                                                   std::optional<Coherence> flag) {
     std::vector<Plan> plans;
@@ -82,14 +109,16 @@ std::vector<ExactOracle::Plan> ExactOracle::plans(std::optional<PacketOrder> ord
 }
 
 /// Traces 16 eye points towards all their lights, one light after another. Returns the number of rays.
-size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights,
-                                    const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
+size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, std::span<const uint32_t> order,
+                                    const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                                    Coherence flag) {
     RayPacket16 origin, packet;
     uint16_t columns[64], answers[64];
     size_t rays = 0;
     const size_t n = std::min<size_t>(16, wanted.rows() - first);
     for (size_t i = 0; i < 16; ++i) {
-        const Vec3 o = eyes.origin[first + std::min(i, n - 1)];
+        const size_t row = first + std::min(i, n - 1);
+        const Vec3 o = eyes.origin[order.empty() ? row : order[row]];
         origin.ox[i] = o.x;
         origin.oy[i] = o.y;
         origin.oz[i] = o.z;
@@ -119,7 +148,7 @@ size_t ExactOracle::rows16_by_light(size_t first, const EyeBlock& eyes, const Fa
 }
 
 /// Traces one eye point towards all its lights, 16 consecutive lights at a time. Returns the number of rays.
-size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights,
+size_t ExactOracle::row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes, const FarEnds& lights,
                                  const BitMatrix& wanted, BitMatrix& visible, Coherence flag) {
     RayPacket16 packet;
     size_t lane_light[16];
@@ -136,7 +165,7 @@ size_t ExactOracle::row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds
         used = 0;
     };
     for_each_bit(wanted.row_span(row), [&](size_t k) {
-        set_lane(packet, used, shadow_ray(eyes, uint32_t(row), lights, k, extent_));
+        set_lane(packet, used, shadow_ray(eyes, eye, lights, k, extent_));
         lane_light[used++] = k;
         if (used == 16) flush();
     });

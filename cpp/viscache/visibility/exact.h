@@ -5,6 +5,7 @@
 
 #include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/oracle.h"
+#include "viscache/visibility/point_order.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/ray_caster.h"
 
@@ -12,7 +13,8 @@ namespace viscache {
 
 /// The rays that share a packet. Affects speed only.
 enum class PacketOrder {
-    kByLight,  ///< 16 neighbouring eye points towards one light: the fastest
+    kByLight,  ///< 16 neighbouring eye points towards one light: the fastest. Neighbours in space where many
+               ///< lights share the cost of sorting, else in the order of the tile
     kByPixel,  ///< one eye point towards 16 lights
 };
 
@@ -21,9 +23,13 @@ public:
     /// `extent` is Scene::offset_extent. Without an order or a flag, short trials select the fastest.
     ExactOracle(const RayCaster& caster, float extent, std::optional<PacketOrder> order = std::nullopt,
                 std::optional<Coherence> flag = std::nullopt)
-        : caster_(caster), extent_(extent), block_plan_(plans(order, flag), {}, 1024), pairs_flag_(flag) {}
+        : caster_(caster),
+          extent_(extent),
+          by_light_(order != PacketOrder::kByPixel),
+          block_plan_(plans(order, flag), {}, 1024),
+          pairs_flag_(flag) {}
 
-    void begin_tile(const EyeBlock&) override {}
+    void begin_tile(const EyeBlock&) override { order_.clear(); }
     void log(QueryLog* log) override { log_ = log; }
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
@@ -38,10 +44,14 @@ private:
         Coherence flag;
     };
     static std::vector<Plan> plans(std::optional<PacketOrder> order, std::optional<Coherence> flag);
-    size_t rows16_by_light(size_t first, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                           BitMatrix& visible, Coherence flag);
-    size_t row_by_pixel(size_t row, const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                        BitMatrix& visible, Coherence flag);
+    bool in_space(const EyeBlock& eyes, const FarEnds& lights);
+    uint64_t trace_rows(const EyeBlock& eyes, std::span<const uint32_t> order, const FarEnds& lights,
+                        const BitMatrix& wanted, BitMatrix& visible);
+    size_t rows16_by_light(size_t first, const EyeBlock& eyes, std::span<const uint32_t> order,
+                           const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+                           Coherence flag);
+    size_t row_by_pixel(size_t row, uint32_t eye, const EyeBlock& eyes, const FarEnds& lights,
+                        const BitMatrix& wanted, BitMatrix& visible, Coherence flag);
 
     /// Traces connections i = 0 … size − 1 of a source, which has eye(i), target(i), ray(i) and
     /// is_direction(i).
@@ -52,8 +62,11 @@ private:
 
     const RayCaster& caster_;
     float extent_;
+    bool by_light_;  ///< packets of eye points may be traced
     QueryLog* log_ = nullptr;
     Trial<Plan> block_plan_;
+    std::vector<uint32_t> order_;  ///< the tile's eye points along a spatial tree; empty: not sorted so far
+    BitMatrix wanted_in_order_, visible_in_order_;
     CoherenceTrial pairs_flag_;
     // For `pairs` and `samples`: direction bins of the connections, and indices sorted by bin
     std::vector<uint16_t> bin_;

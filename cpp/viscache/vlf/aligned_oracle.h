@@ -12,8 +12,8 @@ class AlignedOracle final : public VisibilityOracle {
 public:
     /// With `choose`, the engine is chosen for every block. Without it, the batch traces all blocks except
     /// those with points that are too far away for it.
-    AlignedOracle(const AlignedBatch& batch, const ExactOracle& exact, bool choose)
-        : batch_(batch), exact_(exact), choose_(choose) {}
+    AlignedOracle(const AlignedBatch& batch, ExactOracle exact, bool choose)
+        : batch_(batch), exact_(std::move(exact)), choose_(choose) {}
 
     void watch(const Control& control) override;
     void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }

@@ -11,9 +11,15 @@ public:
     /// With `choose`, each tile takes the engine that is cheaper for it.
     AlignedSource(const Scene& scene, const RayCaster& caster, const AlignedBatch& batch, bool choose,
                   std::optional<PacketOrder> order, std::optional<Coherence> flag)
-        : batch_(batch), exact_(caster, scene.offset_extent(), order, flag), choose_(choose) {}
+        : batch_(batch),
+          caster_(caster),
+          extent_(scene.offset_extent()),
+          order_(order),
+          flag_(flag),
+          choose_(choose) {}
     std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<AlignedOracle>(batch_, exact_, choose_);
+        ExactOracle exact(caster_, extent_, order_, flag_);
+        return std::make_unique<AlignedOracle>(batch_, std::move(exact), choose_);
     }
     void report(Counters& c, SourceReport& out) const override {
         const double share = c.predicted_rays ? 1 / double(c.predicted_rays) : 0;
@@ -29,7 +35,10 @@ public:
 
 private:
     const AlignedBatch& batch_;
-    ExactOracle exact_;
+    const RayCaster& caster_;
+    float extent_;
+    std::optional<PacketOrder> order_;
+    std::optional<Coherence> flag_;
     bool choose_;
 };
 

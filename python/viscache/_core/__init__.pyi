@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -753,6 +753,27 @@ class ResidualSource(OracleSource):
     See viscache.Correct.
     """
     def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+        ...
+class ShaftScene:
+    """
+    The triangles of a scene for shafts; the tree is built on first use.
+    """
+    def __init__(self, scene: Scene, *, max_bytes: typing.SupportsInt | typing.SupportsIndex = 4294967296) -> None:
+        ...
+    def memory_bytes(self) -> int:
+        """
+        Bytes of the tree, which is built if it does not exist.
+        """
+    @property
+    def refusal(self) -> str:
+        """
+        Why packets answer everything; empty if shafts can be used.
+        """
+class ShaftSource(OracleSource):
+    """
+    See viscache.Exact.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, shafts: ShaftScene, exact: OracleSource, *, choose: bool = False, bounds: typing.SupportsFloat | typing.SupportsIndex = 1, isa: str | None = None) -> None:
         ...
 class FrameTaps:
     """

@@ -12,12 +12,13 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds, pack, tiles_of, unpack
-from viscache.oracles.sources import oracle_source, parameters_of
+from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import is_written
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
+from viscache.settings.rays import Embree, check_rays
 from viscache.settings.source_context import SourceContext
-from viscache.settings.visibility import Aqvc, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, VisMaps
 
 __all__ = ["BlockAnswer", "Oracle", "PairAnswer"]
 
@@ -146,6 +147,10 @@ class Oracle:
                 'storage must be "table" or "exact" for arrays of points',
                 visibility.paper.storage,
             )
+        if isinstance(visibility, Exact) and visibility.engine != "packets":
+            caster = check_rays(rays)
+            robust = isinstance(caster, Embree) and caster.robust
+            require(robust, 'rays must be vc.Embree() with engine="shafts" or "auto"', rays)
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
@@ -154,6 +159,7 @@ class Oracle:
             caster=scene.caster(rays, threads=self._threads),
             seed=int(seed),
             spp=int(spp),
+            shafts=shafts_for(scene, visibility),
         )
 
     def block(

@@ -8,9 +8,9 @@ from viscache import _core
 from viscache.oracles import written
 from viscache.oracles.correct import Correct
 from viscache.settings.source_context import SourceContext
-from viscache.settings.visibility import VisMaps
+from viscache.settings.visibility import Exact, VisMaps
 
-__all__ = ["oracle_source", "parameters_of"]
+__all__ = ["oracle_source", "parameters_of", "shafts_for"]
 
 
 def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.OracleSource:
@@ -25,6 +25,14 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
     return _core.ResidualSource(
         context.scene, context.caster, source, share=correct.share, seed=context.seed
     )
+
+
+def shafts_for(scene: Any, visibility: Any) -> _core.ShaftScene | None:
+    """The triangles of a scene for shafts, or None where packets of rays answer."""
+    if not isinstance(visibility, Exact) or visibility.engine == "packets":
+        return None
+    shafts: _core.ShaftScene = scene.shafts()
+    return shafts
 
 
 def parameters_of(visibility: Any) -> dict[str, Any]:

@@ -50,6 +50,7 @@ class Scene:
         self._embree: dict[Embree, _core.EmbreeCaster] = {}
         self._other: tuple[Rays, Caster] | None = None
         self._batch: _core.vlf.AlignedBatch | None = None
+        self._shafts: _core.ShaftScene | None = None
 
     #: Renders the thumbnail; set by the package.
     _picture: ClassVar[Callable[[Any], str] | None] = None
@@ -283,6 +284,12 @@ class Scene:
         if self._batch is None:
             self._batch = _core.vlf.AlignedBatch(self._core)
         return self._batch
+
+    def shafts(self) -> _core.ShaftScene:
+        """The triangles for `Exact(engine="shafts")`; the tree is built on first use."""
+        if self._shafts is None:
+            self._shafts = _core.ShaftScene(self._core)
+        return self._shafts
 
     def visible(
         self,

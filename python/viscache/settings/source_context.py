@@ -26,6 +26,8 @@ class SourceContext:
         The frame joins eye paths with light paths: threads share one table.
     batch : AlignedBatch, optional
         Traces directions that all eye points share.
+    shafts : ShaftScene, optional
+        The scene's triangles for `Exact(engine=…)`.
     kept : (KeptTable, check, repair), optional
         The table that is kept from frame to frame.
     """
@@ -36,6 +38,7 @@ class SourceContext:
     seed: int = 0
     bidirectional: bool = False
     batch: _core.vlf.AlignedBatch | None = None
+    shafts: _core.ShaftScene | None = None
     kept: tuple[_core.KeptTable, float, bool] | None = None
 
 

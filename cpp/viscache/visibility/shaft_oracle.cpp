@@ -1,0 +1,182 @@
+#include "viscache/visibility/shaft_oracle.h"
+
+#include <bit>
+
+#include "viscache/visibility/exact.h"
+#include "viscache/visibility/shadow_ray.h"
+
+namespace viscache {
+
+namespace {
+
+/// Points and lights farther from the origin, in units of the scene's size, are left to packets.
+constexpr float kFarthest = 1024;
+
+bool is_near(Vec3 p, float scale) { return max_abs(p) * scale <= kFarthest; }
+
+/// The rays of a tile towards one light, as the exact oracle aims them.
+class TileRays final : public ShaftRays {
+public:
+    TileRays(const RayCaster& caster, const EyeBlock& eyes, std::span<const uint32_t> order, Vec3 light,
+             float extent)
+        : caster_(caster), eyes_(eyes), order_(order), light_(light), extent_(extent) {}
+
+    uint32_t occluded(size_t packet, uint32_t mask) override {
+        RayPacket16 rays;
+        for (size_t i = 0; i < kShaftLanes; ++i) {
+            const Vec3 o = eyes_.origin[order_[std::min(packet * kShaftLanes + i, order_.size() - 1)]];
+            rays.ox[i] = o.x;
+            rays.oy[i] = o.y;
+            rays.oz[i] = o.z;
+            rays.dx[i] = light_.x;
+            rays.dy[i] = light_.y;
+            rays.dz[i] = light_.z;
+        }
+        aim_at_points16(rays, extent_);
+        return caster_.occluded16(uint16_t(mask), rays, Coherence::kCoherent);
+    }
+
+private:
+    const RayCaster& caster_;
+    const EyeBlock& eyes_;
+    std::span<const uint32_t> order_;
+    Vec3 light_;
+    float extent_;
+};
+
+/// Number of queries in the first words of the rows.
+uint64_t queries_in(const BitMatrix& wanted, size_t words) {
+    uint64_t n = 0;
+    for (size_t i = 0; i < wanted.rows(); ++i) n += count_bits(wanted.row_span(i).first(words));
+    return n;
+}
+
+/// A copy whose first words of every row are 0.
+BitMatrix copy_without(const BitMatrix& wanted, size_t words) {
+    BitMatrix rest(wanted.rows(), wanted.columns());
+    for (size_t i = 0; i < wanted.rows(); ++i)
+        std::copy(wanted.row(i) + words, wanted.row(i) + wanted.row_words(), rest.row(i) + words);
+    return rest;
+}
+
+void add_bits(const BitMatrix& from, BitMatrix& to) {
+    for (size_t i = 0; i < to.rows(); ++i)
+        for (size_t w = 0; w < to.row_words(); ++w) to.row(i)[w] |= from.row(i)[w];
+}
+
+}  // namespace
+
+void ShaftTotals::add(const Sums& more) {
+    const std::lock_guard lock(mutex_);
+    sums_.queries += more.queries;
+    sums_.left_to_packets += more.left_to_packets;
+    sums_.work.merge(more.work);
+}
+
+ShaftTotals::Sums ShaftTotals::sums() const {
+    const std::lock_guard lock(mutex_);
+    return sums_;
+}
+
+void ShaftOracle::watch(const Control& control) {
+    control_ = &control;
+    exact_->watch(control);
+}
+
+void ShaftOracle::log(QueryLog* log) {
+    exact_->log(log);
+    is_logging_ = log != nullptr;
+}
+
+void ShaftOracle::begin_tile(const EyeBlock& eyes) {
+    exact_->begin_tile(eyes);
+    is_prepared_ = false;
+}
+
+/// True if no coordinate is so large that bounds leave the range of float.
+bool ShaftOracle::fits(const EyeBlock& eyes, const FarEnds& lights) {
+    const float scale = scene_.scale();
+    if (!is_prepared_ || order_.size() != eyes.size()) {
+        eyes_fit_ = true;
+        for (const Vec3 o : eyes.origin) eyes_fit_ = eyes_fit_ && is_near(o, scale);
+    }
+    if (!eyes_fit_) return false;
+    for (size_t k = 0; k < lights.count; ++k)
+        if (!is_near({lights.tx[k], lights.ty[k], lights.tz[k]}, scale)) return false;
+    return true;
+}
+
+/// Sorts the eye points of the tile, once.
+void ShaftOracle::prepare(const EyeBlock& eyes) {
+    if (is_prepared_ && order_.size() == eyes.size()) return;
+    order_ = packet_order(eyes.origin);
+    eyes_.build(eyes.origin, eyes.normal, order_, scene_.scale());
+    is_prepared_ = true;
+}
+
+void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                        BitMatrix& visible, Counters& counters) {
+    if (is_direction(lights.semantic)) return exact_->block(eyes, lights, wanted, visible, counters);
+    const uint64_t queries = count_bits(wanted);
+    if (queries == 0 || is_logging_ || !scene_.refusal().empty() || !fits(eyes, lights)) {
+        totals_.add({0, queries, {}});
+        return exact_->block(eyes, lights, wanted, visible, counters);
+    }
+    prepare(eyes);
+    gather_rows(wanted, order_, wanted_);
+    visible_.reset(wanted.rows(), wanted.columns());
+    memory_.counts = {};
+    const size_t words = words_for(lights.count);
+    size_t done = 0;
+    while (done < words && !(done == 1 && gives_up(queries_in(wanted, 1)))) answer_word(done++, eyes, lights);
+    scatter_rows(visible_, order_, visible);
+    const uint64_t answered = done == words ? queries : queries_in(wanted, done);
+    GroupCounters& group = counters.group(lights.group);
+    group.queries += answered;
+    group.rays += answered;
+    group.occluded += answered - count_bits(visible);
+    totals_.add({answered, queries - answered, memory_.counts});
+    if (done == words) return;
+    rest_ = copy_without(wanted, done);
+    rest_visible_.reset(wanted.rows(), wanted.columns());
+    exact_->block(eyes, lights, rest_, rest_visible_, counters);
+    add_bits(rest_visible_, visible);
+}
+
+/// True if shafts would leave so many rays of the rest of the block that packets are cheaper. `queries` were
+/// answered so far.
+bool ShaftOracle::gives_up(uint64_t queries) const {
+    // Where most rays are traced anyhow, the lists before them cost more than they save
+    constexpr double kMostTraced = 0.4;
+    return options_.choose && double(memory_.counts.traced()) > kMostTraced * double(queries);
+}
+
+/// Answers 64 lights.
+void ShaftOracle::answer_word(size_t w, const EyeBlock& eyes, const FarEnds& lights) {
+    const ShaftTree& tree = scene_.tree(*control_);
+    const AnswerLight answer = shaft_kernel(options_.isa);
+    const float scale = scene_.scale();
+    columns_.read(wanted_, w, eyes_);
+    for (Word rest = columns_.all(); rest; rest &= rest - 1) {
+        control_->check();
+        const size_t j = size_t(std::countr_zero(rest)), k = w * kWordBits + j;
+        const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]}, at = end * scale;
+        TileRays rays(caster_, eyes, order_, end, extent_);
+        // Covers the roundings of shafts, and how far outside of a triangle Embree may hit it
+        const float size = std::max({tree.bounds.magnitude(), max_abs(at), eyes_.magnitude()});
+        const ShaftLight light{.tree = tree,
+                               .eyes = eyes_,
+                               .columns = columns_,
+                               .column = j,
+                               .light = {at.x, at.y, at.z},
+                               .offset = spawn_offset(end, extent_) * scale,
+                               .slack = 4e-6f * size,
+                               .bounds = options_.bounds,
+                               .wanted = columns_.wanted(j),
+                               .visible = columns_.visible(j)};
+        answer(light, memory_, rays);
+    }
+    columns_.write(visible_, w);
+}
+
+}  // namespace viscache

@@ -1,0 +1,92 @@
+#pragma once
+// Exact visibility of many eye points and shared points, by shafts.
+#include <memory>
+#include <mutex>
+
+#include "viscache/visibility/oracle.h"
+#include "viscache/visibility/ray_caster.h"
+#include "viscache/visibility/shaft_kernels.h"
+#include "viscache/visibility/shaft_scene.h"
+
+namespace viscache {
+
+/// What shafts and rays did in a frame; its oracles add to it.
+class ShaftTotals {
+public:
+    struct Sums {
+        uint64_t queries = 0;          ///< queries that shafts answered
+        uint64_t left_to_packets = 0;  ///< other queries to shared points
+        ShaftCounts work;
+    };
+    void add(const Sums& more);
+    Sums sums() const;
+
+private:
+    mutable std::mutex mutex_;
+    Sums sums_;
+};
+
+/// How shafts are used.
+struct ShaftOptions {
+    /// Leave the rest of a block to packets if the first 64 columns show that most of it will be traced
+    /// anyhow.
+    bool choose = false;
+    /// Factor of all error bounds. Below 1, answers may differ from those of rays; for tests.
+    float bounds = 1;
+    Isa isa = active_isa();
+};
+
+/// The answers of an exact oracle bit for bit. Blocks of shared points and surfaces go through shafts, all
+/// else to the exact oracle. The caster must be Embree's with robust rays.
+class ShaftOracle final : public VisibilityOracle {
+public:
+    /// `extent` is Scene::offset_extent. All references must outlive the oracle.
+    ShaftOracle(const ShaftScene& scene, const RayCaster& caster, float extent,
+                std::unique_ptr<VisibilityOracle> exact, const ShaftOptions& options, ShaftTotals& totals)
+        : scene_(scene),
+          caster_(caster),
+          extent_(extent),
+          exact_(std::move(exact)),
+          options_(options),
+          totals_(totals) {}
+
+    void watch(const Control& control) override;
+    void log(QueryLog* log) override;
+    void begin_tile(const EyeBlock& eyes) override;
+    void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
+               Counters& counters) override;
+    void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
+               Counters& counters) override {
+        exact_->pairs(eyes, queries, visible, counters);
+    }
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override {
+        exact_->samples(eyes, samples, visible, counters);
+    }
+
+private:
+    bool fits(const EyeBlock& eyes, const FarEnds& lights);
+    void prepare(const EyeBlock& eyes);
+    bool gives_up(uint64_t queries) const;
+    void answer_word(size_t w, const EyeBlock& eyes, const FarEnds& lights);
+
+    const ShaftScene& scene_;
+    const RayCaster& caster_;
+    float extent_;
+    std::unique_ptr<VisibilityOracle> exact_;
+    ShaftOptions options_;
+    ShaftTotals& totals_;
+    bool is_logging_ = false;
+    Control unwatched_;
+    const Control* control_ = &unwatched_;
+    // Of the tile
+    bool is_prepared_ = false, eyes_fit_ = false;
+    std::vector<uint32_t> order_;
+    ShaftEyes eyes_;
+    // Of a block
+    BitMatrix wanted_, visible_, rest_, rest_visible_;
+    ShaftColumns columns_;
+    ShaftMemory memory_;
+};
+
+}  // namespace viscache

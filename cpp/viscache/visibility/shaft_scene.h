@@ -1,0 +1,34 @@
+#pragma once
+// A scene's triangles for shafts, built once for all frames.
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "viscache/scene/scene.h"
+#include "viscache/visibility/shaft_tree.h"
+
+namespace viscache {
+
+class ShaftScene {
+public:
+    /// Builds nothing so far. `max_bytes` bounds the tree; 0: no bound.
+    explicit ShaftScene(std::shared_ptr<const Scene> scene, uint64_t max_bytes = uint64_t{1} << 32);
+
+    /// Why packets must answer everything; empty if shafts can be used.
+    const std::string& refusal() const { return refusal_; }
+    /// Coordinates of the tree are those of the scene times this power of two: the scene's size is then in
+    /// [1, 2), and no bound leaves the range of float.
+    float scale() const { return scale_; }
+    /// The tree; built at the first call, from any thread, and again after a cancelled build. Throws
+    /// std::logic_error after a refusal.
+    const ShaftTree& tree(const Control& control) const;
+
+private:
+    std::shared_ptr<const Scene> scene_;
+    float scale_ = 1;
+    std::string refusal_;
+    mutable std::once_flag once_;
+    mutable ShaftTree tree_;
+};
+
+}  // namespace viscache

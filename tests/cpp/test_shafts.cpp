@@ -1,0 +1,256 @@
+// Shafts: the order of packets, the trees, and sure answers against Embree's robust rays for rays through
+// edges, corners and ends.
+#include <cstring>
+#include <functional>
+#include <random>
+#include <set>
+
+#include "check.h"
+#include "viscache/visibility/embree_caster.h"
+#include "viscache/visibility/point_order.h"
+#include "viscache/visibility/shadow_ray.h"
+#include "viscache/visibility/shaft_kernels.h"
+#include "viscache/visibility/shaft_scene.h"
+
+namespace viscache::test {
+namespace {
+
+std::mt19937 random(5);
+
+float uniform(float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); }
+Vec3 in_cube() { return {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}; }
+
+std::shared_ptr<const Scene> soup(int n, float size) {
+    SceneDescription d;
+    d.materials.emplace_back();
+    Mesh mesh;
+    for (int i = 0; i < n; ++i) {
+        const Vec3 p = in_cube();
+        const auto first = uint32_t(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(), {p, p + in_cube() * size, p + in_cube() * size});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    d.meshes.push_back(std::move(mesh));
+    return Scene::freeze(std::move(d));
+}
+
+void packets_are_compact() {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 1000; ++i) points.push_back(in_cube());
+    points[7].x = std::nanf("");
+    const std::vector<uint32_t> order = packet_order(points);
+    check_equal(std::set<uint32_t>(order.begin(), order.end()).size(), points.size(), "points in the order");
+    check(order == packet_order(points), "the order is the same again");
+    // The left half, 512 points, lies on one side of a plane
+    const auto x = [&](size_t i) { return points[order[i]].x; };
+    const auto y = [&](size_t i) { return points[order[i]].y; };
+    const auto z = [&](size_t i) { return points[order[i]].z; };
+    const auto splits = [&](auto at) {
+        float left = -kInfinity, right = kInfinity;
+        for (size_t i = 0; i < 512; ++i) left = std::max(left, at(i));
+        for (size_t i = 512; i < points.size(); ++i) right = std::min(right, at(i));
+        return left <= right;
+    };
+    check(splits(x) || splits(y) || splits(z), "a plane splits the points");
+    BitMatrix bits(1000, 70), there, back(1000, 70);
+    for (size_t i = 0; i < 1000; ++i)
+        for (size_t k = 0; k < 70; ++k)
+            if (random() % 3 == 0) bits.set(i, k);
+    gather_rows(bits, order, there);
+    scatter_rows(there, order, back);
+    bool same = true, moved = false;
+    for (size_t i = 0; i < 1000; ++i) {
+        same = same && std::memcmp(bits.row(i), back.row(i), 2 * sizeof(Word)) == 0;
+        moved = moved || std::memcmp(bits.row(i), there.row(i), 2 * sizeof(Word)) != 0;
+    }
+    check(same, "rows come back to their place");
+    check(moved, "rows move");
+}
+
+using Visit = std::function<void(const ShaftBlock&, int, bool)>;
+
+/// Visits the triangles below a node, and says whether all boxes around a triangle hold it.
+void for_each_triangle(const ShaftTree& tree, int32_t index, const Visit& visit) {
+    const ShaftNode& node = tree.nodes[size_t(index)];
+    for (int lane = 0; lane < 16; ++lane) {
+        if (!(node.used >> lane & 1)) continue;
+        const Visit in_box = [&](const ShaftBlock& b, int i, bool in) {
+            for (int c = 0; c < 9; ++c)
+                in = in && b.corner[c][i] >= node.lo[c % 3][lane] && b.corner[c][i] <= node.hi[c % 3][lane];
+            visit(b, i, in);
+        };
+        if (!(node.leaves >> lane & 1)) {
+            for_each_triangle(tree, node.child[lane], in_box);
+            continue;
+        }
+        const ShaftBlock& b = tree.blocks[size_t(~node.child[lane])];
+        for (int i = 0; i < 16; ++i)
+            if (b.used >> i & 1) in_box(b, i, true);
+    }
+}
+
+void trees_hold_every_triangle_in_its_boxes() {
+    for (const int n : {1, 16, 17, 5000}) {
+        const auto scene = soup(n, 0.3f);
+        const ShaftScene shafts(scene);
+        size_t found = 0, outside = 0;
+        std::set<std::array<float, 9>> distinct;
+        for_each_triangle(shafts.tree(Control{}), 0, [&](const ShaftBlock& b, int i, bool in) {
+            ++found;
+            outside += !in;
+            std::array<float, 9> corners;
+            for (size_t c = 0; c < 9; ++c) corners[c] = b.corner[c][i];
+            distinct.insert(corners);
+        });
+        check_equal(found, size_t(n), "triangles of the tree");
+        check_equal(distinct.size(), size_t(n), "distinct triangles of the tree");
+        check_equal(outside, size_t{0}, "triangles outside of a box");
+        check(shafts.tree(Control{}).bytes() <= most_shaft_bytes(uint64_t(n)),
+              "the bound of the memory holds");
+    }
+}
+
+/// Keeps what is in doubt instead of tracing it.
+class Doubts final : public ShaftRays {
+public:
+    explicit Doubts(size_t packets) : lanes(packets, 0) {}
+    uint32_t occluded(size_t packet, uint32_t mask) override {
+        lanes[packet] |= uint16_t(mask);
+        return 0;
+    }
+    std::vector<uint16_t> lanes;
+};
+
+struct Tally {
+    uint64_t rays = 0, doubtful = 0, wrong = 0, blocked = 0;
+};
+
+/// All points towards one light: sure answers against Embree's.
+void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& caster,
+             const std::vector<Vec3>& points, Vec3 light, float bounds, Isa isa, Tally& tally) {
+    const ShaftScene shafts(scene);
+    const float scale = shafts.scale(), extent = scene->offset_extent();
+    const std::vector<uint32_t> order = packet_order(points);
+    const std::vector<Vec3> normals(points.size(), Vec3{0, 1, 0});
+    ShaftEyes eyes;
+    eyes.build(points, normals, order, scale);
+    BitMatrix wanted(points.size(), 1);
+    for (size_t i = 0; i < points.size(); ++i) wanted.set(i, 0);
+    ShaftColumns columns;
+    columns.read(wanted, 0, eyes);
+    ShaftMemory memory;
+    Doubts doubts(eyes.packets());
+    const Vec3 at = light * scale;
+    const ShaftLight asked{shafts.tree(Control{}),
+                           eyes,
+                           columns,
+                           0,
+                           {at.x, at.y, at.z},
+                           spawn_offset(light, extent) * scale,
+                           4e-6f * 8,
+                           bounds,
+                           columns.wanted(0),
+                           columns.visible(0)};
+    shaft_kernel(isa)(asked, memory, doubts);
+    for (size_t i = 0; i < points.size(); ++i) {
+        ++tally.rays;
+        if (doubts.lanes[i / 16] >> (i % 16) & 1) {
+            ++tally.doubtful;
+            continue;
+        }
+        RayPacket16 packet;
+        set_lane(packet, 0, segment_to_point(points[order[i]], light, extent));
+        pad_lanes(packet, 1);
+        const bool free = !(caster.occluded16(1, packet, Coherence::kCoherent) & 1);
+        tally.wrong += free != bool(columns.visible(0)[i / 16] >> (i % 16) & 1);
+        tally.blocked += !free;
+    }
+}
+
+/// Points whose rays to the light pass through corners, edges and the inside of triangles of the scene, or
+/// end near them.
+std::vector<Vec3> hard_points(const Scene& scene, Vec3 light, size_t count) {
+    const Mesh& mesh = scene.meshes()[0];
+    std::vector<Vec3> points;
+    while (points.size() < count) {
+        const Vec3u t = mesh.triangles[random() % mesh.triangles.size()];
+        const Vec3 a = mesh.vertices[t.x], b = mesh.vertices[t.y], c = mesh.vertices[t.z];
+        const float u = uniform(0, 1), v = uniform(0, 1 - u);
+        const Vec3 aims[] = {a, a + (b - a) * u, b + (c - b) * u, a + (b - a) * u + (c - a) * v};
+        const Vec3 aim = aims[random() % 4];
+        // Beyond the triangle, on it, or short of it
+        const float steps[] = {2, 1.3f, 1 + 1e-6f, 1, 1 - 1e-6f};
+        points.push_back(light + (aim - light) * steps[random() % 5]);
+    }
+    return points;
+}
+
+std::vector<Isa> isas() {
+    std::vector<Isa> all;
+    for (const Isa isa : {Isa::kPortable, Isa::kAvx2, Isa::kAvx512})
+        if (isa <= best_isa()) all.push_back(isa);
+    return all;
+}
+
+Tally hard_rays(float bounds, Isa isa) {
+    random.seed(17);
+    Tally tally;
+    for (const auto& [triangles, size] :
+         {std::pair{1, 1.f}, {2, 1.f}, {12, 0.7f}, {300, 0.2f}, {2000, 0.05f}})
+        for (int turn = 0; turn < 6; ++turn) {
+            const auto scene = soup(triangles, size);
+            const EmbreeCaster caster(scene);
+            for (int k = 0; k < 8; ++k) {
+                const Mesh& mesh = scene->meshes()[0];
+                // In the open, near a corner, in the plane of a triangle
+                const Vec3 corner = mesh.vertices[random() % mesh.vertices.size()];
+                const Vec3 lights[] = {in_cube() * 2, corner + in_cube() * 1e-6f,
+                                       mesh.vertices[0] * 2 - mesh.vertices[1], in_cube()};
+                const Vec3 light = lights[k % 4];
+                compare(scene, caster, hard_points(*scene, light, 200), light, bounds, isa, tally);
+            }
+        }
+    return tally;
+}
+
+void sure_answers_are_those_of_embree() {
+    for (const Isa isa : isas()) {
+        const Tally tally = hard_rays(1, isa);
+        const std::string name(isa_name(isa));
+        check_equal(tally.wrong, uint64_t{0}, "wrong sure answers with " + name);
+        check(tally.rays > 40000 && tally.blocked > 1000, "rays of all kinds with " + name);
+        check(tally.doubtful < tally.rays, "some of these rays are sure with " + name);
+    }
+}
+
+/// The negative control: without bounds, the same rays are answered differently.
+void without_bounds_answers_differ() {
+    for (const Isa isa : isas()) check(hard_rays(0, isa).wrong > 20, "hard rays need bounds");
+}
+
+/// At random, few rays are in doubt.
+void random_rays_are_sure() {
+    random.seed(3);
+    const auto scene = soup(300, 0.3f);
+    const EmbreeCaster caster(scene);
+    Tally tally;
+    for (int k = 0; k < 40; ++k) {
+        std::vector<Vec3> points;
+        const Vec3 corner = in_cube();
+        for (int i = 0; i < 512; ++i) points.push_back(corner + Vec3{uniform(0, 0.1f), 0, uniform(0, 0.1f)});
+        compare(scene, caster, points, in_cube() * 2, 1, best_isa(), tally);
+    }
+    check_equal(tally.wrong, uint64_t{0}, "wrong sure answers");
+    check(tally.doubtful * 100 < tally.rays, "less than one ray of a hundred is in doubt");
+}
+
+const Suite suite{
+    {"packets are compact, and rows return to their place", packets_are_compact},
+    {"shaft trees hold every triangle in its boxes", trees_hold_every_triangle_in_its_boxes},
+    {"sure answers of shafts are those of Embree", sure_answers_are_those_of_embree},
+    {"without bounds the answers of shafts differ", without_bounds_answers_differ},
+    {"random rays are sure", random_rays_are_sure},
+};
+
+}  // namespace
+}  // namespace viscache::test

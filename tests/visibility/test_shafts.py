@@ -1,0 +1,309 @@
+"""Shafts give the bits of packets: on all scenes, at edges, ends and needles, on every CPU."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from oracles.test_oracle import area_points, lamps
+from viscache import _core
+from viscache.settings.source_context import SourceContext
+
+Array = npt.NDArray[Any]
+ISAS = ("portable", "avx2", "avx512")
+SCENES = os.environ.get("VISCACHE_SCENES")
+
+
+@dataclass(frozen=True)
+class Shafts:
+    """Shafts with another instruction set, or with smaller bounds."""
+
+    isa: str | None = None
+    bounds: float = 1.0
+
+    def source(self, context: SourceContext) -> _core.OracleSource:
+        exact = _core.ExactSource(context.scene, context.caster)
+        shafts = _core.ShaftScene(context.scene)
+        assert shafts.refusal == ""
+        return _core.ShaftSource(
+            context.scene, context.caster, shafts, exact, isa=self.isa, bounds=self.bounds
+        )
+
+    def parameters(self) -> dict[str, Any]:
+        return {}
+
+
+def visible(
+    scene: vc.Scene, setting: Any, eyes: vc.EyePoints, ends: vc.FarEnds, **more: Any
+) -> Array:
+    return np.asarray(scene.oracle(setting, **more).block(eyes, ends).visible)
+
+
+def count_of_differences(
+    scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds, setting: Any = None
+) -> int:
+    packets = visible(scene, vc.Exact(), eyes, ends)
+    shafts = visible(scene, setting or vc.Exact(engine="shafts"), eyes, ends)
+    return int(np.count_nonzero(packets != shafts))
+
+
+def isas() -> list[str]:
+    return list(ISAS[: ISAS.index(_core.best_isa()) + 1])
+
+
+def scene_of(corners: Array) -> vc.Scene:
+    """Triangles (n, 3, 3)."""
+    corners = np.asarray(corners, dtype=np.float32)
+    return vc.Scene.from_arrays(
+        corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3).astype(np.uint32)
+    )
+
+
+def grid(n: int, height: float, keep: Array | None = None) -> Array:
+    """A triangulated square of n × n unit cells with integer corners."""
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    at = np.stack([i, np.full(n * n, height), j], axis=1).astype(np.float64)
+    x, z = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
+    lower = np.stack([at, at + x, at + x + z], axis=1)
+    upper = np.stack([at, at + x + z, at + z], axis=1)
+    triangles = np.concatenate([lower, upper])
+    return triangles if keep is None else triangles[keep]
+
+
+def some_of_a_grid(n: int = 8) -> vc.Scene:
+    """Half of the triangles of a grid: rays between points of a grid meet its edges and corners."""
+    keep = np.random.default_rng(3).random(2 * n * n) < 0.5
+    return scene_of(np.concatenate([grid(n, 1.0, keep), grid(n, 0.0)]))
+
+
+def grid_points(n: int, height: float, normal: float) -> vc.EyePoints:
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    places = np.stack([i, np.full(n * n, height), j], axis=1)
+    return vc.EyePoints(places, np.broadcast_to([0.0, normal, 0], places.shape))
+
+
+def needles(n: int = 400) -> vc.Scene:
+    """Long thin triangles, triangles without area, and twice the same triangle."""
+    random = np.random.default_rng(5)
+    a = random.uniform(-1, 1, (n, 3))
+    along = random.uniform(-1, 1, (n, 3))
+    aside = random.uniform(-1, 1, (n, 3)) * 10.0 ** random.uniform(-9, -2, (n, 1))
+    thin = np.stack([a, a + along, a + aside], axis=1)
+    line = np.stack([a, a + along, a + along * 0.5], axis=1)[: n // 4]
+    point = np.repeat(a[: n // 8, None], 3, axis=1)
+    large = random.uniform(-1, 1, (20, 3, 3))
+    return scene_of(np.concatenate([thin, line, point, large, large]))
+
+
+@pytest.mark.parametrize("isa", isas())
+@pytest.mark.parametrize("spec", ["room?triangles=3000", "cornell_box", "random_triangles"])
+def test_bits_are_those_of_packets_on_every_instruction_set(spec: str, isa: str) -> None:
+    scene = vc.scenes.build(spec)
+    eyes = area_points(scene, 1500)
+    for ends in (lamps(scene, 40), surfaces(scene, 70)):
+        assert count_of_differences(scene, eyes, ends, Shafts(isa=isa)) == 0
+
+
+def surfaces(scene: vc.Scene, count: int) -> vc.FarEnds:
+    """Virtual point lights on the scene's own surfaces."""
+    points = area_points(scene, count, seed=9)
+    return vc.FarEnds.surfaces(points.positions, points.normals)
+
+
+def through_corners() -> tuple[vc.Scene, vc.EyePoints, vc.FarEnds]:
+    """Rays of which most pass exactly through edges and corners, half of them beside a hole."""
+    lights = np.asarray(grid_points(9, 2.0, 1.0).positions) + np.array([0, 1e-6, 0])
+    return some_of_a_grid(), grid_points(9, 0.0, 1.0), vc.FarEnds.points(lights)
+
+
+def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple[Array, Array]:
+    """Answers of packets, and where they are the same for every order and flag.
+
+    Exactly at a corner, Embree's answer depends on the packet: its boxes are tested in another way.
+    """
+    answers = [
+        visible(scene, vc.Exact(order=o, coherent=c), eyes, ends)
+        for o in ("by_light", "by_pixel")
+        for c in (True, False)
+    ]
+    return answers[0], np.all([a == answers[0] for a in answers], axis=0)
+
+
+@pytest.mark.parametrize("isa", isas())
+def test_rays_through_edges_and_corners_are_those_of_packets(isa: str) -> None:
+    scene, eyes, ends = through_corners()
+    packets, is_sure = sure_packets(scene, eyes, ends)
+    shafts = visible(scene, Shafts(isa=isa), eyes, ends)
+    assert np.count_nonzero((shafts != packets) & is_sure) == 0
+    assert is_sure.mean() > 0.9
+    assert 0.2 < packets.mean() < 0.8
+
+
+def test_without_bounds_rays_at_edges_differ() -> None:
+    """The negative control: tests at edges notice bounds of zero."""
+    scene, eyes, ends = through_corners()
+    packets, is_sure = sure_packets(scene, eyes, ends)
+    shafts = visible(scene, Shafts(bounds=0.0), eyes, ends)
+    assert np.count_nonzero((shafts != packets) & is_sure) > 30
+
+
+@pytest.mark.parametrize("isa", isas())
+def test_needles_and_triangles_without_area_are_those_of_packets(isa: str) -> None:
+    scene = needles()
+    eyes = area_points(scene, 800)
+    ends = vc.FarEnds.points(np.asarray(area_points(scene, 130, seed=4).positions))
+    assert count_of_differences(scene, eyes, ends, Shafts(isa=isa)) == 0
+
+
+def test_eyes_and_lights_in_one_plane_are_those_of_packets() -> None:
+    scene = some_of_a_grid()
+    for height in (0.0, 1.0):
+        eyes = grid_points(9, height, 1.0)
+        points = grid_points(9, height, 1.0)
+        ends = vc.FarEnds.surfaces(points.positions, points.normals)
+        assert count_of_differences(scene, eyes, ends) == 0
+        on_plane = vc.FarEnds.points(np.asarray(points.positions) + np.array([0.3, 0, 0.1]))
+        assert count_of_differences(scene, eyes, on_plane) == 0
+
+
+@pytest.mark.parametrize(("n_eyes", "n_lights"), [(1, 1), (1, 70), (15, 3), (17, 64), (65, 65)])
+def test_few_points_and_few_lights_are_those_of_packets(n_eyes: int, n_lights: int) -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    assert count_of_differences(scene, area_points(scene, n_eyes), lamps(scene, n_lights)) == 0
+
+
+@pytest.mark.extreme
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("shift", [0.0, 20.0, 1e4])
+def test_scale_and_distance_from_the_origin_change_no_bit(scale: float, shift: float) -> None:
+    random = np.random.default_rng(2)
+    corners = random.uniform(-1, 1, (300, 1, 3)) + random.uniform(-0.2, 0.2, (300, 3, 3))
+    scene = scene_of((corners + shift) * scale)
+    ends = vc.FarEnds.points((random.uniform(-3, 3, (80, 3)) + shift) * scale)
+    assert count_of_differences(scene, area_points(scene, 500), ends) == 0
+
+
+def test_lights_far_away_are_left_to_packets() -> None:
+    scene = some_of_a_grid()
+    ends = vc.FarEnds.points([[0, 1e5, 0], [1, 3, 2]])
+    assert count_of_differences(scene, grid_points(9, 0.0, 1.0), ends) == 0
+
+
+def test_a_scene_with_instances_keeps_packets() -> None:
+    d = vc.SceneDescription()
+    material = d.add_material()
+    triangles = np.random.default_rng(2).uniform(-1, 1, (40, 3, 3))
+    mesh = d.add_mesh(
+        triangles.reshape(-1, 3),
+        np.arange(120).reshape(-1, 3),
+        material=material,
+        in_world=False,
+    )
+    for shift in (0.0, 1.5):
+        to_world = np.eye(4)
+        to_world[0, 3] = shift
+        d.add_instance([mesh], to_world)
+    scene = vc.Scene.from_description(d)
+    shafts = _core.ShaftScene(scene._core)
+    assert "instances" in shafts.refusal
+    with pytest.raises(RuntimeError, match="instances"):
+        shafts.memory_bytes()
+    points = np.random.default_rng(3).uniform(-1, 2, (300, 3))
+    eyes = vc.EyePoints(points, np.broadcast_to([0.0, 1, 0], points.shape))
+    ends = vc.FarEnds.points(np.random.default_rng(4).uniform(-1, 2, (70, 3)))
+    assert count_of_differences(scene, eyes, ends) == 0
+
+
+def test_a_tree_beyond_the_limit_is_not_built() -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    assert "max_bytes" in _core.ShaftScene(scene._core, max_bytes=1000).refusal
+    assert 0 < _core.ShaftScene(scene._core).memory_bytes() < 200 * scene.triangles
+
+
+WHITTED = vc.Whitted(n_vpls=150)
+
+
+@pytest.mark.parametrize("engine", ["shafts", "auto"])
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2)
+    shafts = vc.render(
+        scene,
+        WHITTED,
+        size=(150, 90),
+        spp=2,
+        visibility=vc.Exact(engine=engine),
+        threads=threads,
+    )
+    assert shafts.sha256 == packets.sha256
+    assert shafts.counters == packets.counters
+    work = shafts.parameters["engine"]
+    assert work["shaft_queries"] > 0
+    assert work["shaft_doubted"] + work["shaft_long_lists"] < work["shaft_queries"]
+
+
+def leaves(**holes: Any) -> vc.Scene:
+    """Large triangles in a closed box, half of them with holes."""
+    random = np.random.default_rng(3)
+    d = vc.SceneDescription()
+    if "alpha_texture" in holes:
+        holes["alpha_texture"] = d.add_image(random.random((64, 64, 1)).astype(np.float32))
+    for material in (d.add_material(**holes), d.add_material()):
+        corners = random.uniform(-1, 1, (60, 1, 3)) + random.normal(0, 0.3, (60, 3, 3))
+        d.add_mesh(
+            corners.reshape(-1, 3),
+            np.arange(180).reshape(-1, 3),
+            material=material,
+            uvs=random.random((180, 2)),
+        )
+    return vc.Scene.from_description(d)
+
+
+@pytest.mark.parametrize("holes", [{"alpha_texture": 0, "alpha_cutoff": 0.5}, {"opacity": 0.5}])
+def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
+    scene = leaves(**holes)
+    eyes, ends = area_points(scene, 1500), lamps(scene, 64)
+    assert count_of_differences(scene, eyes, ends) == 0
+    # The power of it: many answers hang on the holes
+    solid = visible(leaves(), vc.Exact(), eyes, ends)
+    assert np.count_nonzero(solid != visible(scene, vc.Exact(), eyes, ends)) > 1000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(vc.scenes.SCENES))
+def test_frames_of_built_in_scenes_have_the_bytes_of_packets(name: str) -> None:
+    scene = vc.scenes.build(name)
+    frames = [
+        vc.render(scene, WHITTED, size=(128, 96), spp=2, visibility=vc.Exact(engine=e))
+        for e in ("packets", "shafts")
+    ]
+    assert frames[0].sha256 == frames[1].sha256
+
+
+def shared_scenes() -> list[Path]:
+    folder = Path(SCENES or "/nonexistent")
+    found = []
+    for place in sorted(folder.iterdir()) if folder.is_dir() else []:
+        files = [f for e in ("xml", "pbrt", "obj", "gltf", "glb") for f in place.glob(f"*.{e}")]
+        found += sorted(files)[:1]
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SCENES, reason="VISCACHE_SCENES is not set")
+@pytest.mark.parametrize("path", shared_scenes(), ids=lambda p: p.parent.name)
+def test_frames_of_shared_scenes_have_the_bytes_of_packets(path: Path) -> None:
+    scene = vc.load_scene(path, missing="skip")
+    frames = [
+        vc.render(scene, WHITTED, size=(320, 200), visibility=vc.Exact(engine=e))
+        for e in ("packets", "shafts")
+    ]
+    assert frames[0].sha256 == frames[1].sha256
