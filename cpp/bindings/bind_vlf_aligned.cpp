@@ -26,6 +26,27 @@ std::span<const Frame3> checked_frames(const FloatArray& a) {
     return frames;
 }
 
+using OrderArray = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
+
+/// The order of n points: each index once.
+std::span<const uint32_t> checked_order(const OrderArray& a, size_t n) {
+    const std::span<const uint32_t> order(a.data(), size_t(a.size()));
+    std::vector<bool> seen(n);
+    for (const uint32_t i : order) {
+        if (i >= n || seen[i]) throw py::value_error("order must hold the index of each point once");
+        seen[i] = true;
+    }
+    if (order.size() != n) throw py::value_error("order must hold the index of each point once");
+    return order;
+}
+
+OrderArray point_order(const FloatArray& positions) {
+    const auto points = usable(positions, "points");
+    std::vector<uint32_t> order;
+    run_interruptible([&](Control& control) { order = kd_order(points, control); });
+    return OrderArray(py::ssize_t(order.size()), order.data());
+}
+
 /// The checked arguments of a call. Ray origins are offset from their surfaces.
 struct Call {
     std::vector<Vec3> origin;
@@ -33,7 +54,7 @@ struct Call {
     py::array_t<uint64_t> bits;
 
     Call(const Scene& scene, const FloatArray& positions, const FloatArray& normals, const FloatArray& frames,
-         float t_max) {
+         float t_max, const std::optional<OrderArray>& order = std::nullopt) {
         const auto p = usable(positions, "points"), n = units(normals, "normals");
         if (p.size() != n.size())
             throw py::value_error("points and normals must have equal numbers of rows, got " +
@@ -41,7 +62,8 @@ struct Call {
         if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
         origin.reserve(p.size());
         for (size_t i = 0; i < p.size(); ++i) origin.push_back(spawn(p[i], n[i], scene.offset_extent()));
-        input = {origin, n, checked_frames(frames), t_max};
+        input = {origin, n, checked_frames(frames), t_max, {}};
+        if (order) input.order = checked_order(*order, p.size());
         bits = py::array_t<uint64_t>({p.size(), words_for(input.axes.size())});
     }
     /// Runs work(rows, control) without the interpreter's lock.
@@ -57,27 +79,43 @@ struct Call {
 };
 
 py::tuple batch_rows(const AlignedBatch& batch, const Scene& scene, const FloatArray& positions,
-                     const FloatArray& normals, const FloatArray& frames, float t_max, int threads,
+                     const FloatArray& normals, const FloatArray& frames, float t_max,
+                     const std::optional<OrderArray>& order, int threads,
                      const std::optional<std::string>& isa, const py::object& progress) {
-    Call call(scene, positions, normals, frames, t_max);
+    Call call(scene, positions, normals, frames, t_max, order);
     const Isa variant = isa_of(isa);
     AlignedCounts counts;
     call.run([&](std::span<Word> rows,
                  Control& control) { counts = batch.rows(call.input, rows, threads, control, variant); },
              progress);
     py::dict d;
+    d["blocks"] = counts.blocks;
     d["nodes"] = counts.nodes;
     d["pairs"] = counts.pairs;
     d["tests"] = counts.tests;
+    d["wide"] = counts.wide;
     d["exact"] = counts.exact;
     return py::make_tuple(call.bits, d);
+}
+
+/// The work per ray that a sample predicts.
+py::dict sample(const AlignedBatch& batch, const Scene& scene, const FloatArray& positions,
+                const FloatArray& normals, const FloatArray& frames, float t_max,
+                const std::optional<OrderArray>& order, int threads) {
+    Call call(scene, positions, normals, frames, t_max, order);
+    AlignedWork w;
+    run_interruptible([&](Control& control) { w = sampled_work(batch, call.input, threads, control); });
+    return py::dict(py::arg("blocks") = w.blocks, py::arg("nodes") = w.nodes, py::arg("pairs") = w.pairs,
+                    py::arg("tests") = w.tests, py::arg("wide") = w.wide, py::arg("exact") = w.exact,
+                    py::arg("free") = w.free);
 }
 
 /// (whether the batch is faster, ns per ray of the batch and of Embree)
 std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& scene,
                                         const FloatArray& positions, const FloatArray& normals,
-                                        const FloatArray& frames, float t_max, int threads) {
-    Call call(scene, positions, normals, frames, t_max);
+                                        const FloatArray& frames, float t_max,
+                                        const std::optional<OrderArray>& order, int threads) {
+    Call call(scene, positions, normals, frames, t_max, order);
     EngineChoice c;
     run_interruptible([&](Control& control) { c = choose_engine(batch, call.input, threads, control); });
     return {c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns};
@@ -86,8 +124,9 @@ std::tuple<bool, double, double> choose(const AlignedBatch& batch, const Scene& 
 py::array_t<uint64_t> embree_rows(const EmbreeCaster& caster, const FloatArray& positions,
                                   const FloatArray& normals, const FloatArray& frames, float t_max,
                                   std::optional<bool> by_axis, int width, std::optional<bool> coherent,
-                                  int threads, const py::object& progress) {
-    Call call(caster.scene(), positions, normals, frames, t_max);
+                                  const std::optional<OrderArray>& sorted, int threads,
+                                  const py::object& progress) {
+    Call call(caster.scene(), positions, normals, frames, t_max, sorted);
     const AlignedOrder order = by_axis ? (*by_axis ? AlignedOrder::kByAxis : AlignedOrder::kByPoint)
                                        : embree_order(caster.scene().placed_triangles(), call.origin.size());
     std::optional<Coherence> flag;
@@ -128,19 +167,26 @@ void bind_vlf_aligned(py::module_& m) {
         .def(py::init<std::shared_ptr<const Scene>>(), py::arg("scene"),
              py::call_guard<py::gil_scoped_release>())
         .def("rows", &batch_rows, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
-             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0, py::arg("isa") = py::none(),
-             py::arg("progress") = py::none(), "Bit rows (N, words), 1 = free, and counts of the work.")
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("order") = py::none(),
+             py::arg("threads") = 0, py::arg("isa") = py::none(), py::arg("progress") = py::none(),
+             "Bit rows (N, words), 1 = free, and counts of the work.")
+        .def("sample", &sample, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("order") = py::none(),
+             py::arg("threads") = 0, "Work per ray of the batch, estimated from a sample of the rays.")
         .def("choose", &choose, py::arg("scene"), py::arg("points"), py::arg("normals"), py::arg("frames"),
-             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
+             py::kw_only(), py::arg("t_max") = kInfinity, py::arg("order") = py::none(),
+             py::arg("threads") = 0,
              "True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.")
         .def_property_readonly("triangles", [](const AlignedBatch& b) { return b.triangles().triangles; })
         .def_property_readonly("bytes", [](const AlignedBatch& b) { return b.triangles().bytes(); });
-    v.def("is_hopeless", &is_hopeless, py::arg("triangles"), py::arg("points"),
-          "True if the batch is slower whatever the scene is.");
+    v.def("is_hopeless", &is_hopeless, py::arg("scene"), py::arg("points"), py::arg("t_max") = kInfinity,
+          "True if the batch is slower whatever the scene looks like.");
+    v.def("point_order", &point_order, py::arg("points"),
+          "Indices (N,) of points in the compact order of the engines for aligned rays.");
     v.def("embree_rows", &embree_rows, py::arg("caster"), py::arg("points"), py::arg("normals"),
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("by_axis") = py::none(),
-          py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("threads") = 0,
-          py::arg("progress") = py::none(), "The same bits, traced by Embree.");
+          py::arg("width") = 16, py::arg("coherent") = py::none(), py::arg("order") = py::none(),
+          py::arg("threads") = 0, py::arg("progress") = py::none(), "The same bits, traced by Embree.");
     v.def("field_rows", &field_rows, py::arg("field"), py::arg("points"), py::arg("normals"),
           py::arg("frames"), py::kw_only(), py::arg("t_max") = kInfinity, py::arg("threads") = 0,
           py::arg("progress") = py::none(), "The same bits, looked up in a field of these directions.");

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Sequence
@@ -254,7 +255,7 @@ def render_part(
                 core,
                 frame,
                 source,
-                batch=_batch_for(scene, integrator, frame),
+                batch=_batch_for(scene, integrator, core, frame),
                 field=_field_for(scene, integrator, frame),
                 progress=report,
             )
@@ -336,13 +337,17 @@ def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
 
 
 def _batch_for(
-    scene: Scene, integrator: Integrator, frame: _core.FrameSettings
+    scene: Scene,
+    integrator: Integrator,
+    core: _core.IntegratorSettings,
+    frame: _core.FrameSettings,
 ) -> _core.vlf.AlignedBatch | None:
     """The aligned batch for ambient occlusion along shared directions, or None."""
     if not isinstance(integrator, AmbientOcclusion) or integrator.directions != "shared":
         return None
     n_points = frame.width * frame.height * frame.spp
-    hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene.triangles, n_points)
+    t_max = core.ambient_max_distance or math.inf
+    hopeless = integrator.engine == "auto" and _core.vlf.is_hopeless(scene._core, n_points, t_max)
     none = integrator.engine in ("embree", "field") or hopeless
     return None if none else scene.aligned_batch()
 
@@ -367,7 +372,7 @@ def _sky_batch(
     shared = "directional" in kinds or (sky and bool(kinds & {"constant", "environment"}))
     if visibility.sky_engine == "embree" or not shared:
         return None
-    hopeless = _core.vlf.is_hopeless(scene.triangles, MOST_POINTS_OF_A_TILE)
+    hopeless = _core.vlf.is_hopeless(scene._core, MOST_POINTS_OF_A_TILE)
     return None if visibility.sky_engine == "auto" and hopeless else geometry.aligned_batch()
 
 

@@ -26,6 +26,7 @@ SMALL = (
     "correlation",
     "vlf-build",
     "vlf-ao",
+    "aligned",
     "vismap-variance",
     "sweep",
     "notebook-slider",

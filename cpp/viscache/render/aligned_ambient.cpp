@@ -35,7 +35,7 @@ void append(std::vector<Vec3>& to, const std::vector<Vec3>& from) {
 }
 
 /// Traces the rows of some points with the engine that was asked for or chosen.
-EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const AlignedInput& input,
+EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, AlignedInput input,
                    std::span<Word> rows, int threads, Control& control) {
     EngineChoice choice;
     if (wish == AmbientEngine::kField) {
@@ -43,6 +43,8 @@ EngineChoice trace(const AlignedEngines& engines, AmbientEngine wish, const Alig
         choice.engine = AlignedEngine::kField;
         return choice;
     }
+    const std::vector<uint32_t> sorted = kd_order(input.origin, control);
+    input.order = sorted;
     if (wish == AmbientEngine::kEmbree || !engines.batch)
         choice.engine = AlignedEngine::kEmbree;
     else if (wish == AmbientEngine::kAuto)
@@ -130,7 +132,7 @@ AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Til
         const float t_max = s.ambient_max_distance > 0 ? s.ambient_max_distance : kInfinity;
         std::vector<Word> rows(run.origin.size() * words);
         const EngineChoice choice =
-            trace(engines, s.ambient_engine, {run.origin, run.normal, directions.frames(), t_max}, rows,
+            trace(engines, s.ambient_engine, {run.origin, run.normal, directions.frames(), t_max, {}}, rows,
                   threads, control);
         if (before == 0) out.choice = choice;
         out.share.resize(before + run.origin.size());

@@ -6,19 +6,12 @@
 
 namespace viscache {
 
-namespace {
-
-/// Number of packets processed together along an axis; their points and the state of a thread stay in its
-/// caches.
-constexpr size_t kPacketsAtOnce = kLanes * kLanes * kLanes;
-
-}  // namespace
-
 AlignedCounts AlignedBatch::rows(const AlignedInput& input, std::span<Word> rows, int threads,
                                  Control& control, Isa isa) const {
+    constexpr size_t kPacketsAtOnce = kPointsAtOnce / kLanes;
     const TraceAxis trace = trace_axis_kernel(isa);
     if (input.origin.empty()) return {};
-    const PointPackets points(triangles_.placement, input.origin, input.normal, control);
+    const PointPackets points(triangles_.placement, input.origin, input.normal, control, input.order);
     const float reach = input.t_max * triangles_.placement.scale;
     threads = resolve_threads(threads);
     std::vector<AxisState> states;
@@ -58,7 +51,7 @@ void embree_rows(const EmbreeCaster& caster, const AlignedInput& input, std::spa
                  Control& control) {
     if (input.origin.empty() || input.axes.empty()) return;
     std::vector<CoherenceTrial> trials(size_t(resolve_threads(threads)), CoherenceTrial(flag, kTrialPeriod));
-    const PointPackets points(Placement{}, input.origin, input.normal, control);
+    const PointPackets points(Placement{}, input.origin, input.normal, control, input.order);
     if (order == AlignedOrder::kByAxis) {
         const PointLanes lanes{points.x.data(),  points.y.data(),  points.z.data(),     points.nx.data(),
                                points.ny.data(), points.nz.data(), points.asked.data(), points.packets};

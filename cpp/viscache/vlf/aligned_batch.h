@@ -17,7 +17,12 @@ struct AlignedInput {
     std::span<const Vec3> normal;  ///< unit vectors, one per origin
     std::span<const Frame3> axes;  ///< orthonormal; rays run along z or against it
     float t_max = kInfinity;       ///< length of the rays
+    /// The `kd_order` of the origins, if it is known. Affects speed only.
+    std::span<const uint32_t> order = {};
 };
+
+/// Number of points that are traced along all axes before the next ones; their data stays in the caches.
+constexpr size_t kPointsAtOnce = size_t{1} << 16;
 
 /// How rays are grouped into packets when Embree traces them. Affects speed only.
 enum class AlignedOrder { kByAxis, kByPoint };

@@ -116,7 +116,8 @@ void TriangleBlocks::set_lane(size_t lane, const FlatTriangle& t) {
 }
 
 PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> position,
-                           std::span<const Vec3> normal, const Control& control)
+                           std::span<const Vec3> normal, const Control& control,
+                           std::span<const uint32_t> given)
     : points(position.size()), packets(in_lanes(points)) {
     if (points > UINT32_MAX - kLanes) throw std::length_error("points must be fewer than 2^32 - 16");
     std::vector<Vec3> placed(points);
@@ -127,7 +128,7 @@ PointPackets::PointPackets(const Placement& placement, std::span<const Vec3> pos
             throw std::invalid_argument("points must lie within 1e9 times the scene's size, row " +
                                         std::to_string(i) + " does not");
     }
-    order = kd_order(placed, control);
+    order = given.empty() ? kd_order(placed, control) : std::vector(given.begin(), given.end());
     asked.assign(packets, 0);
     for (LaneArray* a : {&x, &y, &z, &nx, &ny, &nz}) a->resize(packets * kLanes);
     for (size_t lane = 0; lane < packets * kLanes; ++lane) {

@@ -102,9 +102,10 @@ struct PointPackets {
     std::vector<uint16_t> asked;  ///< mask of the requested lanes of each packet
     LaneArray x, y, z, nx, ny, nz;
 
-    /// Throws std::invalid_argument for points farther from the scene than 1e9 times its size.
+    /// `given` is the order of the points; if it is empty, they are sorted. Throws std::invalid_argument for
+    /// points farther from the scene than 1e9 times its size.
     PointPackets(const Placement& placement, std::span<const Vec3> position, std::span<const Vec3> normal,
-                 const Control& control);
+                 const Control& control, std::span<const uint32_t> given = {});
 };
 
 /// Packets that are traced together.
@@ -126,12 +127,14 @@ struct AlignedCounts {
     uint64_t nodes = 0;   ///< tests of 16 boxes
     uint64_t pairs = 0;   ///< pairs of a packet and a block that overlap
     uint64_t tests = 0;   ///< tests of one triangle against 16 points, or of one point against 16 triangles
+    uint64_t wide = 0;    ///< tests of one point against 16 triangles, which are also in `tests`
     uint64_t exact = 0;   ///< pairs of triangle and point decided in double
     void merge(const AlignedCounts& c) {
         blocks += c.blocks;
         nodes += c.nodes;
         pairs += c.pairs;
         tests += c.tests;
+        wide += c.wide;
         exact += c.exact;
     }
 };

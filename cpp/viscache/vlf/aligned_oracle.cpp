@@ -21,7 +21,7 @@ bool AlignedOracle::by_batch(const EyeBlock& eyes, const FarEnds& lights, const 
     const uint64_t rays = count_bits(wanted);
     counters.direction_rays += rays;
     if (rays == 0 || lights.count == 0) return false;
-    if (choose_ && is_hopeless(batch_.triangles().triangles, eyes.size())) return false;
+    if (choose_ && is_hopeless(*batch_.triangles().scene, eyes.size(), lights.t_max)) return false;
     if (!fits_batch(batch_, eyes.origin)) return false;
     DirectionBlock block(batch_, eyes, lights, wanted, 1, *control_);
     if (choose_) {

@@ -20,7 +20,7 @@ AlignedRows aligned_rows(const AlignedBatch& batch, const RayCaster& caster, flo
         return out;
     };
     if (wish.engine == AlignedEngine::kEmbree) return by_caster();
-    if (!wish.engine && (is_hopeless(batch.triangles().triangles, std::min(n, kPointsPerRun)) ||
+    if (!wish.engine && (is_hopeless(*batch.triangles().scene, std::min(n, kPointsPerRun), input.t_max) ||
                          !fits_batch(batch, input.position)))
         return by_caster();
     const FarEnds sky = far_ends(input.direction, input.t_max);

@@ -1,6 +1,7 @@
 #include "viscache/vlf/direction_block.h"
 
 #include <bit>
+#include <numeric>
 
 #include "viscache/visibility/exact.h"
 #include "viscache/vlf/aligned_kernels.h"
@@ -13,6 +14,8 @@ namespace {
 /// back; Embree traces neighbouring directions of the sky one after the other. Measured on 4 scenes with
 /// 2048 to 16,384 points and 9216 directions, within 30 %.
 constexpr double kTurningBits = 1.15, kEmbreeAtBlocks = 0.7;
+/// One axis is traced before the decision per this many axes, at least one, up to kProbedAxes.
+constexpr size_t kAxesPerProbe = 64, kProbedAxes = 4;
 
 std::vector<Vec3> directions_of(const FarEnds& lights) {
     std::vector<Vec3> directions;
@@ -144,9 +147,16 @@ AlignedCounts DirectionBlock::trace(BitMatrix& visible, Isa isa) {
 
 EngineChoice DirectionBlock::choose(Isa isa) const {
     const TraceAxis kernel = trace_axis_kernel(isa);
-    const std::vector<size_t> some = probed_axes(axes_.size());
+    const std::vector<size_t> some =
+        probed_axes(axes_.size(),
+                    std::min(axes_.size(), std::clamp<size_t>(axes_.size() / kAxesPerProbe, 1, kProbedAxes)));
     std::vector<AlignedCounts> work(some.size());
-    std::vector<uint64_t> rays(some.size());
+    std::vector<uint64_t> rays(some.size()), seen(some.size());
+    const auto lanes_in = [](const std::vector<uint16_t>& lanes) {
+        uint64_t n = 0;
+        for (const uint16_t m : lanes) n += uint64_t(std::popcount(m));
+        return n;
+    };
     parallel_for(some.size(), threads_, [&](size_t i, int) {
         const SharedAxis& axis = axes_[some[i]];
         Worker worker(points_);
@@ -154,18 +164,21 @@ EngineChoice DirectionBlock::choose(Isa isa) const {
             std::vector<uint16_t> lanes(points_.packets);
             if (direction != SharedAxis::kNone)
                 std::copy_n(column(direction), points_.packets, lanes.begin());
-            for (const uint16_t m : lanes) rays[i] += uint64_t(std::popcount(m));
+            rays[i] += lanes_in(lanes);
             return lanes;
         };
         std::vector<uint16_t> along = copy(axis.along), against = copy(axis.against);
         trace_axis(axis, kernel, worker, along.data(), against.data());
+        seen[i] = lanes_in(along) + lanes_in(against);
         work[i] = worker.state.counts;
     });
     AlignedCounts all;
     for (const AlignedCounts& w : work) all.merge(w);
-    uint64_t traced = 0;
-    for (const uint64_t n : rays) traced += n;
-    EngineChoice costs = predicted_costs(all, double(traced), isa);
+    const uint64_t traced = std::accumulate(rays.begin(), rays.end(), uint64_t{0});
+    const uint64_t free = std::accumulate(seen.begin(), seen.end(), uint64_t{0});
+    const AlignedOrder order = embree_order(batch_.triangles().triangles, points_.points);
+    const float length = t_max_ / (2 * batch_.triangles().scene->radius());
+    EngineChoice costs = predicted_costs(AlignedWork::of(all, traced, free), order, length, isa);
     costs.batch_ns *= kTurningBits;
     costs.embree_ns *= kEmbreeAtBlocks;
     return decided(costs);

@@ -1,82 +1,103 @@
 #include "viscache/vlf/engine_choice.h"
 
+#include <bit>
+
 namespace viscache {
 
 namespace {
 
-constexpr size_t kProbedAxes = 4;
 /// One axis is probed per this many axes, up to kProbedAxes.
-constexpr size_t kAxesPerProbe = 32;
-/// The batch must be cheaper than Embree by this factor; predictions cannot resolve smaller differences.
-constexpr double kMargin = 0.9;
-/// The factor for sparse points. Their packets are wide and overlap more triangles than their rays do.
-/// Embree's cost is predicted from these tests, so it is overestimated.
-constexpr double kSparseMargin = 0.72;
-constexpr uint64_t kHopelessTrianglesPerPoint = 40, kSparseTrianglesPerPoint = 8;
+constexpr size_t kAxesPerProbe = 128, kProbedAxes = 4;
+/// The batch is taken if its predicted cost is below this share of Embree's. The prediction of the ratio from
+/// whole axes has a relative spread of 1.26; kShare keeps two spreads. The sample alone must be clearer.
+/// Below kHope, the sample is followed by whole axes.
+constexpr double kShare = 0.63, kClearShare = 0.5, kHope = 0.9;
+constexpr uint64_t kSparseTrianglesPerPoint = 8, kHopelessTrianglesPerPoint = 40, kHopelessIfShort = 12;
 
-/// Cost for the batch of a ray, of rotating a block, of a test of 16 boxes and of a test of 16 pairs, in
-/// nanoseconds. Fitted to 18 measurements of 8 scenes with 128² to 1024² points (AVX-512, a shared Zen 4;
-/// within 30 % of each); the cost of blocks to 8 measurements with few points. The other instruction sets
-/// were measured on the same machine: AVX2 takes 1.11 to 1.19 times as long, portable code 2.4 to 3.9 times
-/// (four scenes, 513 directions).
-struct BatchCosts {
-    double ray, block, node, test;
+/// Prices of the batch in nanoseconds, in the order of AlignedWork: a ray, rotating a block, a test of 16
+/// boxes, a pair of a packet and a block, a test of 16 pairs of triangle and point, and a decision in double.
+/// All prices are fitted by scripts/aligned_costs.py (AVX-512): the spread is 1.13 for the batch and 1.23 for
+/// Embree.
+struct BatchPrices {
+    double ray, block, node, pair, test, exact;
 };
-BatchCosts batch_costs(Isa isa) {
-    constexpr BatchCosts avx512{2.2, 20, 24.6, 32.7};
-    const double slower = isa == Isa::kAvx512 ? 1 : isa == Isa::kAvx2 ? 1.15 : 3.1;
-    return {slower * avx512.ray, slower * avx512.block, slower * avx512.node, slower * avx512.test};
-}
+constexpr BatchPrices kBatchPrices{2.8, 69, 12.2, 10.6, 34.2, 54.5};
 
-/// Nanoseconds per ray with Embree, from the batch's tests per ray, which measure the depth complexity. From
-/// the same measurements, within a factor of 1.6.
-double embree_cost(double tests) { return 20 + 85 * tests; }
+/// Prices of Embree in nanoseconds, by the same work, which measures how crowded a ray's surroundings are.
+/// Narrow tests are of one triangle against 16 points, wide ones of 16 triangles. Free rays pay for their
+/// length; any hit ends the others. Packets of one point pay by pairs for what is around it.
+struct EmbreePrices {
+    double ray, narrow, wide, narrow_length, wide_length, exact, pair_length;
+};
+constexpr EmbreePrices kByAxisPrices{21.2, 15, 3.4, 70, 246, 44, 0},
+    kByPointPrices{43.4, 24.9, 24.9, 9.6, 9.6, 0, 31.4};
+
+/// Time of the batch over that with AVX-512.
+double slowness(Isa isa) { return isa == Isa::kAvx512 ? 1 : isa == Isa::kAvx2 ? 1.15 : 3.1; }
 
 }  // namespace
 
-bool is_hopeless(uint64_t triangles, uint64_t points) {
-    return triangles / kHopelessTrianglesPerPoint > points;
+bool is_hopeless(const Scene& scene, uint64_t points, float t_max) {
+    const bool is_short = t_max < scene.radius();
+    return scene.placed_triangles() / (is_short ? kHopelessIfShort : kHopelessTrianglesPerPoint) > points;
 }
 
 AlignedOrder embree_order(uint64_t triangles, uint64_t points) {
     return triangles / kSparseTrianglesPerPoint > points ? AlignedOrder::kByPoint : AlignedOrder::kByAxis;
 }
 
-std::vector<size_t> probed_axes(size_t axes) {
-    const size_t n = std::min(axes, std::clamp<size_t>(axes / kAxesPerProbe, 1, kProbedAxes));
+std::vector<size_t> probed_axes(size_t axes, size_t n) {
     std::vector<size_t> some;
     for (size_t i = 0; i < n; ++i) some.push_back((2 * i + 1) * axes / (2 * n));
     return some;
 }
 
-EngineChoice predicted_costs(const AlignedCounts& work, double rays, Isa isa) {
+EngineChoice predicted_costs(const AlignedWork& work, AlignedOrder order, float length, Isa isa) {
+    const BatchPrices& b = kBatchPrices;
+    const EmbreePrices& e = order == AlignedOrder::kByAxis ? kByAxisPrices : kByPointPrices;
+    const double reach = std::sqrt(std::sqrt(std::clamp(double(length), 0., 1.)));
     EngineChoice choice;
-    if (rays == 0) return choice;
-    const BatchCosts cost = batch_costs(isa);
-    const double shared = cost.block * double(work.blocks) + cost.node * double(work.nodes);
-    choice.batch_ns = cost.ray + (shared + cost.test * double(work.tests)) / rays;
-    choice.embree_ns = embree_cost(double(work.tests) / rays);
+    choice.batch_ns = slowness(isa) * (b.ray + b.block * work.blocks + b.node * work.nodes +
+                                       b.pair * work.pairs + b.test * work.tests + b.exact * work.exact);
+    const double narrow = work.tests - work.wide, free_length = work.free * reach;
+    choice.embree_ns = e.ray + (e.narrow + e.narrow_length * free_length) * narrow +
+                       (e.wide + e.wide_length * free_length) * work.wide + e.exact * work.exact +
+                       e.pair_length * reach * work.pairs;
     return choice;
 }
 
-EngineChoice decided(EngineChoice costs, bool sparse) {
-    const bool expensive = costs.batch_ns > (sparse ? kSparseMargin : kMargin) * costs.embree_ns;
-    costs.engine = expensive ? AlignedEngine::kEmbree : AlignedEngine::kBatch;
+namespace {
+EngineChoice decided_below(EngineChoice costs, double share) {
+    const bool cheap = costs.batch_ns < share * costs.embree_ns;
+    costs.engine = cheap ? AlignedEngine::kBatch : AlignedEngine::kEmbree;
     return costs;
 }
+}  // namespace
+
+EngineChoice decided(EngineChoice costs) { return decided_below(costs, kShare); }
 
 EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,
                            Control& control, Isa isa) {
-    if (input.origin.empty()) return {};
+    if (input.origin.empty() || input.axes.empty()) return {};
+    const AlignedOrder order = embree_order(batch.triangles().triangles, input.origin.size());
+    const float length = input.t_max / (2 * batch.triangles().scene->radius());
+    const EngineChoice sampled =
+        predicted_costs(sampled_work(batch, input, threads, control, isa), order, length, isa);
+    const std::vector<size_t> probed =
+        probed_axes(input.axes.size(), std::min(input.axes.size() / kAxesPerProbe, kProbedAxes));
+    if (probed.empty()) return decided_below(sampled, kClearShare);
+    if (sampled.batch_ns > kHope * sampled.embree_ns) return decided(sampled);
     std::vector<Frame3> some;
-    for (const size_t axis : probed_axes(input.axes.size())) some.push_back(input.axes[axis]);
+    for (const size_t axis : probed) some.push_back(input.axes[axis]);
     AlignedInput probe = input;
     probe.axes = some;
-    std::vector<Word> rows(input.origin.size() * words_for(some.size()));
-    const AlignedCounts work = batch.rows(probe, rows, threads, control, isa);
-    const EngineChoice costs = predicted_costs(work, double(input.origin.size()) * double(some.size()), isa);
-    const uint64_t triangles = batch.triangles().triangles;
-    return decided(costs, embree_order(triangles, input.origin.size()) == AlignedOrder::kByPoint);
+    std::vector<Word> rows(input.origin.size());
+    static_assert(kProbedAxes <= kWordBits);
+    const AlignedCounts counts = batch.rows(probe, rows, threads, control, isa);
+    uint64_t free = 0;
+    for (const Word row : rows) free += uint64_t(std::popcount(row));
+    const auto work = AlignedWork::of(counts, uint64_t(rows.size()) * some.size(), free);
+    return decided(predicted_costs(work, order, length, isa));
 }
 
 }  // namespace viscache

@@ -9,7 +9,7 @@ import numpy
 import numpy.typing
 import typing
 import viscache._core
-__all__: list[str] = ['AlignedBatch', 'DynamicField', 'FIELD_RAY_NS', 'FieldSettings', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
+__all__: list[str] = ['AlignedBatch', 'DynamicField', 'FIELD_RAY_NS', 'FieldSettings', 'UpdateMode', 'VisibilityField', 'cover_tiles', 'direction_frames', 'direction_weights', 'directions', 'embree_rows', 'expected_references', 'field_rows', 'is_direction_count', 'is_hopeless', 'nearest_direction', 'point_order', 'predict_field_rows', 'predicted_bytes', 'walk_leaves', 'walk_tiles']
 class FieldSettings:
     """
     Settings of the field; see viscache.Vlf.
@@ -68,13 +68,17 @@ class VisibilityField(viscache._core.RayCaster):
 class AlignedBatch:
     def __init__(self, scene: viscache._core.Scene) -> None:
         ...
-    def choose(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[bool, float, float]:
+    def choose(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> tuple[bool, float, float]:
         """
         True if the batch is the faster engine; predicted ns per ray of the batch and of Embree.
         """
-    def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
+    def rows(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, progress: typing.Any = None) -> tuple:
         """
         Bit rows (N, words), 1 = free, and counts of the work.
+        """
+    def sample(self, scene: viscache._core.Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., order: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
+        """
+        Work per ray of the batch, estimated from a sample of the rays.
         """
     @property
     def bytes(self) -> int:
@@ -142,7 +146,7 @@ def directions(n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy
     """
     Unit axes (l, 3).
     """
-def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool | None = None, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
+def embree_rows(caster: viscache._core.EmbreeCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, t_max: typing.SupportsFloat | typing.SupportsIndex = ..., by_axis: bool | None = None, width: typing.SupportsInt | typing.SupportsIndex = 16, coherent: bool | None = None, order: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32] | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> numpy.typing.NDArray[numpy.uint64]:
     """
     The same bits, traced by Embree.
     """
@@ -156,13 +160,17 @@ def field_rows(field: VisibilityField, points: typing.Annotated[numpy.typing.Arr
     """
 def is_direction_count(n: typing.SupportsInt | typing.SupportsIndex) -> bool:
     ...
-def is_hopeless(triangles: typing.SupportsInt | typing.SupportsIndex, points: typing.SupportsInt | typing.SupportsIndex) -> bool:
+def is_hopeless(scene: viscache._core.Scene, points: typing.SupportsInt | typing.SupportsIndex, t_max: typing.SupportsFloat | typing.SupportsIndex = ...) -> bool:
     """
-    True if the batch is slower whatever the scene is.
+    True if the batch is slower whatever the scene looks like.
     """
 def nearest_direction(directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n_directions: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
     Index of the axis nearest to each row.
+    """
+def point_order(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.uint32]:
+    """
+    Indices (N,) of points in the compact order of the engines for aligned rays.
     """
 def predict_field_rows(scene: viscache._core.Scene, settings: FieldSettings) -> dict:
     """

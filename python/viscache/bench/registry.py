@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from viscache.bench.aligned import aligned
 from viscache.bench.aqvc_apartment import aqvc_apartment
 from viscache.bench.aqvc_frame import aqvc_frame
 from viscache.bench.aqvc_lookup import aqvc_lookup
@@ -82,6 +83,10 @@ BENCHES: dict[str, BenchInfo] = {
     "vlf-ao": BenchInfo(
         description="ambient occlusion along shared axes against the best of Embree's orders",
         function=vlf_ao,
+    ),
+    "aligned": BenchInfo(
+        description="the engine chosen for aligned rays against Embree, in scenes not used to fit",
+        function=aligned,
     ),
     "vismap-variance": BenchInfo(
         description="variance with visibility maps against product sampling",

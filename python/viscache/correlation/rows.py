@@ -254,7 +254,7 @@ def trace_rows(
     asked = (*points, directions.directions)
     with progress_bar(progress, unit="point") as report:
         more: _More = {"t_max": t_max, "threads": n_threads, "progress": report}
-        hopeless = engine == "auto" and _core.vlf.is_hopeless(scene.triangles, len(points[0]))
+        hopeless = engine == "auto" and _core.vlf.is_hopeless(scene._core, len(points[0]), t_max)
         if engine in ("embree", "field") or hopeless:
             caster = scene.caster(Vlf() if engine == "field" else Embree(), threads=threads)
             bits, n_rays = _core.correlation.visibility_rows(scene._core, caster, *asked, **more)

@@ -149,17 +149,20 @@ def trace_aligned(
     points, normals = checked_points(points, "points"), checked_points(normals, "normals")
     start, n_threads = time.perf_counter(), checked_threads(threads)
     _check_field(field, scene, n_directions)
-    asked = _Asked(scene, points, normals, frames, t_max, n_threads)
+    order = _core.vlf.point_order(points)
+    asked = _Asked(scene, points, normals, frames, t_max, order, n_threads)
     chosen, reason = (engine, "asked for") if engine != "auto" else _choose(asked, field)
     with progress_bar(progress, unit="direction") as report:
         options: dict[str, Any] = {"t_max": t_max, "threads": n_threads, "progress": report}
         if chosen == "batch":
+            options["order"] = order
             bits, _ = scene.aligned_batch().rows(scene._core, points, normals, frames, **options)
         elif chosen == "field":
             settings = Vlf(n_directions=n_directions)
             core = field._core if field else scene.caster(settings, threads=threads)
             bits = _core.vlf.field_rows(core, points, normals, frames, **options)
         else:
+            options["order"] = order
             bits = _core.vlf.embree_rows(scene.caster(), points, normals, frames, **options)
     return AlignedRows(
         bits=bits,
@@ -176,6 +179,7 @@ class _Asked(NamedTuple):
     normals: npt.NDArray[np.float32]
     frames: npt.NDArray[np.float32]
     t_max: float
+    order: npt.NDArray[np.uint32]
     threads: int
 
 
@@ -196,7 +200,7 @@ def _choose(
 ) -> tuple[Literal["batch", "embree", "field"], str]:
     scene, n_points = asked.scene, len(asked.points)
     size = f"{scene.triangles} triangles, {n_points} points"
-    if _core.vlf.is_hopeless(scene.triangles, n_points):
+    if _core.vlf.is_hopeless(scene._core, n_points, asked.t_max):
         return "embree", f"too few points for so many triangles: {size}"
     is_batch, batch_ns, embree_ns = scene.aligned_batch().choose(
         scene._core,
@@ -204,6 +208,7 @@ def _choose(
         asked.normals,
         asked.frames,
         t_max=asked.t_max,
+        order=asked.order,
         threads=asked.threads,
     )
     best = FIELD_MARGIN * min(batch_ns if is_batch else embree_ns, MOST_EMBREE_NS)
