@@ -105,8 +105,14 @@ def judge(
         stacks.grow(min(2 * stacks.count, effort.most))
         compared = stacks.compared()
     verdict, why = _verdict(compared, mine.warnings, other.warnings)
-    pictures = {"ours": stacks.mean(0), "theirs": stacks.mean(1)}
-    return judged(verdict=verdict, why=why, compared=compared, pictures=stacks.count, **pictures)
+    return judged(
+        verdict=verdict,
+        why=why,
+        compared=compared,
+        ours=stacks.mean(0),
+        theirs=stacks.mean(1),
+        pictures=stacks.count,
+    )
 
 
 def _clear(compared: Comparison, effort: Effort) -> bool:

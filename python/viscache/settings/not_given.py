@@ -40,11 +40,20 @@ class _Flag(NotGiven, int):
     __str__ = __repr__
 
 
+#: Types of values, and what marks them.
+MARKS: tuple[tuple[Any, Any], ...] = (
+    (int, _Int),
+    (float, _Float),
+    (str, _Text),
+    (tuple, _Tuple),
+)
+
+
 def not_given(value: Any) -> Any:
     """The value marked as not given; what is no number, text, tuple or flag stays as it is."""
     if isinstance(value, bool):
         return _Flag(value)
-    for kind, marked in ((int, _Int), (float, _Float), (str, _Text), (tuple, _Tuple)):
+    for kind, marked in MARKS:
         if isinstance(value, kind):
             return marked(value)
     return value
@@ -54,7 +63,7 @@ def plain(value: Any) -> Any:
     """The value without its mark."""
     if isinstance(value, _Flag):
         return bool(value)
-    for marked, kind in ((_Int, int), (_Float, float), (_Text, str), (_Tuple, tuple)):
+    for kind, marked in MARKS:
         if isinstance(value, marked):
             return kind(value)
     return value
