@@ -159,7 +159,12 @@ ROTATED = (
 def test_the_length_of_a_rotations_axis_counts_as_in_mitsuba(tmp_path: Path, axis: str) -> None:
     mi: Any = pytest.importorskip("mitsuba", reason="needs the package mitsuba")
     mi.set_variant("scalar_rgb")
-    corners = mitsuba(tmp_path, ROTATED.format(axis)).mesh_arrays(0)["vertices"]
+    (tmp_path / "s.xml").write_text(f'<scene version="3.0.0">\n{ROTATED.format(axis)}</scene>')
+    scene = core.load_scene_file(str(tmp_path / "s.xml"))
+    corners = scene.mesh_arrays(0)["vertices"]
+    # Its round shapes disagree with its meshes: the file is warned of, once
+    places = [where for where, text in scene.warnings if "no unit vector" in text]
+    assert places == ([] if "0.6" in axis else [f"{tmp_path}/s.xml:2"])
     box = mi.load_file(str(tmp_path / "s.xml")).bbox()
     np.testing.assert_allclose([corners.min(0), corners.max(0)], [box.min, box.max], atol=1e-5)
     # Files of Mitsuba 0.6 turn by the direction of the axis alone

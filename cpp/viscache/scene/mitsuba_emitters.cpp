@@ -57,6 +57,20 @@ void MitsubaReader::spot(Node node) {
                                             std::cos(float(outer) * float(kDegree))}});
 }
 
+void MitsubaReader::directional(Node node) {
+    const auto given = vector(node, "direction");
+    const Vec3 travels = given.value_or(transform(node).vector({0, 0, 1}));
+    if (length2(travels) == 0) fail_at(node, "the direction must not be zero");
+    Rgb irradiance = color(node, "irradiance", kWhite);
+    // Mitsuba 3 takes the transformed axis with its length, also for cosines
+    if (const float l = length(travels); !given && version_major_ >= 2 && std::fabs(l - 1) > 1e-3f) {
+        irradiance = irradiance * l;
+        warn_at(node,
+                "a transform that scales makes the light brighter, as in Mitsuba 3; highlights may differ");
+    }
+    loading_.scene.directional_lights.push_back({-normalize(travels), irradiance});
+}
+
 void MitsubaReader::emitter(Node node) {
     const std::string type = type_of(node);
     if (type == "point") {
@@ -68,9 +82,7 @@ void MitsubaReader::emitter(Node node) {
     } else if (type == "spot") {
         spot(node);
     } else if (type == "directional") {
-        const Vec3 travels = vector(node, "direction").value_or(transform(node).vector({0, 0, 1}));
-        if (length2(travels) == 0) fail_at(node, "the direction must not be zero");
-        loading_.scene.directional_lights.push_back({-normalize(travels), color(node, "irradiance", kWhite)});
+        directional(node);
     } else if (type == "constant") {
         Environment env;
         env.scale = color(node, "radiance", kWhite);

@@ -113,6 +113,7 @@ private:
     void emitter(Node node);
     void envmap(Node node);
     void spot(Node node);
+    void directional(Node node);
 
     // mitsuba_sky.cpp
     void sky(Node node, const std::string& type);

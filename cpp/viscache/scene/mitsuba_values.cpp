@@ -159,8 +159,20 @@ Affine MitsubaReader::transform_step(Node step) {
         fail_at(step, "one or three numbers are needed");
     if (tag == "translate") return translation(v[0], v[1], v[2]);
     if (tag == "scale") return scaling(v[0], v[1], v[2]);
-    if (tag == "rotate")
-        return rotation(attribute_number(step, "angle", 0), v[0], v[1], v[2], version_major_ < 2);
+    if (tag == "rotate") {
+        const bool old = version_major_ < 2;
+        const Warning warning{where(step),
+                              "the axis of a rotation is no unit vector: Mitsuba 3 scales by its length, "
+                              "but round shapes and normals by its inverse"};
+        const double length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        // Some transforms are read more than once
+        const auto same = [&](const Warning& w) {
+            return w.where == warning.where && w.text == warning.text;
+        };
+        if (!old && std::abs(length2 - 1) > 1e-3 && std::ranges::none_of(loading_.scene.warnings, same))
+            warn_at(step, warning.text);
+        return rotation(attribute_number(step, "angle", 0), v[0], v[1], v[2], old);
+    }
     fail_at(step, "unknown transform <" + std::string(step.name()) + ">");
 }
 

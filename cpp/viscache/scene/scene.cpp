@@ -34,6 +34,18 @@ Mesh tessellate(const SphereLight& light) {
     return mesh;
 }
 
+/// Mitsuba puts the first and the last row of a sky at the poles. Here they end there, as in pbrt, which
+/// moves rows by up to half their height.
+void warn_of_few_rows(const Image& sky, std::vector<Warning>& warnings) {
+    constexpr int kFewRows = 128;
+    if (sky.height >= kFewRows || sky.where.find(".xml:") == std::string::npos) return;
+    const std::string text = "a sky of " + std::to_string(sky.height) +
+                             " rows, which Mitsuba places up to half a row nearer to the poles";
+    // A scene made from the description of this one carries the warning already
+    const auto same = [&](const Warning& w) { return w.where == sky.where && w.text == text; };
+    if (std::none_of(warnings.begin(), warnings.end(), same)) warnings.push_back({sky.where, text});
+}
+
 Vec3 facing(Vec3 n, Vec3 side) { return dot(n, side) < 0 ? -n : n; }
 
 /// A number in [0, 1) for a cell of a triangle: a fixed pattern of `opacity`.
@@ -173,6 +185,7 @@ void Scene::build_lights(int threads) {
 
     if (!d_.environment || !(max_component(d_.environment->scale) > 0)) return;
     const Environment& e = *d_.environment;
+    if (e.image >= 0) warn_of_few_rows(d_.images[size_t(e.image)], d_.warnings);
     environment_ = std::make_unique<EnvironmentMap>(
         e.image < 0
             ? EnvironmentMap::constant(e.scale)

@@ -51,10 +51,10 @@ def picture(side: int = 16) -> Array:
 
 
 def sky_picture() -> Array:
-    """(32, 64, 3) radiance: a gradient, and one bright patch to one side."""
-    v, u = np.mgrid[0:32, 0:64] / np.array([32, 64]).reshape(2, 1, 1)
+    """(256, 512, 3) radiance: a gradient, and one bright patch to one side."""
+    v, u = np.mgrid[0:256, 0:512] / np.array([256, 512]).reshape(2, 1, 1)
     sky = np.stack([0.2 + 0.5 * u, 0.3 + 0.3 * v, 0.8 - 0.5 * u], axis=2)
-    sky[8:12, 20:26] = (9, 7, 4)
+    sky[64:96, 160:208] = (9, 7, 4)
     return sky
 
 
@@ -133,6 +133,7 @@ def _write_pictures(folder: Path) -> None:
     (folder / PICTURES["hdr"]).write_bytes(_rgbe(linear))
     _write_exr(folder / f"{SKY_MAP}.exr", sky_picture())
     (folder / f"{SKY_MAP}.hdr").write_bytes(_rgbe(sky_picture()))
+    Image.fromarray(np.round(28 * sky_picture()).astype(np.uint8)).save(folder / f"{SKY_MAP}.png")
 
 
 def _write_exr(path: Path, pixels: Array) -> None:

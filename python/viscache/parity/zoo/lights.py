@@ -71,9 +71,9 @@ def _skies() -> Iterator[tuple[str, str]]:
     yield "constant-default", emitter("constant", "")
     yield "constant-colour", emitter("constant", property_tags({"radiance": (0.9, 0.6, 0.3)}))
     yield "constant-uniform", emitter("constant", '<spectrum name="radiance" value="0.7"/>')
-    for kind in ("exr", "hdr"):
+    for kind in ("exr", "hdr", "png"):
         yield f"envmap-{kind}", emitter("envmap", property_tags({"filename": f"{SKY_MAP}.{kind}"}))
-    yield "envmap-png", emitter("envmap", property_tags({"filename": PICTURES["png"]}))
+    yield "envmap-few-rows", emitter("envmap", property_tags({"filename": PICTURES["png"]}))
     scaled = property_tags({"filename": f"{SKY_MAP}.exr", "scale": 2.5})
     yield "envmap-scale", emitter("envmap", scaled)
     for name, steps in {

@@ -1,0 +1,59 @@
+"""Where Mitsuba 3 has a rule of its own: it is followed, or what differs is named with its line."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from skimage.io import imsave
+
+import viscache as vc
+from scene import test_mitsuba_parity as parity
+
+SUN = """
+<emitter type="directional"><transform name="to_world">{}<rotate x="1" angle="120"/></transform>
+<rgb name="irradiance" value="3,2,1"/></emitter>"""
+
+
+def sunny(folder: Path, steps: str) -> Path:
+    return parity.write(folder, parity.BOX + SUN.format(steps))
+
+
+@pytest.mark.mitsuba
+def test_a_transform_that_scales_makes_a_sun_brighter_as_in_mitsuba(tmp_path: Path) -> None:
+    path = sunny(tmp_path, '<scale value="4"/>')
+    ours, theirs = parity.of_viscache(path), parity.of_mitsuba(path)
+    assert parity.agreement(ours, theirs) >= 0.95
+    (warning,) = vc.load_scene(path).warnings
+    line = path.read_text().partition("<emitter")[0].count("\n") + 1
+    assert f"scene.xml:{line}: a transform that scales" in warning
+    # Power: the light without the scale would be noticed, and needs no warning
+    plain = sunny(tmp_path, "")
+    assert not vc.load_scene(plain).warnings
+    assert parity.agreement(parity.of_viscache(plain), theirs) < 0.7
+    # Mitsuba 0.6 takes the direction alone
+    old = sunny(tmp_path, '<scale value="4"/>')
+    old.write_text(old.read_text().replace("3.0.0", "0.6.0"))
+    assert not vc.load_scene(old).warnings
+
+
+def sky_scene(folder: Path, rows: int) -> Any:
+    pixels = np.full((rows, 2 * rows, 3), 90, np.uint8)
+    imsave(folder / "sky.png", pixels, check_contrast=False)
+    body = '\n<emitter type="envmap"><string name="filename" value="sky.png"/></emitter>'
+    return vc.load_scene(parity.write(folder, body))
+
+
+def test_skies_of_few_rows_are_warned_of_in_mitsuba_files(tmp_path: Path) -> None:
+    scene = sky_scene(tmp_path, 16)
+    (warning,) = scene.warnings
+    assert "scene.xml:" in warning and "a sky of 16 rows, which Mitsuba places" in warning
+    assert pickle.loads(pickle.dumps(scene)).warnings == scene.warnings
+    assert not sky_scene(tmp_path, 128).warnings
+    # A sky from Python has no Mitsuba beside it
+    array = np.ones((16, 32, 3), np.float32)
+    plain = parity.write(tmp_path, "")
+    assert not vc.load_scene(plain, env=array).warnings
