@@ -44,7 +44,9 @@ def not_given(value: Any) -> Any:
     """The value marked as not given; what is no number, text, tuple or flag stays as it is."""
     if isinstance(value, bool):
         return _Flag(value)
-    for kind, marked in ((int, _Int), (float, _Float), (str, _Text), (tuple, _Tuple)):
+    if isinstance(value, tuple):
+        return _Tuple(value)
+    for kind, marked in ((int, _Int), (float, _Float), (str, _Text)):
         if isinstance(value, kind):
             return marked(value)
     return value
@@ -54,7 +56,9 @@ def plain(value: Any) -> Any:
     """The value without its mark."""
     if isinstance(value, _Flag):
         return bool(value)
-    for marked, kind in ((_Int, int), (_Float, float), (_Text, str), (_Tuple, tuple)):
+    if isinstance(value, _Tuple):
+        return tuple(value)
+    for marked, kind in ((_Int, int), (_Float, float), (_Text, str)):
         if isinstance(value, marked):
             return kind(value)
     return value
