@@ -135,7 +135,7 @@ def cases() -> dict[str, Callable[[], str]]:
             "cube_on_plane", product, env=env, use=use, visibility=vc.VisMaps()
         )
     found["sky shared"] = frame(
-        "cube_on_plane", vc.Direct(environment="shared"), env=env, visibility=vc.Aqvc(c_e=8)
+        "cube_on_plane", vc.Direct(environment="shared"), env=env, visibility=cached(8)
     )
     for choice in ("power", "contribution"):
         lamps = vc.Direct(light_choice=choice)  # type: ignore[arg-type]

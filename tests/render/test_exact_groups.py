@@ -65,7 +65,7 @@ def test_the_other_groups_keep_their_bytes(scene: vc.Scene, form: str) -> None:
 
 
 @pytest.mark.parametrize("preset", ["default", "fast"])
-def test_own_samples_of_area_lights_and_skies_are_exact_by_default(
+def test_own_samples_and_groups_of_few_lights_are_exact_by_default(
     scene: vc.Scene, preset: Any
 ) -> None:
     cache, exact = vc.Aqvc(preset=preset), render(scene, vc.Exact())
@@ -73,9 +73,18 @@ def test_own_samples_of_area_lights_and_skies_are_exact_by_default(
     assert cache.exact_groups == "auto" == frame.parameters["visibility"]["exact_groups"]
     rays = {group: count["rays"] for group, count in frame.counters["groups"].items()}
     for group, count in exact.counters["groups"].items():
-        own = group in ("area", "environment")
-        assert np.array_equal(frame.layers[group], exact.layers[group]) == own
-        assert (rays[group] == count["rays"]) == own
+        cached = group == "vpl"
+        assert np.array_equal(frame.layers[group], exact.layers[group]) != cached
+        assert (rays[group] == count["rays"]) != cached
+    assert list(frame.counters["audit"]["groups"]) == list(exact.counters["groups"])
+    assert sum(error > 0 for error in frame.counters["audit"]["groups"].values()) <= 1
+
+
+@pytest.mark.parametrize("lights", [8, 9])
+def test_few_are_up_to_eight(lights: int) -> None:
+    room = q.scene("room", triangles=2000, lights=lights)
+    counts = render(room, vc.Aqvc(), vc.Direct()).counters["groups"]["point"]
+    assert (counts["rays"] == counts["queries"]) == (lights == 8)
 
 
 def test_directions_that_all_share_stay_in_the_cache_by_default(scene: vc.Scene) -> None:

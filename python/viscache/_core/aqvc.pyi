@@ -25,6 +25,7 @@ class AqvcParameters:
     cell_density: str
     digest_bits: typing.Any
     env_rule: str
+    exact_groups: typing.Any
     form: str
     grid_offset: bool
     grid_seed: typing.Any
