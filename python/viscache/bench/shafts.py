@@ -86,7 +86,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
                 packets_nanoseconds=1e9 * min(s.cpu_s for s in samples["packets"]) / queries,
                 by_shafts=work["shaft_queries"] / queries,
                 open=(work["shaft_doubted"] + work["shaft_long_lists"]) / asked,
-                work=work,
+                counted=work,
             )
         )
         differ = float(frame.sha256 != packets.sha256)
