@@ -20,6 +20,7 @@ SMALL = (
     "aqvc-frame",
     "aqvc-apartment",
     "aqvc-lookup",
+    "shafts",
     "oracle",
     "memory",
     "loading",

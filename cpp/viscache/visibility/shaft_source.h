@@ -15,23 +15,12 @@ public:
           shafts_(shafts),
           exact_(exact),
           options_(options) {}
+    /// Builds the tree, if it is not built and the frame has shared points.
+    void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override {
         return std::make_unique<ShaftOracle>(shafts_, caster_, extent_, exact_.make(), options_, totals_);
     }
-    void report(Counters& counters, SourceReport& out) const override {
-        exact_.report(counters, out);
-        const ShaftTotals::Sums sums = totals_.sums();
-        const auto add = [&](const char* name, SourceReport::Value v) { out.engine.emplace_back(name, v); };
-        add("shaft_queries", sums.queries);
-        add("left_to_packets", sums.left_to_packets);
-        add("shaft_nodes", sums.work.nodes);
-        add("shaft_blocks", sums.work.blocks);
-        add("shaft_lists", sums.work.lists);
-        add("shaft_pairs", sums.work.pairs);
-        add("shaft_doubted", sums.work.doubted);
-        add("shaft_long_lists", sums.work.long_lists);
-        if (!shafts_.refusal().empty()) add("no_shafts", shafts_.refusal());
-    }
+    void report(Counters& counters, SourceReport& out) const override;
 
 private:
     const RayCaster& caster_;
@@ -40,6 +29,7 @@ private:
     OracleSource& exact_;
     ShaftOptions options_;
     ShaftTotals totals_;
+    double tree_s_ = 0;
 };
 
 }  // namespace viscache

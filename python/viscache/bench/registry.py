@@ -19,6 +19,7 @@ from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
 from viscache.bench.rays import rays
+from viscache.bench.shafts import shafts
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
@@ -59,6 +60,10 @@ BENCHES: dict[str, BenchInfo] = {
     "aqvc-lookup": BenchInfo(
         description="nanoseconds per query of each form of the quantized cache, beside one ray",
         function=aqvc_lookup,
+    ),
+    "shafts": BenchInfo(
+        description="exact visibility of virtual point lights by shafts against packets of rays",
+        function=shafts,
     ),
     "oracle": BenchInfo(
         description="caches asked with arrays, and oracles written in Python, beside frames",
