@@ -1,9 +1,6 @@
 """The quantized cache as a whole: limits, invariance, edge cases."""
 
 import hashlib
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -12,6 +9,7 @@ from hypothesis import strategies as st
 
 from aqvc import tiles
 from reference import aqvc as reference
+from reference.every_isa import ISAS, printed_by
 from viscache import _core
 
 FORMS = [
@@ -123,21 +121,11 @@ def digest_of_all_forms():
     return h.hexdigest()
 
 
-@pytest.mark.parametrize("isa", ["portable", "avx2", "avx512"])
+@pytest.mark.parametrize("isa", ISAS)
 def test_every_instruction_set_gives_the_same_bytes(isa):
     """Kernels of all widths."""
-    names = ["portable", "avx2", "avx512"]
-    if names.index(isa) > names.index(_core.best_isa()):
-        pytest.skip(f"this CPU has no {isa}")
-    code = (
-        f"import sys; sys.path[:0] = {sys.path!r}; "
-        "from aqvc.test_quantized_cache import digest_of_all_forms; print(digest_of_all_forms())"
-    )
-    env = os.environ | {"VISCACHE_ISA": isa}
-    out = subprocess.run(
-        [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
-    )
-    assert out.stdout.strip() == digest_of_all_forms()
+    got = printed_by(isa, "aqvc.test_quantized_cache", "digest_of_all_forms()")
+    assert got == digest_of_all_forms()
 
 
 @pytest.mark.stat

@@ -72,13 +72,28 @@ def test_diff_against_black_prints_null(
         (["render", "room", "-o", "x.exr", "--size", "0x4"], "size must be WxH, both >= 1"),
         (["render", "room", "-o", "x.exr", "--spp", "0"], "whole number >= 1, got '0'"),
         (["render", "room", "-o", "x.exr", "--set", "c_e"], "--set must be name=value"),
-        (["render", "room", "-o", "x.exr", "--visibility", "aqvc", "--set", "c_x=1"],
-         "unknown parameter 'c_x'"),
+        (
+            ["render", "room", "-o", "x.exr", "--visibility", "aqvc", "--set", "c_x=1"],
+            "unknown parameter 'c_x'",
+        ),
         (["render", "room", "-o", "x.exr", "--visibility", "vlf", "--rays", "bsp"], "is short for"),
-        (["render", "room", "-o", "x.exr", "--visibility", "shadow_map", "--set", "resolution=0"],
-         "resolution must be in [1, 16384], got 0"),
-        (["render", "cube_on_plane", "-o", "x.exr", "--visibility", "vismap"],
-         "must have an environment light"),
+        (
+            [
+                "render",
+                "room",
+                "-o",
+                "x.exr",
+                "--visibility",
+                "shadow_map",
+                "--set",
+                "resolution=0",
+            ],
+            "resolution must be in [1, 16384], got 0",
+        ),
+        (
+            ["render", "cube_on_plane", "-o", "x.exr", "--visibility", "vismap"],
+            "must have an environment light",
+        ),
         (["render", "room", "-o", "x.exr", "--set", "n_vpls=1.5"], "must be a whole number"),
         (["render", "room", "-o", "x.exr", "--set", "vpl_bound=nan"], "must be a finite number"),
         (["render", "room", "-o", "x.exr", "--set", "robust=maybe"], "must be true or false"),
@@ -97,7 +112,7 @@ def test_diff_against_black_prints_null(
         (["tune", "room", "--error", "2"], "rel_l1 must lie in (0, 1), got 2"),
         (["tune", "room", "--set", "c_ee=2"], "unknown parameter 'c_ee'"),
     ],
-)  # fmt: skip
+)
 def test_bad_usage_is_one_line_and_status_2(
     capsys: pytest.CaptureFixture[str],
     words: list[str],

@@ -185,15 +185,23 @@ def test_colour_is_never_all_that_tells_levels_apart() -> None:
     [
         ("c_e", "C_E [px]", "$C_E$ [px]", "<i>C</i><sub>E</sub> [px]"),
         ("c_msr", "C_MSR", r"$C_{\mathrm{MSR}}$", "<i>C</i><sub>MSR</sub>"),
-        ("theta_max_deg", "θ_max [°]", r"$\theta_{\mathrm{max}}$ [°]",
-         "<i>θ</i><sub>max</sub> [°]"),
+        (
+            "theta_max_deg",
+            "θ_max [°]",
+            r"$\theta_{\mathrm{max}}$ [°]",
+            "<i>θ</i><sub>max</sub> [°]",
+        ),
         ("integrator.n_vpls", "VPLs", "VPLs", "VPLs"),
         ("rays.n_directions", "directions l", "directions $l$", "directions <i>l</i>"),
-        ("converged_rmse", "total RMSE [radiance]", "total RMSE [radiance]",
-         "total RMSE [radiance]"),
+        (
+            "converged_rmse",
+            "total RMSE [radiance]",
+            "total RMSE [radiance]",
+            "total RMSE [radiance]",
+        ),
         ("a_<b>", "a <b>", "a <b>", "a &lt;b&gt;"),
     ],
-)  # fmt: skip
+)
 def test_labels_are_symbols_with_units(name: str, plain: str, math: str, markup: str) -> None:
     assert (labels.plain(name), labels.mathtext(name)) == (plain, math)
     assert labels.as_html(name) == markup

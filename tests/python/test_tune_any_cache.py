@@ -142,9 +142,14 @@ def test_an_oracle_of_ones_own_is_tuned(room: vc.Scene) -> None:
 
 def test_a_whole_number_whose_error_falls(room: vc.Scene) -> None:
     found = vc.tune(
-        room, WHITTED, rel_l1=0.03, visibility=CellsPerUnit(), parameter="per_unit",
-        between=(1, 40), size=SIZE,
-    )  # fmt: skip
+        room,
+        WHITTED,
+        rel_l1=0.03,
+        visibility=CellsPerUnit(),
+        parameter="per_unit",
+        between=(1, 40),
+        size=SIZE,
+    )
     assert isinstance(found.value, int) and found.visibility.per_unit == found.value
     assert all(isinstance(p.value, int) for p in found.pilots)
     assert found.pilots[0].error > found.pilots[-1].error
@@ -157,22 +162,37 @@ def test_a_whole_number_whose_error_falls(room: vc.Scene) -> None:
 def test_shadow_maps_and_the_share_of_a_correction(room: vc.Scene) -> None:
     direct = vc.Direct()
     maps = vc.tune(
-        room, direct, rel_l1=0.03, visibility="shadow_map", parameter="resolution",
-        between=(8, 128), size=SIZE,
-    )  # fmt: skip
+        room,
+        direct,
+        rel_l1=0.03,
+        visibility="shadow_map",
+        parameter="resolution",
+        between=(8, 128),
+        size=SIZE,
+    )
     assert maps.reached and maps.visibility == vc.ShadowMap(resolution=int(maps.value))
     assert error_of(room, maps, direct) < 0.03 * 1.3
     share = vc.tune(
-        room, WHITTED, rel_l1=0.03, use=vc.Correct(), parameter="use.share", between=(0.02, 1),
+        room,
+        WHITTED,
+        rel_l1=0.03,
+        use=vc.Correct(),
+        parameter="use.share",
+        between=(0.02, 1),
         size=SIZE,
-    )  # fmt: skip
+    )
     assert isinstance(share.visibility, vc.Aqvc) and share.use == vc.Correct(share=share.value)
     assert share.pilots[0].error > share.pilots[-1].error
     assert share.reached
     word = vc.tune(
-        room, WHITTED, rel_l1=0.03, use="correct", parameter="use.share", between=(0.02, 1),
+        room,
+        WHITTED,
+        rel_l1=0.03,
+        use="correct",
+        parameter="use.share",
+        between=(0.02, 1),
         size=SIZE,
-    )  # fmt: skip
+    )
     assert word.pilots == share.pilots
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import viscache as vc
+from reference.every_isa import ISAS, printed_by
 from render.mitsuba_frames import area_layers, assert_same, ours, theirs
 from render.mitsuba_scene import Look, Model, Part, box, quad
 from render.strip_lights import strip_lights
@@ -258,17 +256,6 @@ def digests() -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("isa", ["portable", "avx2", "avx512"])
+@pytest.mark.parametrize("isa", ISAS)
 def test_every_instruction_set_gives_the_same_bytes(isa: str) -> None:
-    names = ["portable", "avx2", "avx512"]
-    if names.index(isa) > names.index(_core.best_isa()):
-        pytest.skip(f"this CPU has no {isa}")
-    code = (
-        f"import sys; sys.path[:0] = {sys.path!r}; "
-        "from render.test_area_mis import digests; print(digests())"
-    )
-    env = os.environ | {"VISCACHE_ISA": isa}
-    out = subprocess.run(
-        [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
-    )
-    assert out.stdout.strip() == digests()
+    assert printed_by(isa, "render.test_area_mis", "digests()") == digests()

@@ -25,7 +25,7 @@ CASES: dict[str, tuple[str, dict[str, Any], Any]] = {
     "conference": ("conference", {"triangles": 10000}, VPLS),
 }
 FEW = (2.0, 4.0, 6.0, 7.0, 8.0, 16.0, 28.0, 32.0, 64.0)
-MANY = tuple(float(c) for c in np.geomspace(2, 64, 21))
+MANY = tuple(float(c) for c in np.geomspace(2, 64, 13))
 
 
 def list_ends_at_c_finest(c_e: float) -> dict[str, Any]:

@@ -10,7 +10,6 @@ namespace {
 
 /// Up to this many lights are tested one by one. The tree bounds more.
 constexpr size_t kFewLightsToTest = 16;
-constexpr size_t kStack = 128;  // above the depth of any light tree
 
 struct Nearest {
     size_t light = 0;
@@ -73,7 +72,7 @@ void descend(const LightTree& tree, const AreaLights& lights, const Ray& ray, Ne
         uint32_t node;
         float near;
     };
-    std::array<Entry, kStack> stack;
+    std::array<Entry, LightTree::kMostWaiting> stack;
     size_t size = 0;
     const auto& nodes = tree.nodes();
     stack[size++] = {0, entry(nodes[0].box, ray.o, inverse, nearest.t)};

@@ -217,7 +217,6 @@ double LightTree::node_importance(uint32_t node, const Receiver& r) const {
 namespace {
 
 constexpr double kBelowOne = 0x1.fffffffffffffp-1;
-constexpr size_t kStack = 128;  // above the depth of any tree: 40 levels, then halves
 
 /// Draws whose ways have reached a node.
 struct Arrived {
@@ -229,7 +228,7 @@ struct Arrived {
 }  // namespace
 
 void LightTree::sample(const Receiver& r, std::span<LightDraw> draws, std::span<LightPick> picks) const {
-    std::array<Arrived, kStack> stack;
+    std::array<Arrived, kMostWaiting> stack;
     size_t size = 0;
     stack[size++] = {0, 0, uint32_t(draws.size()), 1};
     while (size > 0) {

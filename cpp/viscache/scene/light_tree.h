@@ -24,6 +24,9 @@ struct LightDraw {
 /// A binary tree with one area light per leaf.
 class LightTree {
 public:
+    /// Nodes that wait while one is visited, at most: no tree is deeper (40 levels, then halves).
+    static constexpr size_t kMostWaiting = 128;
+
     struct Node {
         LightGroupBounds bounds;  ///< unset in leaves, which are estimated by their light
         Bounds box;

@@ -62,18 +62,38 @@ GARDEN_GOALS = {
     **{("control variate, leave-one-out", "iid", n): 1.03 for n in (30, 100)},
 }
 CASES = (
-    Case(name="garage", scene="garage", quick_scene="garage?triangles=60000",
-         goals={(PAPER, "rqmc", 10): 0.45, ("guided", "rqmc", 10): 0.27,
-                ("guided", "rqmc", 30): 0.2}),
-    Case(name="garage, maps of 64x64", scene="garage", quick_scene="garage?triangles=60000", m=6,
-         goals={("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2}),
-    Case(name="garden1", scene="garden", quick_scene="garden?triangles=60000",
-         goals=GARDEN_GOALS),
-    Case(name="garden2", scene="garden", quick_scene="garden?triangles=60000", camera=1,
-         goals=GARDEN_GOALS),
-    Case(name="window_room", scene="window_room", quick_scene="window_room",
-         goals={("guided", "rqmc", 30): 1 / 20}),
-)  # fmt: skip
+    Case(
+        name="garage",
+        scene="garage",
+        quick_scene="garage?triangles=60000",
+        goals={
+            (PAPER, "rqmc", 10): 0.45,
+            ("guided", "rqmc", 10): 0.27,
+            ("guided", "rqmc", 30): 0.2,
+        },
+    ),
+    Case(
+        name="garage, maps of 64x64",
+        scene="garage",
+        quick_scene="garage?triangles=60000",
+        m=6,
+        goals={("guided", "rqmc", 10): 0.27, ("guided", "rqmc", 30): 0.2},
+    ),
+    Case(name="garden1", scene="garden", quick_scene="garden?triangles=60000", goals=GARDEN_GOALS),
+    Case(
+        name="garden2",
+        scene="garden",
+        quick_scene="garden?triangles=60000",
+        camera=1,
+        goals=GARDEN_GOALS,
+    ),
+    Case(
+        name="window_room",
+        scene="window_room",
+        quick_scene="window_room",
+        goals={("guided", "rqmc", 30): 1 / 20},
+    ),
+)
 SAMPLES, QUICK_SAMPLES = (10, 30, 100), (10, 30)
 FULL, QUICK = {"n_pixels": 512, "replicates": 64}, {"n_pixels": 24, "replicates": 16}
 SIZE, QUICK_SIZE = (640, 480), (160, 120)

@@ -216,11 +216,12 @@ class VisibilityMapCache(RecordInsertion):
             order = points.order()
             startup = self._start_at(points, order, cores)
             found = insert_tiles(
-                points, order,
+                points,
+                order,
                 lambda tile: self._insert(tile, cores, progress, "point"),
                 lambda: len(self),
                 repeat_passes=self.settings.repeat_passes,
-            )  # fmt: skip
+            )
             for tile in points.tiles(order):
                 self._core.mark_used(tile, self.frame, cores)
         return UpdateReport.of(self.frame, startup, found, len(points), found["unusable"], 0)
@@ -362,10 +363,15 @@ class VisibilityMapCache(RecordInsertion):
         """
         with self._lock:
             state = cache_file.State(
-                scene_hash=self.scene.content_hash, settings=self.settings.parameters(),
-                directions=self.directions, frame=self.frame, started=self.started,
-                rays=self.rays, thresholds=self.thresholds, records=self._core.records(),
-            )  # fmt: skip
+                scene_hash=self.scene.content_hash,
+                settings=self.settings.parameters(),
+                directions=self.directions,
+                frame=self.frame,
+                started=self.started,
+                rays=self.rays,
+                thresholds=self.thresholds,
+                records=self._core.records(),
+            )
         cache_file.write(path, state)
 
     @classmethod

@@ -29,9 +29,17 @@ RENAMED = {"settle": "repeat_passes"}
 
 #: Exceptions raised by the readers for files that are not archives of arrays, or damaged.
 DAMAGED = (
-    ValueError, KeyError, EOFError, TypeError, AttributeError, NotImplementedError, RuntimeError,
-    OSError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
+    ValueError,
+    KeyError,
+    EOFError,
+    TypeError,
+    AttributeError,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -106,10 +114,15 @@ def read(path: str | os.PathLike[str], scene_hash: str) -> State:
     w_min, delta_max = head["thresholds"]
     settings = {RENAMED.get(name, name): value for name, value in head["settings"].items()}
     return State(
-        scene_hash=scene_hash, settings=settings, directions=arrays.pop("directions"),
-        frame=head["frame"], started=head["started"], rays=head["rays"],
-        thresholds=(w_min, delta_max), records=arrays,
-    )  # fmt: skip
+        scene_hash=scene_hash,
+        settings=settings,
+        directions=arrays.pop("directions"),
+        frame=head["frame"],
+        started=head["started"],
+        rays=head["rays"],
+        thresholds=(w_min, delta_max),
+        records=arrays,
+    )
 
 
 def _opened(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, npt.NDArray[Any]]]:

@@ -100,9 +100,14 @@ class UpdateReport:
         counts = {name: found[name] for name in (*reasons, "lookups", "passes")}
         both = {name: startup[name] + found[name] for name in ("inserted", "duplicates", "rays")}
         return cls(
-            frame=frame, startup=startup["inserted"], pixels=pixels, misses=misses,
-            bad_normals=bad_normals, **both, **counts,
-        )  # fmt: skip
+            frame=frame,
+            startup=startup["inserted"],
+            pixels=pixels,
+            misses=misses,
+            bad_normals=bad_normals,
+            **both,
+            **counts,
+        )
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:

@@ -88,9 +88,16 @@ class Relighting:
         with cache._lock, progress_bar(progress) as report:
             points, _, _ = cache._pixels(view, *self.size, (0.5, 0.5), self._threads)
             self._core = _core.vismap.Relighting.trace(
-                cache.scene._core, cache._caster(), view, integrator, frame,
-                cache._core, points.d_max, points.footprint, progress=report,
-            )  # fmt: skip
+                cache.scene._core,
+                cache._caster(),
+                view,
+                integrator,
+                frame,
+                cache._core,
+                points.d_max,
+                points.footprint,
+                progress=report,
+            )
 
     @property
     def nbytes(self) -> int:

@@ -73,9 +73,14 @@ def render_with_maps(
     records_s = time.perf_counter() - start
     with cache._lock:
         maps = _core.cache_maps(
-            settings, cache._core, frame, points.d_max, points.footprint,
-            count_misses=visibility.count_misses, cache_frame=cache.frame,
-        )  # fmt: skip
+            settings,
+            cache._core,
+            frame,
+            points.d_max,
+            points.footprint,
+            count_misses=visibility.count_misses,
+            cache_frame=cache.frame,
+        )
         result: dict[str, Any] = _core.render_frame(
             scene._core, caster, view, core, frame, source, maps=maps, progress=progress
         )

@@ -148,10 +148,16 @@ class Pixels:
             b = reflected(cache.scene, hits, pixel, self._directions).astype(np.float32)
             maps, beta, dilated = _blended(lookup, row, bits, m)
             yield Pixel(
-                scene=cache.scene, start=hits.starts[pixel], normal=hits.normals[pixel],
-                texels=self.texels, directions=self._directions,
-                b=b.reshape(edge, edge, 3), maps=maps, beta=beta, dilated=dilated,
-            )  # fmt: skip
+                scene=cache.scene,
+                start=hits.starts[pixel],
+                normal=hits.normals[pixel],
+                texels=self.texels,
+                directions=self._directions,
+                b=b.reshape(edge, edge, 3),
+                maps=maps,
+                beta=beta,
+                dilated=dilated,
+            )
 
 
 def pooled_alpha(pixels: Pixels, eta: float, points: Any, seed: int) -> float:

@@ -168,10 +168,15 @@ def simulate(
         for way, n in found:
             point, sizes = points[way.eta], way.sizes(n)
             made = point.simulate(
-                pixel.visible, sizes=sizes, replicates=replicates, set=_points(way.points),
-                mode=_mode(way), alpha=_alpha(way, pixel, point, first), seed=seed + number,
+                pixel.visible,
+                sizes=sizes,
+                replicates=replicates,
+                set=_points(way.points),
+                mode=_mode(way),
+                alpha=_alpha(way, pixel, point, first),
+                seed=seed + number,
                 threads=checked_threads(threads),
-            )  # fmt: skip
+            )
             found[way, n].append(_counts(made @ LUMINANCE, way, sizes))
     return PixelEstimates(
         truth=np.array(truth), estimates={k: np.stack(v, axis=1) for k, v in found.items()}
