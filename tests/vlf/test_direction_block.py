@@ -156,7 +156,7 @@ def test_rows_say_who_traced_them_and_why() -> None:
 
 
 def test_many_points_before_few_triangles_go_through_the_batch_and_few_do_not() -> None:
-    scene = vc.scenes.bumpy_spheres(triangles=1000)
+    scene = vc.scenes.cornell_box()
     points, normals = surface(scene, 8000)
     if _core.active_isa() == "avx512":
         assert trace_rows(scene, points, normals, SKY, engine="auto").engine == "batch"

@@ -14,7 +14,7 @@ from vlf.aligned_scenes import frames_of, surface
 
 Array = npt.NDArray[Any]
 #: The batch is taken below this share of Embree's predicted cost.
-SHARE = 0.63
+SHARE = 0.55
 needs_avx512 = pytest.mark.skipif(
     _core.active_isa() != "avx512", reason="the batch is slower without AVX-512"
 )
@@ -32,12 +32,12 @@ def work(scene: vc.Scene, points: Array, normals: Array, frames: Array, t_max: f
 
 @needs_avx512
 @pytest.mark.parametrize("n_directions", [33, 513])
-def test_long_rays_in_a_closed_room_go_through_the_batch(n_directions: int) -> None:
-    """Walls block whole nodes of the tree: hardly a test per ray is left."""
-    scene = vc.scenes.room(triangles=8000)
-    points, normals = seen_by_camera(scene, (64, 40))
+def test_many_points_before_large_triangles_go_through_the_batch(n_directions: int) -> None:
+    """Large triangles block whole nodes of the tree of points: few tests per ray are left."""
+    scene = vc.scenes.cornell_box()
+    points, normals = seen_by_camera(scene, (96, 60))
     sample = scene.aligned_batch().sample(scene._core, points, normals, frames_of(n_directions))
-    assert sample["free"] < 0.01 and sample["tests"] < 0.3
+    assert sample["tests"] < 0.5 and sample["blocks"] < 0.01
     rows = vc.vlf.trace_aligned(scene, points, normals, n_directions)
     assert rows.engine == "batch"
 
@@ -74,10 +74,8 @@ def test_the_choice_depends_on_nothing_but_the_input(n_directions: int, t_max: f
     first = batch.choose(*arguments, t_max=t_max, threads=1)
     sample = batch.sample(*arguments, t_max=t_max, threads=1)
     assert 0 < first[1] < np.inf and 0 < first[2] < np.inf
-    order = _core.vlf.point_order(points)
-    for threads in (1, 2, 5):
+    for threads in (2, 5):
         assert batch.choose(*arguments, t_max=t_max, threads=threads) == first
-        assert batch.choose(*arguments, t_max=t_max, threads=threads, order=order) == first
         assert batch.sample(*arguments, t_max=t_max, threads=threads) == sample
 
 
@@ -106,11 +104,12 @@ def test_short_rays_pass_by_what_is_beyond_their_reach() -> None:
         before = counts["pairs"]
         embree = _core.vlf.embree_rows(scene.caster(), points, normals, frames, t_max=t_max)
         assert np.bitwise_count(bits ^ embree).sum() <= 2
-    assert before < 0.2 * work(scene, points, normals, frames, np.inf)[1]["pairs"]
+    # Long rays are dropped once they are blocked; short ones would go on without a limit of depth
+    assert before < 0.5 * work(scene, points, normals, frames, np.inf)[1]["pairs"]
 
 
 def test_predictions_follow_how_crowded_the_scene_is() -> None:
-    """More triangles per point cost both engines more; the batch's cost grows faster."""
+    """More triangles per point cost both engines more, and the batch loses its advantage."""
     costs = []
     for triangles in (2000, 20_000, 200_000):
         scene = vc.scenes.bumpy_spheres(triangles=triangles)
@@ -119,8 +118,10 @@ def test_predictions_follow_how_crowded_the_scene_is() -> None:
             scene._core, points, normals, frames_of(513)
         )
         assert is_batch == (batch < SHARE * embree)
-        costs.append((batch, embree, batch / embree))
-    assert [c == tuple(sorted(c)) for c in zip(*costs, strict=True)] == [True] * 3
+        costs.append((batch, embree))
+    assert [c == tuple(sorted(c)) for c in zip(*costs, strict=True)] == [True] * 2
+    few, many = costs[0], costs[-1]
+    assert few[0] / few[1] < SHARE < many[0] / many[1]
 
 
 def test_what_cannot_pay_is_not_even_probed() -> None:

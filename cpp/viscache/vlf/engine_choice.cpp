@@ -9,9 +9,9 @@ namespace {
 /// One axis is probed per this many axes, up to kProbedAxes.
 constexpr size_t kAxesPerProbe = 128, kProbedAxes = 4;
 /// The batch is taken if its predicted cost is below this share of Embree's. The prediction of the ratio from
-/// whole axes has a relative spread of 1.26; kShare keeps two spreads. The sample alone must be clearer.
-/// Below kHope, the sample is followed by whole axes.
-constexpr double kShare = 0.63, kClearShare = 0.5, kHope = 0.9;
+/// whole axes has a relative spread of 1.26; kShare keeps more than two spreads. The sample alone must be
+/// clearer. Below kHope, the sample is followed by whole axes.
+constexpr double kShare = 0.55, kClearShare = 0.45, kHope = 0.9;
 constexpr uint64_t kSparseTrianglesPerPoint = 8, kHopelessTrianglesPerPoint = 40, kHopelessIfShort = 12;
 
 /// Prices of the batch in nanoseconds, in the order of AlignedWork: a ray, rotating a block, a test of 16
