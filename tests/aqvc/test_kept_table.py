@@ -67,7 +67,7 @@ def test_a_frame_that_was_seen_before_needs_no_ray() -> None:
 def test_the_first_frame_is_that_of_tiles_without_a_kept_table() -> None:
     cache = vc.Aqvc(c_e=8)
     kept = frame(vc.scenes.stairs(), vc.AqvcTable(), cache, camera=None)
-    alike = vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs"), scale_free=True)
+    alike = vc.Aqvc(c_e=8, paper=vc.PaperForm(form="pairs", scale_free=True))
     plain = frame(vc.scenes.stairs(), None, alike, camera=None)
     assert kept.sha256 == plain.sha256 and kept.counters["rays"] == plain.counters["rays"]
 
@@ -148,7 +148,7 @@ def test_a_share_of_the_reused_bits_is_checked_by_frame() -> None:
 def test_bits_outlive_the_growth_of_the_scene_where_cells_are_scale_free() -> None:
     for free in (True, False):
         table = vc.AqvcTable(table_bytes=1 << 22)
-        cache = vc.Aqvc(c_e=6, scale_free=free)
+        cache = vc.Aqvc(c_e=6, paper=vc.PaperForm(scale_free=free))
         first = frame(scene(), table, cache)
         table.moved(scene(far=True), forget=False)
         if not free:

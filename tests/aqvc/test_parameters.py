@@ -40,7 +40,7 @@ def test_closed_sets_have_the_names_of_the_table() -> None:
 
 
 def test_the_help_is_one_page_with_every_default() -> None:
-    assert len(fields(vc.Aqvc)) <= 17
+    assert len(fields(vc.Aqvc)) <= 16
     for cls in (vc.Aqvc, vc.PaperForm):
         page, struct = inspect.getdoc(cls) or "", _core.aqvc.AqvcParameters()
         shown = {name: p.default for name, p in inspect.signature(cls).parameters.items()}
@@ -70,8 +70,8 @@ def test_what_is_given_wins_over_the_preset_in_any_order() -> None:
 def test_values_that_nobody_gave_are_values_and_say_so() -> None:
     cache = vc.Aqvc()
     assert isinstance(cache.c_e, NotGiven) and cache.c_e == 12 and f"{cache.c_e:g}" == "12"
-    assert isinstance(cache.scale_free, NotGiven) and not cache.scale_free
-    assert repr(cache.scale_free) == "False" and repr(cache.refinement) == "'auto'"
+    assert isinstance(cache.paper.scale_free, NotGiven) and not cache.paper.scale_free
+    assert repr(cache.paper.scale_free) == "False" and repr(cache.refinement) == "'auto'"
     kept = pickle.loads(pickle.dumps(cache))
     assert kept == cache and isinstance(kept.paper.hash, NotGiven)
     assert all(not isinstance(value, NotGiven) for value in cache.resolved().values())
@@ -153,7 +153,7 @@ def test_a_parameter_is_keyed_where_the_bits_of_other_values_are_not_found(
 ) -> None:
     """A second frame with another value needs rays only if the parameter is keyed or sets cells."""
     monkeypatch.setattr("viscache.aqvc_table.KEYED", ())
-    base = vc.Aqvc(c_e=8, refinement="off", scale_free=False)
+    base = vc.Aqvc(c_e=8, refinement="off", paper=vc.PaperForm(scale_free=False))
     changed = replaced(base, {name: other_value(name)}, "visibility")
     integrator = vc.Whitted(n_vpls=8, n_area=2, n_environment=4, n_brdf=4)
     rays = []
@@ -181,7 +181,7 @@ def test_hash_and_digest_are_keyed_as_they_say_what_is_kept_under_a_key() -> Non
 
 
 def test_every_keyed_parameter_must_be_that_of_the_frames_before(room: vc.Scene) -> None:
-    table, base = vc.AqvcTable(table_bytes=1 << 20), vc.Aqvc(scale_free=False)
+    table, base = vc.AqvcTable(table_bytes=1 << 20), vc.Aqvc(paper=vc.PaperForm(scale_free=False))
     vc.render(room, vc.Direct(), visibility=base, size=(8, 5), keep=table)
     for name in settings.KEYED:
         changed = replaced(base, {name: other_value(name)}, "visibility")

@@ -94,8 +94,7 @@ def run(
     """Render all frames of a path in one way."""
     settings = Aqvc(
         c_e=C_E,
-        paper=PaperForm(form="pairs"),
-        scale_free=True,
+        paper=PaperForm(form="pairs", scale_free=True),
         refinement="on" if refinement == "on" else "off",
     )
     table = None

@@ -117,6 +117,7 @@ class PaperForm:
     storage: Literal["table", "exact", "shared", "paper_tiles"] = _default("storage")
     batch: int = _default("batch")
     queue: int = _default("queue")
+    scale_free: bool = _default("scale_free")
     c_w: int = _default("c_w")
     order: Literal["hm", "scanline", "random"] = _default("order")
     c_pg: float = _default("c_pg")
@@ -169,7 +170,6 @@ class Aqvc:
     c_n: int = _default("c_n")
     c_z: float = _default("c_z")
     c_r: float = _default("c_r")
-    scale_free: bool = _default("scale_free")
     grid_seed: int = _default("grid_seed")
     refinement: Literal["auto", "on", "off"] = _default("refinement")
     refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
@@ -244,7 +244,7 @@ class Aqvc:
 
     def for_kept_table(self) -> Aqvc:
         """With the defaults for a table that is kept: one query at a time, scale-free cells."""
-        made = self._unless_given({"scale_free": True}, {"form": "pairs", "storage": "table"})
+        made = self._unless_given({}, {"form": "pairs", "storage": "table", "scale_free": True})
         form, storage = made.paper.form, made.paper.storage
         require(form == "pairs", 'form must be "pairs" with keep', form)
         require(storage == "table", 'storage must be "table" with keep', storage)
