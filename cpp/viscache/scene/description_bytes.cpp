@@ -22,8 +22,8 @@ void fields(Archive& a, Instance& i) {
 }
 template <class Archive>
 void fields(Archive& a, Image& i) {
-    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels, i.bytes, i.nearest,
-      i.wrap_u, i.wrap_v);
+    a(i.path, i.where, i.srgb, i.width, i.height, i.channels, i.pixels, i.bytes, i.nearest, i.wrap_u,
+      i.wrap_v);
 }
 template <class Archive>
 void fields(Archive& a, Camera& c) {
