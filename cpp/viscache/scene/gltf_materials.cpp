@@ -122,8 +122,8 @@ LookUp GltfReader::look_up(int texture, const std::string& where) const {
     const int index = model_.textures[size_t(texture)].sampler;
     if (index < 0) return {};
     if (size_t(index) >= model_.samplers.size())
-        fail(where, "sampler " + std::to_string(index) + ", the file has " +
-                        std::to_string(model_.samplers.size()));
+        fail(where,
+             "sampler " + std::to_string(index) + ", the file has " + std::to_string(model_.samplers.size()));
     const tinygltf::Sampler& in = model_.samplers[size_t(index)];
     const auto wrap = [](int mode) {
         return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::kClamp

@@ -150,7 +150,8 @@ PbrtTexture PbrtReader::image_map(const PbrtParams& params, const std::string& w
     if (params.boolean("invert", false))
         loading_.warn(where, "inverted images are not modelled; the image is used as it is");
     const Wrap both = wrap.value_or(Wrap::kRepeat);
-    t.image = loading_.add_image(path, file->where, srgb, {params.string("filter", "") == "point", both, both});
+    t.image =
+        loading_.add_image(path, file->where, srgb, {params.string("filter", "") == "point", both, both});
     const float scale = float(params.number("scale", 1));
     t.color = {scale, scale, scale};
     t.uv = mapping(params, where);

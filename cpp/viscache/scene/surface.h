@@ -10,10 +10,10 @@ struct SurfacePoint {
     Vec3 ns;  ///< unit shading normal, on the same side as ng
     Vec2 uv;
     int material = 0;
-    Rgb base_color;  ///< albedo of the Lambertian part, with its images applied
-    Rgb specular;    ///< of the material, with its images applied
+    Rgb base_color;          ///< albedo of the Lambertian part, with its images applied
+    Rgb specular;            ///< of the material, with its images applied
     float roughness = 0.1f;  ///< the same
-    Rgb emission;    ///< radiance emitted on the side of ng (on both sides when emits_two_sided)
+    Rgb emission;            ///< radiance emitted on the side of ng (on both sides when emits_two_sided)
     bool emits_two_sided = false;
     Vec3 dndu, dndv;  ///< derivative of the (unnormalised) shading normal along edges 1 and 2 of the triangle
     Vec3 edge1, edge2;  ///< edges of the triangle in world space
