@@ -146,8 +146,8 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
 /// True if shafts would leave so many rays of the rest of the block that packets are cheaper. `queries` were
 /// answered so far.
 bool ShaftOracle::gives_up(uint64_t queries) const {
-    // Where most rays are traced anyhow, the lists before them cost more than they save
-    constexpr double kMostTraced = 0.4;
+    // Where more rays are traced anyhow, the lists before them cost more than they save (measured)
+    constexpr double kMostTraced = 0.25;
     return options_.choose && double(memory_.counts.traced()) > kMostTraced * double(queries);
 }
 
