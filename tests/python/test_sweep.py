@@ -344,6 +344,7 @@ def test_a_real_sweep_trades_rays_for_error_and_the_exact_limit_has_none(tmp_pat
     ds = sweep(
         _scene(),
         vc.Direct(),
+        visibility=vc.Aqvc(exact_groups=()),
         over={"c_e": [0.01, 4, 16]},
         size=(64, 48),
         metrics=["rel_l1"],

@@ -57,3 +57,14 @@ def test_skies_of_few_rows_are_warned_of_in_mitsuba_files(tmp_path: Path) -> Non
     array = np.ones((16, 32, 3), np.float32)
     plain = parity.write(tmp_path, "")
     assert not vc.load_scene(plain, env=array).warnings
+
+
+def test_highlights_of_point_lights_on_smooth_plastic_are_warned_of(tmp_path: Path) -> None:
+    plastic = '\n<shape type="rectangle"><bsdf type="{}"/></shape>'
+    lamp = '\n<emitter type="point"><point name="position" x="0" y="3" z="0"/></emitter>'
+    path = parity.write(tmp_path, plastic.format("plastic") + lamp)
+    (warning,) = vc.load_scene(path).warnings
+    line = path.read_text().partition("<bsdf")[0].count("\n") + 1
+    assert f"scene.xml:{line}: point and directional lights have highlights" in warning
+    for body in (plastic.format("plastic"), plastic.format("roughplastic") + lamp):
+        assert not [w for w in vc.load_scene(parity.write(tmp_path, body)).warnings if "high" in w]

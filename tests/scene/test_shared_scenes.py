@@ -75,7 +75,7 @@ def test_what_a_shared_scene_asks_for_in_vain_is_named_with_its_line(shared_scen
     warnings = core.load_scene_file(str(path)).warnings
     line = 1 + next(i for i, t in enumerate(path.read_text().splitlines()) if "sunsky" in t)
     assert f"{path}:{line}" in [where for where, text in warnings if "sun of Mitsuba 0.6" in text]
-    with pytest.raises(core.SceneError, match=r"scene.xml:\d+: the Fresnel term of metals"):
+    with pytest.raises(core.SceneError, match=r"scene.xml:\d+: the sun of Mitsuba 0.6"):
         core.load_scene_file(str(path), strict=True)
 
 

@@ -119,7 +119,7 @@ inline constexpr std::tuple kAqvcRows{
     row("c_r", &AqvcParameters::c_r, kKeyed, {.low = 1.001, .high = 16},
         "C_R: ratio between neighbouring resolutions of the ladder (Eq. 8). `Bdpt` uses 2 unless a value "
         "is given."),
-    row("scale_free", &AqvcParameters::scale_free, kKeyed,
+    row("scale_free", &AqvcParameters::scale_free, kKeyed | kPaper,
         "Cells are C_R^k units of length wide and start at the origin. Otherwise they divide the bounding "
         "sphere of the scene. Scale-free cells stay the same when the scene grows or moves. `keep` turns "
         "this on unless a value is given."),

@@ -252,7 +252,9 @@ void transform_uvs(Mesh& mesh, const UvTransform& t) {
 }
 
 bool uses_image(const Material& material) {
-    return material.base_texture >= 0 || material.alpha_texture >= 0;
+    const int images[] = {material.base_texture, material.alpha_texture, material.metallic_roughness_texture,
+                          material.roughness_texture};
+    return std::any_of(std::begin(images), std::end(images), [](int image) { return image >= 0; });
 }
 
 void add_triangle_uvs(Mesh& mesh, std::initializer_list<CornerUvs> turns) {

@@ -61,7 +61,16 @@ Material MitsubaReader::plastic(Node node, bool rough) {
     m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
     m.eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
     m.roughness = rough ? roughness(node, 0.1) : kSmoothRoughness;
+    if (!rough) smooth_coats_.push_back(node);
     return m;
+}
+
+/// Our lobe for a mirror reflects lights without an extent, which no ray of Mitsuba's mirror meets.
+void MitsubaReader::check_smooth_coats() {
+    const SceneDescription& scene = loading_.scene;
+    if (scene.point_lights.empty() && scene.directional_lights.empty()) return;
+    for (const Node node : smooth_coats_)
+        warn_at(node, "point and directional lights have highlights on smooth plastic, unlike in Mitsuba");
 }
 
 /// Sets a roughness that may have an image.
