@@ -115,6 +115,7 @@ def pdf_text(file: Path) -> str:
     return b"".join(shown).decode("latin-1").replace("\0", "").replace(" ", "")
 
 
+@pytest.mark.slow
 def test_every_figure_is_saved_in_three_formats_with_its_labels(
     fake_vc: Any, tmp_path: Path
 ) -> None:

@@ -53,12 +53,10 @@ def indirect(scene: vc.Scene, seeds: int, **kwargs: Any) -> Images:
     return np.stack([f.layers.get("vpl", dark) for f in frames]).astype(np.float64)
 
 
+@pytest.mark.slow
 @pytest.mark.stat
 @pytest.mark.mitsuba
-@pytest.mark.parametrize(
-    "light",
-    [pytest.param(x, marks=[] if x == "area" else pytest.mark.slow) for x in LIGHTS],
-)
+@pytest.mark.parametrize("light", LIGHTS)
 def test_the_expectation_over_seeds_is_mitsubas_indirect_light(light: str, tmp_path: Path) -> None:
     """3 bounces of a light path, one to the eye: edges 3 to 5, less the direct light of edge 2."""
     mi = pytest.importorskip("mitsuba")

@@ -64,7 +64,7 @@ def test_highlights_of_point_lights_on_smooth_plastic_are_warned_of(tmp_path: Pa
     lamp = '\n<emitter type="point"><point name="position" x="0" y="3" z="0"/></emitter>'
     path = parity.write(tmp_path, plastic.format("plastic") + lamp)
     (warning,) = vc.load_scene(path).warnings
-    line = path.read_text().partition("<bsdf")[0].count("\n") + 1
+    line = path.read_text().partition('<bsdf type="plastic"')[0].count("\n") + 1
     assert f"scene.xml:{line}: point and directional lights have highlights" in warning
     for body in (plastic.format("plastic"), plastic.format("roughplastic") + lamp):
         assert not [w for w in vc.load_scene(parity.write(tmp_path, body)).warnings if "high" in w]

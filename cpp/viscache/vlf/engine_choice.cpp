@@ -66,15 +66,11 @@ EngineChoice predicted_costs(const AlignedWork& work, AlignedOrder order, float 
     return choice;
 }
 
-namespace {
-EngineChoice decided_below(EngineChoice costs, double share) {
+EngineChoice decided(EngineChoice costs, double share) {
     const bool cheap = costs.batch_ns < share * costs.embree_ns;
     costs.engine = cheap ? AlignedEngine::kBatch : AlignedEngine::kEmbree;
     return costs;
 }
-}  // namespace
-
-EngineChoice decided(EngineChoice costs) { return decided_below(costs, kShare); }
 
 EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input, int threads,
                            Control& control, Isa isa) {
@@ -85,8 +81,8 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
         predicted_costs(sampled_work(batch, input, threads, control, isa), order, length, isa);
     const std::vector<size_t> probed =
         probed_axes(input.axes.size(), std::min(input.axes.size() / kAxesPerProbe, kProbedAxes));
-    if (probed.empty()) return decided_below(sampled, kClearShare);
-    if (sampled.batch_ns > kHope * sampled.embree_ns) return decided(sampled);
+    if (probed.empty()) return decided(sampled, kClearShare);
+    if (sampled.batch_ns > kHope * sampled.embree_ns) return decided(sampled, kShare);
     std::vector<Frame3> some;
     for (const size_t axis : probed) some.push_back(input.axes[axis]);
     AlignedInput probe = input;
@@ -97,7 +93,7 @@ EngineChoice choose_engine(const AlignedBatch& batch, const AlignedInput& input,
     uint64_t free = 0;
     for (const Word row : rows) free += uint64_t(std::popcount(row));
     const auto work = AlignedWork::of(counts, uint64_t(rows.size()) * some.size(), free);
-    return decided(predicted_costs(work, order, length, isa));
+    return decided(predicted_costs(work, order, length, isa), kShare);
 }
 
 }  // namespace viscache

@@ -27,8 +27,8 @@ std::vector<size_t> probed_axes(size_t axes, size_t n);
 /// of the rays over the size of the scene.
 EngineChoice predicted_costs(const AlignedWork& work, AlignedOrder order, float length, Isa isa);
 
-/// Decides by costs that were predicted from whole axes: Embree, unless the batch is clearly cheaper.
-EngineChoice decided(EngineChoice costs);
+/// Decides by predicted costs: Embree, unless the batch costs less than `share` of it.
+EngineChoice decided(EngineChoice costs, double share);
 
 /// Decides by the work for a sample of the rays. If the batch may be faster, decides again by the work for
 /// all points along a few axes; if there are too few axes for that, the sample must be clear.
