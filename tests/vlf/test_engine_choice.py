@@ -108,6 +108,7 @@ def test_short_rays_pass_by_what_is_beyond_their_reach() -> None:
     assert before < 0.5 * work(scene, points, normals, frames, np.inf)[1]["pairs"]
 
 
+@needs_avx512
 def test_predictions_follow_how_crowded_the_scene_is() -> None:
     """More triangles per point cost both engines more, and the batch loses its advantage."""
     costs = []

@@ -65,7 +65,13 @@ def biases(shot: Shot, form: str, grids: int) -> dict[str, tuple[Interval, float
     for variant in VARIANTS:
         values, errors, reductions = [], [], []
         for grid in range(1, grids + 1):
-            given = {"c_e": C_E, "grid_seed": grid, **FORMS[form], **VARIANTS[variant]}
+            given = {
+                "c_e": C_E,
+                "grid_seed": grid,
+                "exact_groups": (),
+                **FORMS[form],
+                **VARIANTS[variant],
+            }
             frame = shot.frame(replaced(Aqvc(), given, "visibility"))
             values.append(bias(frame, exact))
             errors.append(float(abs(frame.image - exact.image).sum(dtype="f8")) / total)
