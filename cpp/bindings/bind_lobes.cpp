@@ -1,10 +1,12 @@
-// Batched kernels of reflection and of directions, each with a chosen instruction set; for tests.
+// Batched kernels of reflection, directions and places in images, each with a chosen instruction set; for
+// tests.
 #include <pybind11/stl.h>
 
 #include "isa_argument.h"
 #include "rows.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/sampling/sphere_batch.h"
+#include "viscache/scene/latlong_batch.h"
 #include "viscache/scene/lobes.h"
 
 namespace viscache::bindings {
@@ -45,6 +47,17 @@ py::array_t<float> sphere(uint32_t scramble_x, uint32_t scramble_y, uint32_t fir
     return from_vec3s(d.rows(n));
 }
 
+py::array_t<float> latlong(const std::array<std::array<double, 3>, 3>& to_world, float y, float first,
+                           float step, size_t n, const IsaName& isa) {
+    Affine a;
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t j = 0; j < 3; ++j) a.m[i][j] = to_world[i][j];
+    py::array_t<float> out({py::ssize_t(2), py::ssize_t(n)});
+    latlong_batch(LatLongTurn(a), y, first, step, n, out.mutable_data(0, 0), out.mutable_data(1, 0),
+                  isa_of(isa));
+    return out;
+}
+
 py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int semantic,
                      const FloatArray& far, const FloatArray& normal, const FloatArray& value, float bound2,
                      const std::vector<bool>& seen, const IsaName& isa) {
@@ -70,6 +83,10 @@ void bind_lobes(py::module_& m) {
     t.def("sphere_batch", &sphere, py::arg("scramble_x"), py::arg("scramble_y"), py::kw_only(),
           py::arg("first") = 0, py::arg("n"), py::arg("isa") = py::none(),
           "Directions (n, 3) of a randomised (0,2)-sequence, uniform on the sphere.");
+    t.def(
+        "latlong_batch", &latlong, py::arg("to_world"), py::kw_only(), py::arg("y"), py::arg("first"),
+        py::arg("step"), py::arg("n"), py::arg("isa") = py::none(),
+        "Columns and rows (2, n) in a lat-long image of points ((first + i)·step, y) of the equal-area map.");
     t.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
           py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
           py::arg("isa") = py::none(), "Sum of f·g·value over the visible columns.");

@@ -5,6 +5,7 @@
 
 #include "viscache/math/octahedral.h"
 #include "viscache/math/parallel.h"
+#include "viscache/scene/latlong_batch.h"
 
 namespace viscache {
 
@@ -24,13 +25,21 @@ template <class... Parts>
     throw SceneError(s.str());
 }
 
-Rgb pixel(const Image& image, int row, int column) {
-    const size_t first = (size_t(row) * image.width + column) * image.channels;
-    const auto rgb = [&](auto value) {
-        return image.channels >= 3 ? Rgb{value(0), value(1), value(2)} : Rgb{value(0), value(0), value(0)};
+/// Calls work(pixel), where pixel(i) is the colour of pixel i in row-major order.
+template <class Work>
+auto with_pixels(const Image& image, Work work) {
+    const size_t n = size_t(image.channels);
+    const auto rgb = [n](size_t i, auto value) {
+        const size_t first = i * n;
+        return n >= 3 ? Rgb{value(first), value(first + 1), value(first + 2)}
+                      : Rgb{value(first), value(first), value(first)};
     };
-    if (image.bytes.empty()) return rgb([p = &image.pixels[first]](int c) { return p[c]; });
-    return rgb([p = &image.bytes[first], v = image.values_of(0)](int c) { return v[p[c]]; });
+    if (image.bytes.empty())
+        return work(
+            [=, p = image.pixels.data()](size_t i) { return rgb(i, [p](size_t k) { return p[k]; }); });
+    return work([=, p = image.bytes.data(), v = image.values_of(0)](size_t i) {
+        return rgb(i, [p, v](size_t k) { return v[p[k]]; });
+    });
 }
 
 bool usable(Rgb c) { return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0; }
@@ -43,11 +52,13 @@ void check(const Image& image, Rgb scale, const Affine& to_world, int resolution
     if (size_t(image.width) * image.height > kMaxPixels)
         fail(image, "has ", image.width, " x ", image.height,
              " pixels; skies have at most 2^27 (16384 x 8192): scale it down");
-    for (int row = 0; row < image.height; ++row)
-        for (int column = 0; column < image.width; ++column)
-            if (const Rgb c = pixel(image, row, column); !usable(c * scale))
+    with_pixels(image, [&](auto pixel) {
+        const size_t width = size_t(image.width);
+        for (size_t i = 0; i < width * size_t(image.height); ++i)
+            if (const Rgb c = pixel(i); !usable(c * scale))
                 fail(image, "must be finite and >= 0, got (", c.x, ", ", c.y, ", ", c.z, ") times scale (",
-                     scale.x, ", ", scale.y, ", ", scale.z, ") in row ", row, ", column ", column);
+                     scale.x, ", ", scale.y, ", ", scale.z, ") in row ", i / width, ", column ", i % width);
+    });
     if (resolution != 0 &&
         (resolution < 2 || resolution > kMaxResolution || !std::has_single_bit(unsigned(resolution))))
         fail(image, ": resolution must be 0 or a power of two in [2, ", kMaxResolution, "], got ",
@@ -65,61 +76,80 @@ void check(const Image& image, Rgb scale, const Affine& to_world, int resolution
                      i, ", ", j, ")");
 }
 
-/// From the world to the map's frame. The transpose inverts a rotation; its scale does not matter.
-Vec3 to_map(const Affine& to_world, Vec3 w) {
-    const auto& m = to_world.m;
-    return normalize({float(m[0][0] * w.x + m[1][0] * w.y + m[2][0] * w.z),
-                      float(m[0][1] * w.x + m[1][1] * w.y + m[2][1] * w.z),
-                      float(m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z)});
-}
+typedef float Lanes __attribute__((vector_size(16)));  ///< a colour and a zero
+Lanes lanes_of(Rgb c) { return Lanes{c.x, c.y, c.z, 0}; }
 
-/// Pixel of the lat-long image in direction d; bilinear when `smooth`. Columns wrap around; rows are clamped
-/// at the poles.
-Rgb lookup(const Image& image, Vec3 d, bool smooth) {
-    float u = std::atan2(d.x, -d.z) * (0.5f / kPi);
-    u -= std::floor(u);
-    const float v = std::acos(std::clamp(d.y, -1.f, 1.f)) * (1 / kPi);
-    if (!smooth)
-        return pixel(image, std::min(int(v * image.height), image.height - 1),
-                     std::min(int(u * image.width), image.width - 1));
-    const float x = u * image.width - 0.5f, y = v * image.height - 0.5f;
-    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    const float fx = x - x0, fy = y - y0;
-    const int left = (x0 + image.width) % image.width, right = (x0 + 1) % image.width;
-    const int up = std::max(y0, 0), down = std::min(y0 + 1, image.height - 1);
-    return (pixel(image, up, left) * (1 - fx) + pixel(image, up, right) * fx) * (1 - fy) +
-           (pixel(image, down, left) * (1 - fx) + pixel(image, down, right) * fx) * fy;
-}
+/// Looks up colours at places (u, v) of the lat-long image. Columns wrap around; rows are clamped at the
+/// poles.
+template <class Pixel>
+struct LatLong {
+    Pixel pixel;
+    int width, height;
+
+    Rgb nearest(float u, float v) const {
+        return at(std::min(int(v * float(height)), height - 1), std::min(int(u * float(width)), width - 1));
+    }
+    Rgb bilinear(float u, float v) const {
+        const float x = u * float(width) - 0.5f, y = v * float(height) - 0.5f;
+        const int x0 = int(x + 1) - 1, y0 = int(y + 1) - 1;  // x and y are at least -1/2
+        const float fx = x - float(x0), fy = y - float(y0), gx = 1 - fx, gy = 1 - fy;
+        const int left = x0 < 0 ? width - 1 : x0, right = x0 + 1 == width ? 0 : x0 + 1;
+        const int up = std::max(y0, 0), down = std::min(y0 + 1, height - 1);
+        const Lanes sum = (lanes(up, left) * gx + lanes(up, right) * fx) * gy +
+                          (lanes(down, left) * gx + lanes(down, right) * fx) * fy;
+        return {sum[0], sum[1], sum[2]};
+    }
+
+private:
+    Rgb at(int row, int column) const { return pixel(size_t(row) * size_t(width) + size_t(column)); }
+    Lanes lanes(int row, int column) const { return lanes_of(at(row, column)); }
+};
 
 /// n × n texels, each the mean of sub × sub lookups.
 std::vector<Rgb> resample(const Image& image, Rgb scale, const Affine& to_world, int n, int sub, bool smooth,
                           int threads) {
-    std::vector<Rgb> texels(size_t(n) * n);
-    parallel_for(size_t(n), threads, [&](size_t y, int) {
-        for (int x = 0; x < n; ++x) {
-            Rgb sum;
-            for (int j = 0; j < sub; ++j)
-                for (int i = 0; i < sub; ++i) {
-                    const Vec2 p{(float(x) + (float(i) + 0.5f) / float(sub)) / float(n),
-                                 (float(y) + (float(j) + 0.5f) / float(sub)) / float(n)};
-                    sum += lookup(image, to_map(to_world, equal_area_to_direction(p)), smooth);
+    const LatLongTurn turn(to_world);
+    const Rgb weight = scale / float(sub * sub);
+    // Texels of a batch of lookups
+    constexpr int kLookups = 512;
+    const int stride = std::max(1, kLookups / sub);
+    std::vector<Rgb> texels(size_t(n) * size_t(n));
+    with_pixels(image, [&](auto pixel) {
+        const LatLong<decltype(pixel)> source{pixel, image.width, image.height};
+        parallel_for(size_t(n), threads, [&](size_t row, int) {
+            const float step = 1 / (float(n) * float(sub));
+            std::vector<float> u(size_t(stride) * size_t(sub)), v(u.size());
+            for (int first = 0; first < n; first += stride) {
+                const std::span batch(&texels[row * size_t(n) + size_t(first)],
+                                      size_t(std::min(stride, n - first)));
+                for (int j = 0; j < sub; ++j) {
+                    const float y = (float(row) * float(sub) + float(j) + 0.5f) * step;
+                    latlong_batch(turn, y, float(first * sub) + 0.5f, step, batch.size() * size_t(sub),
+                                  u.data(), v.data());
+                    for (size_t x = 0, k = 0; x < batch.size(); ++x)
+                        for (int i = 0; i < sub; ++i, ++k)
+                            batch[x] += smooth ? source.bilinear(u[k], v[k]) : source.nearest(u[k], v[k]);
                 }
-            texels[y * n + x] = sum * scale / float(sub * sub);
-        }
+                for (Rgb& texel : batch) texel = texel * weight;
+            }
+        });
     });
     return texels;
 }
 
 /// Integral of the image's luminance over the sphere, with rows weighted by their exact solid angle.
 double source_power(const Image& image, Rgb scale) {
-    double power = 0;
-    for (int y = 0; y < image.height; ++y) {
-        const double band = std::cos(M_PI * y / image.height) - std::cos(M_PI * (y + 1) / image.height);
-        double row = 0;
-        for (int x = 0; x < image.width; ++x) row += luminance_in_double(pixel(image, y, x) * scale);
-        power += row * band * 2 * M_PI / image.width;
-    }
-    return power;
+    return with_pixels(image, [&](auto pixel) {
+        double power = 0;
+        for (int y = 0; y < image.height; ++y) {
+            const double band = std::cos(M_PI * y / image.height) - std::cos(M_PI * (y + 1) / image.height);
+            double row = 0;
+            for (int x = 0; x < image.width; ++x)
+                row += luminance_in_double(pixel(size_t(y) * size_t(image.width) + size_t(x)) * scale);
+            power += row * band * 2 * M_PI / image.width;
+        }
+        return power;
+    });
 }
 
 }  // namespace

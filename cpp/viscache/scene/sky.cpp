@@ -36,15 +36,6 @@ std::pair<int, double> between(double x, int count) {
     return {below, inside - below};
 }
 
-/// Factor of the mean radiance (Hosek and Wilkie 2012, Eq. 8).
-double distribution(const double c[kCoefficients], double cos_zenith, double cos_sun) {
-    const double gamma = std::acos(std::clamp(cos_sun, -1.0, 1.0));
-    const double mie = (1 + cos_sun * cos_sun) / std::pow(1 + c[8] * c[8] - 2 * c[8] * cos_sun, 1.5);
-    return (1 + c[0] * std::exp(c[1] / (cos_zenith + 0.01))) *
-           (c[2] + c[3] * std::exp(c[4] * gamma) + c[5] * cos_sun * cos_sun + c[6] * mie +
-            c[7] * std::sqrt(cos_zenith));
-}
-
 void check(const SkySettings& s) {
     std::ostringstream text;
     if (!(s.turbidity >= 1 && s.turbidity <= 10))
@@ -82,22 +73,45 @@ ClearSky::ClearSky(const SkySettings& settings) : settings_(settings) {
     }
 }
 
-Rgb ClearSky::radiance(Vec3 d) const {
-    if (elevation_ < 0) return {};
-    const double angle = std::acos(std::clamp(double(d.y), -1.0, 1.0)) / settings_.stretch;
-    double cos_zenith = std::cos(angle), sin_zenith = std::sin(angle);
-    if (cos_zenith <= 0) {
-        if (!settings_.extend) return {};
-        cos_zenith = 0;
-        sin_zenith = 1;
+ClearSky::Ring ClearSky::ring(double zenith) const {
+    Ring r;
+    const double angle = zenith / settings_.stretch;
+    r.cos_zenith = std::cos(angle);
+    r.sin_zenith = std::sin(angle);
+    if (r.cos_zenith <= 0) {
+        r.is_black = !settings_.extend;
+        r.cos_zenith = 0;
+        r.sin_zenith = 1;
     }
-    const double flat = std::hypot(double(d.x), double(d.z)), turned = flat > 0 ? sin_zenith / flat : 0;
-    const Vec3 sun = settings_.to_sun;
-    const double cos_sun = turned * (double(d.x) * sun.x + double(d.z) * sun.z) + cos_zenith * sun.y;
+    r.is_black = r.is_black || elevation_ < 0;
+    for (int k = 0; k < 3; ++k) {
+        const double* c = coefficients_[k];
+        r.factor[k] = mean_[k] * (1 + c[0] * std::exp(c[1] / (r.cos_zenith + 0.01)));
+        r.summand[k] = c[2] + c[7] * std::sqrt(r.cos_zenith);
+    }
+    return r;
+}
+
+/// Hosek and Wilkie 2012, Eq. 8.
+Rgb ClearSky::radiance(const Ring& r, double cos_sun) const {
+    const double gamma = std::acos(std::clamp(cos_sun, -1.0, 1.0)), cos_2 = cos_sun * cos_sun;
     float rgb[3];
-    for (int c = 0; c < 3; ++c)
-        rgb[c] = float(std::max(0.0, mean_[c] * distribution(coefficients_[c], cos_zenith, cos_sun)));
+    for (int k = 0; k < 3; ++k) {
+        const double* c = coefficients_[k];
+        const double near = 1 + c[8] * c[8] - 2 * c[8] * cos_sun;
+        const double mie = (1 + cos_2) / (near * std::sqrt(near));
+        const double around_sun = c[3] * std::exp(c[4] * gamma) + c[5] * cos_2 + c[6] * mie;
+        rgb[k] = float(std::max(0.0, r.factor[k] * (r.summand[k] + around_sun)));
+    }
     return {rgb[0], rgb[1], rgb[2]};
+}
+
+Rgb ClearSky::radiance(Vec3 d) const {
+    const Ring r = ring(std::acos(std::clamp(double(d.y), -1.0, 1.0)));
+    if (r.is_black) return {};
+    const double flat = std::hypot(double(d.x), double(d.z)), turned = flat > 0 ? r.sin_zenith / flat : 0;
+    const Vec3 sun = settings_.to_sun;
+    return radiance(r, turned * (double(d.x) * sun.x + double(d.z) * sun.z) + r.cos_zenith * sun.y);
 }
 
 Rgb ClearSky::sun_irradiance() const {
@@ -133,22 +147,26 @@ Image ClearSky::image(int width) const {
     out.height = width / 2;
     out.channels = 3;
     out.pixels.resize(size_t(out.width) * size_t(out.height) * 3);
+    // Four points of a pixel lie on two rings and two meridians. Column: u = atan2(x, −z)/2π
     const double step = M_PI / out.height;
-    float* pixel = out.pixels.data();
-    for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x, pixel += 3) {
-            Rgb sum{};
-            for (int k = 0; k < 4; ++k) {
-                // Column: u = atan2(x, −z)/2π; row: v = acos(y)/π
-                const double phi = (x + 0.25 + 0.5 * (k % 2)) * step,
-                             theta = (y + 0.25 + 0.5 * (k / 2)) * step;
-                sum += radiance({float(std::sin(theta) * std::sin(phi)), float(std::cos(theta)),
-                                 float(-std::sin(theta) * std::cos(phi))});
-            }
-            pixel[0] = sum.x / 4;
-            pixel[1] = sum.y / 4;
-            pixel[2] = sum.z / 4;
+    const Vec3 sun = settings_.to_sun;
+    std::vector<double> along_sun(2 * size_t(out.width));  // of the meridians' directions
+    for (size_t i = 0; i < along_sun.size(); ++i) {
+        const double phi = (double(i) + 0.5) * step / 2;
+        along_sun[i] = std::sin(phi) * sun.x - std::cos(phi) * sun.z;
+    }
+    for (int y = 0; y < 2 * out.height; ++y) {
+        const Ring r = ring((y + 0.5) * step / 2);
+        if (r.is_black) continue;
+        float* pixel = &out.pixels[size_t(y / 2) * size_t(out.width) * 3];
+        for (size_t i = 0; i < along_sun.size(); ++i) {
+            const Rgb found = radiance(r, r.sin_zenith * along_sun[i] + r.cos_zenith * sun.y) / 4;
+            float* to = pixel + i / 2 * 3;
+            to[0] += found.x;
+            to[1] += found.y;
+            to[2] += found.z;
         }
+    }
     return out;
 }
 

@@ -29,6 +29,15 @@ public:
     Image image(int width) const;
 
 private:
+    /// What all directions of one zenith angle share.
+    struct Ring {
+        double cos_zenith, sin_zenith;  ///< in the sky before it was stretched
+        double factor[3], summand[3];   ///< per channel
+        bool is_black = false;
+    };
+    Ring ring(double zenith) const;
+    Rgb radiance(const Ring& ring, double cos_sun) const;
+
     SkySettings settings_;
     double elevation_;                     ///< of the sun, rad
     double coefficients_[3][9], mean_[3];  ///< per channel

@@ -1,0 +1,62 @@
+"""scene/latlong_batch.h: places in a lat-long image, along rows of the equal-area map."""
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from viscache import _core
+from viscache._core._testing import latlong_batch
+
+ISAS = ("portable", "avx2", "avx512")
+AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
+N = 1000
+
+
+def turned() -> npt.NDArray[np.float64]:
+    q, _ = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))
+    return 7 * q * np.sign(np.linalg.det(q))
+
+
+def exact(to_world: npt.NDArray[np.float64], y: float) -> npt.NDArray[np.float64]:
+    """The same in double: equal-area map (Clarberg 2008), inverse turn, convention of description.h."""
+    a, b = 2 * (np.arange(N) + 0.5) / N - 1, 2 * y - 1
+    distance = 1 - abs(a) - abs(b)
+    r = 1 - abs(distance)
+    phi = np.where(r > 0, (abs(b) - abs(a)) / np.where(r > 0, r, 1) + 1, 1) * np.pi / 4
+    side = r * np.sqrt(2 - r * r)
+    z = np.copysign(1 - r * r, distance)
+    d = np.stack([np.copysign(np.cos(phi) * side, a), np.copysign(np.sin(phi) * side, b), z], 1)
+    d = d @ to_world
+    u = np.arctan2(d[:, 0], -d[:, 2]) / (2 * np.pi) % 1
+    return np.stack([u, np.arctan2(np.hypot(d[:, 0], d[:, 2]), d[:, 1]) / np.pi])
+
+
+@pytest.mark.parametrize("to_world", [np.eye(3), turned()], ids=["still", "turned"])
+def test_places_are_those_of_exact_arithmetic(to_world: npt.NDArray[np.float64]) -> None:
+    """Far below a pixel of the largest image, 16384 wide; near the poles columns matter less."""
+    worst = 0.0
+    for y in (0.0005, 0.1, 0.37, 0.5 + 1e-3, 0.77, 0.9995):
+        u, v = latlong_batch(to_world, y=y, first=0.5, step=1 / N, n=N)
+        u_exact, v_exact = exact(to_world, float(np.float32(y)))
+        around = np.abs((u - u_exact + 0.5) % 1 - 0.5) * np.sin(np.pi * v_exact)
+        worst = max(worst, float(around.max()), float(np.abs(v - v_exact).max()))
+        assert (u >= 0).all() and (u <= 1).all() and (v >= 0).all() and (v <= 1).all()
+    assert worst < 1e-6
+
+
+@pytest.mark.parametrize("isa", AVAILABLE)
+def test_every_instruction_set_gives_the_same_bits(isa: str) -> None:
+    """The portable code's, at tails of all lengths too."""
+    for n in (1, 15, 16, 33, N):
+        want = latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa="portable")
+        got = latlong_batch(turned(), y=0.3, first=7.5, step=1 / 1024, n=n, isa=isa)
+        np.testing.assert_array_equal(got, want)
+
+
+def test_poles_and_the_seam_are_places() -> None:
+    """Straight up is row 0, straight down row 1, and nothing is NaN."""
+    y_up = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # the map's z axis shows up in the image
+    up = latlong_batch(y_up, y=0.5, first=0.5, step=1, n=1)
+    corner = latlong_batch(y_up, y=0, first=0, step=1, n=2)
+    assert {round(float(v), 5) for v in (up[1, 0], *corner[1])} == {0.0, 1.0}
+    assert np.isfinite(up).all() and np.isfinite(corner).all()
