@@ -18,7 +18,7 @@ def turned() -> npt.NDArray[np.float64]:
 
 
 def exact(to_world: npt.NDArray[np.float64], y: float) -> npt.NDArray[np.float64]:
-    """The same in double: equal-area map (Clarberg 2008), inverse turn, convention of description.h."""
+    """The same in double: equal-area map (Clarberg 2008), turned back, then as in description.h."""
     a, b = 2 * (np.arange(N) + 0.5) / N - 1, 2 * y - 1
     distance = 1 - abs(a) - abs(b)
     r = 1 - abs(distance)
