@@ -116,6 +116,43 @@ class TestWithMitsuba:
             assert sizes == [(64, 64), (64, 64), (64, 64), (8, 8)]
 
 
+def judged_of(
+    monkeypatch: pytest.MonkeyPatch,
+    ours: float,
+    theirs: float,
+    *,
+    noise: float = 0.01,
+    mitsubas: tuple[str, ...] = (),
+) -> Judged:
+    """The verdict on even pictures of two levels, without a renderer."""
+
+    def loaded(level: float, said: tuple[str, ...] = ()) -> Loaded:
+        def picture(_: int, seed: int) -> FloatImage:
+            rng = np.random.default_rng([seed, round(100 * level)])
+            return np.asarray(level * (1 + noise * rng.normal(0, 8, (64, 64, 3))), np.float32)
+
+        return Loaded(render=picture, warnings=list(said))
+
+    monkeypatch.setattr(judging, "load_viscache", lambda *_: loaded(ours))
+    monkeypatch.setattr(judging, "load_mitsuba", lambda *_: loaded(theirs, mitsubas))
+    return judge(None, "even", Path("even.xml"), effort=Effort(first=6, most=12))
+
+
+def test_pictures_that_compare_nothing_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    black = judged_of(monkeypatch, 0, 0)
+    assert (black.verdict, black.why) == ("not comparable", "both pictures are black")
+    said = judged_of(monkeypatch, 1, 0, mitsubas=("the sun is below the horizon",))
+    assert said.verdict == "not comparable"
+    assert said.why == "Mitsuba's picture is black: the sun is below the horizon"
+    noisy = judged_of(monkeypatch, 1, 1, noise=3)
+    assert noisy.verdict == "not comparable"
+    assert noisy.why.startswith("the noise hides differences of less than")
+    # Power: lit pictures agree, and light where Mitsuba has none is a silent miss
+    assert judged_of(monkeypatch, 1, 1).verdict == "agrees"
+    assert judged_of(monkeypatch, 1.05, 1).verdict == "differs"
+    assert judged_of(monkeypatch, 1, 0).verdict == "differs"
+
+
 def miss(share: float) -> Judged:
     """A result that needs no renderer."""
     from viscache.parity.blocks import compare

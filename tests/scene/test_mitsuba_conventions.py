@@ -68,3 +68,24 @@ def test_highlights_of_point_lights_on_smooth_plastic_are_warned_of(tmp_path: Pa
     assert f"scene.xml:{line}: point and directional lights have highlights" in warning
     for body in (plastic.format("plastic"), plastic.format("roughplastic") + lamp):
         assert not [w for w in vc.load_scene(parity.write(tmp_path, body)).warnings if "high" in w]
+
+
+def test_vertex_normals_behind_their_faces_are_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "tent.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\n"
+        + "".join(f"property float {n}\n" for n in ("x", "y", "z", "nx", "ny", "nz"))
+        + "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 1 0 -0.2\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"
+    )
+    tent = '\n<shape type="ply"><string name="filename" value="tent.ply"/>{}</shape>'
+    lamp = '<emitter type="constant"/>'
+    path = parity.write(tmp_path, lamp + tent.format(""))
+    (warning,) = vc.load_scene(path).warnings
+    line = path.read_text().partition('<shape type="ply"')[0].count("\n") + 1
+    assert f"scene.xml:{line}: vertex normals point behind their faces" in warning
+    flat = '<boolean name="face_normals" value="true"/>'
+    assert not vc.load_scene(parity.write(tmp_path, lamp + tent.format(flat))).warnings
+    # Power: normals that lean by less need no warning
+    upright = (tmp_path / "tent.ply").read_text().replace("1 0 -0.2", "1 0 0.2")
+    (tmp_path / "tent.ply").write_text(upright)
+    assert not vc.load_scene(parity.write(tmp_path, lamp + tent.format(""))).warnings

@@ -9,6 +9,20 @@ bool is_generated(const std::string& type) {
     return type == "rectangle" || type == "cube" || type == "disk" || type == "cylinder";
 }
 
+/// Share of the area whose faces have a vertex normal that points behind them.
+double leaning_share(const Mesh& mesh) {
+    double leaning = 0, area = 0;
+    for (Vec3u t : mesh.triangles) {
+        const Vec3 a = mesh.vertices[t.x], normal = cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a);
+        const double size = double(length(normal));
+        area += size;
+        if (std::min({dot(mesh.normals[t.x], normal), dot(mesh.normals[t.y], normal),
+                      dot(mesh.normals[t.z], normal)}) < 0)
+            leaning += size;
+    }
+    return area > 0 ? leaning / area : 0;
+}
+
 }  // namespace
 
 Mesh MitsubaReader::serialized_mesh(Node node, const std::string& path) {
@@ -135,6 +149,10 @@ void MitsubaReader::add_shape(Node node, std::vector<int>* group) {
     if (!mesh->normals.empty()) {
         check_mesh(*mesh, where(node));
         wind_by_normals(*mesh);
+        if (leaning_share(*mesh) > 0.01)
+            warn_at(
+                node,
+                "vertex normals point behind their faces; unlike in Mitsuba, they are turned to the front");
     }
     if (boolean(node, "flip_normals", false)) flip_normals(*mesh);
     if (const std::string id = attribute(node, "id"); !id.empty()) mesh->name = id;

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["SHARE", "SIGMAS", "TOLERANCE", "Comparison", "block_means", "compare"]
+__all__ = ["BLIND", "SHARE", "SIGMAS", "TOLERANCE", "Comparison", "block_means", "compare"]
 
 Array = npt.NDArray[np.float64]
 
@@ -23,6 +23,8 @@ SIGMAS, TOLERANCE = 3.0, 0.01
 SHARE = 0.95
 #: Darker than this share of the mean picture, a block is black: its tolerance does not shrink.
 BLACK = 1e-3
+#: A comparison that finds no smaller difference of a block compares nothing.
+BLIND = 0.5
 #: One-sided 95 % of a normal distribution.
 _QUANTILE = 1.6449
 
@@ -66,6 +68,11 @@ class Comparison:
         """Whether the energies are within 3 σ + 1 %."""
         allowed = SIGMAS * self.energy_sigma + TOLERANCE * abs(self.energy_theirs)
         return abs(self.energy_ours - self.energy_theirs) <= allowed
+
+    @property
+    def informative(self) -> bool:
+        """Whether a block that is half as bright again would be found: not where all is black."""
+        return self.power <= BLIND
 
     @property
     def agrees(self) -> bool:

@@ -8,6 +8,7 @@ does not know: files of Mitsuba 0.x name plugins and properties that are gone.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -87,6 +88,8 @@ def _prepared(name: str, path: Path, target: Path) -> Shared:
     old = not str(scene.get("version", "")).startswith(("2", "3"))
     for element in scene.iter():
         _modern(element, old)
+    if old:
+        _turn_skies(scene)
     scene.insert(0, ElementTree.Element("path", {"value": str(path.parent)}))
     tree.write(target, encoding="utf-8")
     return Shared(name=name, path=target)
@@ -126,6 +129,26 @@ def _modern(element: ElementTree.Element, old: bool) -> None:
     for child in list(element):
         if child.get("name") in GONE.get(kind, ()):
             element.remove(child)
+
+
+def _turn_skies(scene: ElementTree.Element) -> None:
+    """A clear sky has y up in Mitsuba 0.x and z in Mitsuba 3: its file becomes one of Mitsuba 3."""
+    skies = [emitter for emitter in scene.iter("emitter") if emitter.get("type") == "sunsky"]
+    if not skies:
+        return
+    scene.set("version", "3.0.0")
+    for element in scene.iter():
+        if element.get("name") and element.tag != "default":
+            name = str(element.get("name"))
+            element.set("name", re.sub("(?<=[a-z])[A-Z]+", lambda m: f"_{m[0].lower()}", name))
+    for sky in skies:
+        names = {child.get("name"): child for child in sky}
+        place = names.get("to_world")
+        if place is None:
+            place = ElementTree.SubElement(sky, "transform", {"name": "to_world"})
+        place.insert(0, ElementTree.Element("rotate", {"x": "1", "angle": "-90"}))
+        if "albedo" not in names:
+            ElementTree.SubElement(sky, "rgb", {"name": "albedo", "value": "0.2"})
 
 
 def _alone(name: str, path: Path, folder: Path) -> Shared:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["BARE", "PICTURES", "SKY_MAP", "WEDGE", "write_files"]
+__all__ = ["BARE", "PEBBLE", "PICTURES", "SKY_MAP", "WEDGE", "write_files"]
 
 Array = npt.NDArray[Any]
 
 WEDGE = "wedge"
+#: Round, without symmetry. Its vertex normals lean little from its faces.
+PEBBLE = "pebble"
 #: Without texture coordinates.
 BARE = "wedge-bare"
 #: Stem of the pictures of texture scenes, and their suffixes.
@@ -34,6 +36,7 @@ def write_files(folder: Path) -> None:
     """Write all files into a folder."""
     flat, smooth = _flat(), _smooth()
     meshes = {WEDGE: flat, f"{WEDGE}-smooth": smooth, f"{WEDGE}-creased": _creased()}
+    meshes[PEBBLE] = _pebble()
     for name, mesh in meshes.items():
         (folder / f"{name}.obj").write_text(_obj(*mesh), encoding="ascii")
         (folder / f"{name}.ply").write_text(_ply(*mesh), encoding="ascii")
@@ -63,12 +66,35 @@ def _flat() -> tuple[Array, Array | None, Array, Array]:
 
 
 def _smooth() -> tuple[Array, Array | None, Array, Array]:
-    """Normals are means of those of faces, as a smoothing editor makes them."""
-    normals = np.zeros_like(_CORNERS)
-    for face in _FACES:
-        a, b, c = _CORNERS[face]
+    """Some vertex normals lean from their faces by more than 90 degrees."""
+    return _CORNERS, _mean_normals(_CORNERS, _FACES), _UVS, _FACES
+
+
+def _pebble() -> tuple[Array, Array | None, Array, Array]:
+    """Rings between two poles, with dents."""
+    rings, around = 11, 24
+    theta, phi = np.mgrid[1 : rings + 1, 0:around]
+    theta, phi = np.pi / (rings + 1) * theta, 2 * np.pi / around * phi
+    ring = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], 2)
+    unit = np.concatenate([[[0, 1, 0]], ring.reshape(-1, 3), [[0, -1, 0]]])
+    dents = 1 + 0.15 * np.sin(unit @ [2.0, 1.1, -1.7]) + 0.1 * np.sin(unit @ [-1.0, 2.3, 1.9])
+    positions = unit * dents[:, None] * [0.9, 0.75, 0.6]
+    first = 1 + around * np.arange(rings - 1)[:, None] + np.arange(around)
+    after = first + np.where(np.arange(around) == around - 1, 1 - around, 1)
+    top = np.stack([np.zeros(around, int), after[0], first[0]], 1)
+    low = np.stack([np.full(around, len(unit) - 1), first[-1] + around, after[-1] + around], 1)
+    sides = [[first, after, after + around], [first, after + around, first + around]]
+    faces = np.concatenate([top, *(np.stack(s, 2).reshape(-1, 3) for s in sides), low])
+    return positions, _mean_normals(positions, faces), 0.5 + positions[:, :2] / 3, faces
+
+
+def _mean_normals(positions: Array, faces: Array) -> Array:
+    """Means of the normals of faces, weighted by their area, as a smoothing editor makes them."""
+    normals = np.zeros_like(positions)
+    for face in faces:
+        a, b, c = positions[face]
         normals[face] += np.cross(b - a, c - a)
-    return _CORNERS, normals / np.linalg.norm(normals, axis=1, keepdims=True), _UVS, _FACES
+    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
 
 def _creased() -> tuple[Array, Array | None, Array, Array]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from viscache.parity.zoo.case import SKY, Case, area, shape
-from viscache.parity.zoo.files import WEDGE
+from viscache.parity.zoo.files import PEBBLE, WEDGE
 
 __all__ = ["SHAPES", "TRANSFORMS", "shape_cases"]
 
@@ -105,13 +105,14 @@ def _normals() -> Iterator[Case]:
     for kind in ("obj", "ply", "serialized"):
         for given, more in {
             "smooth": "",
-            "face-normals": FLAT,
             "smooth-flip": FLIP,
+            "leaning": "",
+            "face-normals": FLAT,
             "computed": "",
         }.items():
+            stem = PEBBLE if given.startswith("smooth") else f"{WEDGE}-smooth"
             for turned in ("plain", "mirror-x", "stretched"):
-                stem = WEDGE if given == "computed" else f"{WEDGE}-smooth"
-                file = _file(f"{stem}.{kind}")
+                file = _file(f"{WEDGE if given == 'computed' else stem}.{kind}")
                 transform = TRANSFORMS[turned] + LIFT
                 yield Case(
                     name=f"normals/{kind}-{given}-{turned}",
