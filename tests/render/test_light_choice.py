@@ -218,12 +218,14 @@ def lamps(count: int) -> Model:
 @pytest.mark.parametrize(("count", "n_area"), [(60, 4)], ids=["tree"])
 def test_many_area_lights_are_mitsubas(count: int, n_area: int, mi: Any, tmp_path: Path) -> None:
     model, direct = lamps(count), vc.Direct(n_area=n_area)
-    spp = 512 // n_area
-    reference = theirs(mi, model.to_mitsuba(mi, (48, 32), tmp_path), spp=128)
-    image = ours(model.to_viscache(), direct, spp=spp)
+    # Noise has heavy tails at the lamps: many frames tell its variance. Mitsuba draws the lamps in
+    # another order each time that it loads them, so its frames differ from run to run
+    spp = 128 // n_area
+    reference = theirs(mi, model.to_mitsuba(mi, (48, 32), tmp_path), spp=32, seeds=64)
+    image = ours(model.to_viscache(), direct, spp=spp, seeds=48)
     assert_same(image, reference)
     dropped = replace(model, parts=model.parts[:-1])
-    wrong = ours(dropped.to_viscache(), direct, spp=spp, seeds=4)
+    wrong = ours(dropped.to_viscache(), direct, spp=spp, seeds=16)
     assert not compare(wrong, reference).same
 
 
