@@ -153,7 +153,8 @@ void bind_description(py::module_& m) {
             "dielectric layer of index eta, smooth or of the roughness; then specular scales its\n"
             "reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be\n"
             "thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;\n"
-            "the rest are small holes in a fixed pattern. A glossy material without a coat can be metallic\n"
+            "the rest are small holes in a fixed pattern. A negative alpha_cutoff takes alpha_texture for\n"
+            "such shares too. A glossy material without a coat can be metallic\n"
             "in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have "
             "an\n"
             "image: the green channel of metallic_roughness_texture multiplies the root of roughness and "
@@ -163,7 +164,7 @@ void bind_description(py::module_& m) {
             "metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both "
             "0:\n"
             "its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with\n"
-            "beckmann=True; those of a coat are named by its kind.")
+            "beckmann=True; those of a rough coat are named by its kind.")
         .def(
             "add_instance",
             [](SceneDescription& d, std::vector<int> meshes, const DoubleArray& to_world) {

@@ -22,6 +22,7 @@ from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
 from viscache.provenance import provenance
 from viscache.scene import Env, Scene
+from viscache.scene.about import lit_coats
 from viscache.scene.cameras import find_camera, frame_size
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
@@ -380,6 +381,8 @@ def _warnings(scene: Scene, integrator: Integrator, visibility: Any) -> list[str
     texts = list(scene.warnings)
     if isinstance(integrator, AmbientOcclusion):
         texts = [w for w in texts if "no light" not in w]
+    if isinstance(integrator, Bdpt):
+        texts += lit_coats(scene._core)
     core = visibility.core() if isinstance(visibility, Aqvc) else None
     if core and core.c_n % 2 and core.normal_mode in ("round", "floor"):
         texts.append(

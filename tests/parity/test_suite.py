@@ -91,6 +91,14 @@ class TestWithMitsuba:
         assert row["what"] == "material/principled-default-sky"
         assert row["reason"].startswith("warned: 'principled' is not modelled in full")
 
+    def test_a_file_that_is_warned_of_gets_the_first_pictures_alone(self, tmp_path: Path) -> None:
+        pictures = {"material/principled-default-sky": 3, "material/diffuse-colour-sky": 6}
+        paths = zoo.write(tmp_path, [case for case in zoo.cases() if case.name in pictures])
+        effort = Effort(spp=4, first=3, most=6, power=0.0)
+        with renderers.mitsuba() as mi:
+            for name, count in pictures.items():
+                assert judge(mi, name, paths[name], effort=effort).pictures == count
+
     def test_a_file_that_is_refused_is_named(self, tmp_path: Path) -> None:
         path = tmp_path / "bad.xml"
         path.write_text('<scene version="3.0.0"><shape type="ply"/></scene>')

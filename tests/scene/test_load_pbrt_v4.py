@@ -113,7 +113,8 @@ def test_materials_have_their_nearest_kinds(tmp_path: Path) -> None:
     assert coat["kind"] == K.GLOSSY and coat["roughness"] == pytest.approx(0.2)
     assert coat["coat"] == C.ROUGH and coat["nonlinear"] and coat["eta"] == pytest.approx(1.5)
     assert coat["base_color"] == pytest.approx([0.1, 0.2, 0.3])
-    assert surface(tmp_path, '"coateddiffuse"')["coat"] == C.SMOOTH
+    smooth = surface(tmp_path, '"coateddiffuse"')
+    assert smooth["coat"] == C.SMOOTH and smooth["beckmann"] and not coat["beckmann"]
     pane = surface(tmp_path, '"thindielectric" "float eta" 1.4')
     assert pane["kind"] == K.DIELECTRIC and pane["thin"] and pane["eta"] == pytest.approx(1.4)
 

@@ -1,4 +1,4 @@
-"""scene/scene.h, solid_at: constant opacity is a fixed pattern of holes."""
+"""scene/scene.h, solid_at: opacity, constant or of an image, is a fixed pattern of holes."""
 
 from __future__ import annotations
 
@@ -118,6 +118,57 @@ def test_frames_have_the_same_bytes_for_any_number_of_threads(tmp_path: Path) ->
             for n in (1, 2)
         )
         np.testing.assert_array_equal(one, two)
+
+
+def test_greys_of_an_image_are_shares_if_the_cutoff_is_negative() -> None:
+    def plate(cutoff: float, opacity: float = 1) -> vc.Scene:
+        d = vc.SceneDescription()
+        greys = d.add_image(np.float32([[[0.2], [0.7]]]), nearest=True)
+        material = d.add_material(alpha_texture=greys, alpha_cutoff=cutoff, opacity=opacity)
+        corners = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+        faces = np.uint32([[0, 1, 2], [0, 2, 3]])
+        d.add_mesh(corners, faces, material=material, uvs=corners[:, :2])
+        return vc.Scene.from_description(d)
+
+    a = np.random.default_rng(2).random((40_000, 3)).astype(np.float32)
+    a[:, 2] = 1
+    b = a * np.float32([1, 1, -1])
+    right = a[:, 0] > 0.5
+
+    def shares(scene: vc.Scene) -> list[float]:
+        stopped = ~scene.visible(a, b)
+        return [float(stopped[~right].mean()), float(stopped[right].mean())]
+
+    assert shares(plate(-1)) == pytest.approx([0.2, 0.7], abs=0.015)
+    assert shares(plate(-1, 0.5)) == pytest.approx([0.1, 0.35], abs=0.015)
+    # Power: a cut-out has no share between
+    assert shares(plate(0.5)) == [0, 1]
+    assert plate(-1).geometry_hash != plate(0.5).geometry_hash
+
+
+@pytest.mark.mitsuba
+@pytest.mark.slow
+def test_greys_of_opacity_let_through_what_mitsubas_do(tmp_path: Path) -> None:
+    from PIL import Image
+
+    greys = np.uint8([[20, 90, 200, 255], [160, 120, 60, 230]]).repeat(4, 0).repeat(4, 1)
+    Image.fromarray(greys).save(tmp_path / "greys.png")
+    picture = """<texture type="bitmap" name="opacity"><string name="filename" value="greys.png"/>
+    <boolean name="raw" value="true"/></texture>"""
+    path = write(tmp_path, 0.5)
+    path.write_text(path.read_text().replace('<float name="opacity" value="0.5"/>', picture))
+    assert not vc.load_scene(path).warnings
+    parity.mi.set_variant("scalar_rgb")
+    scene = parity.mi.load_file(str(path))
+    direct = parity.mi.load_dict({"type": "volpath", "max_depth": 2})
+    theirs = [
+        np.array(parity.mi.render(scene, integrator=direct, spp=64, seed=s)) for s in range(4)
+    ]
+    assert parity.agreement(frames(path), theirs) >= 0.95
+    # Power: as a cut-out, or of one grey
+    for other in (greys // 128 * 255, np.full_like(greys, greys.mean())):
+        Image.fromarray(other).save(tmp_path / "greys.png")
+        assert parity.agreement(frames(path), theirs) < 0.9
 
 
 @pytest.mark.mitsuba

@@ -53,6 +53,21 @@ def test_disks_and_cylinders_have_the_area_of_the_round_shape(tmp_path: Path) ->
     assert 64 * np.sin(np.pi / 64) / np.pi != pytest.approx(1, rel=1e-4)
 
 
+def test_balls_have_the_area_of_the_sphere_and_so_its_mean_shadow(tmp_path: Path) -> None:
+    ball = mitsuba(tmp_path, '<shape type="sphere"><float name="radius" value="2"/></shape>')
+    assert total(ball) == pytest.approx(16 * np.pi, rel=1e-5)
+    assert total(pbrt(tmp_path, 'Shape "sphere" "float radius" 2')) == pytest.approx(total(ball))
+    # The shadows of a convex body have the mean area of a quarter of its surface
+    axes = np.random.default_rng(1).normal(size=(200, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    shadows = np.abs(areas(ball) @ axes.T).sum(0) / 2
+    assert shadows.mean() == pytest.approx(4 * np.pi, rel=1e-4)
+    # Power: corners on the sphere itself would be noticed
+    m = ball.mesh_arrays(0)
+    inscribed = 4 / (np.linalg.norm(m["vertices"], axis=1).astype(float) ** 2).mean()
+    assert inscribed < 0.998
+
+
 def test_a_cylinder_spans_its_ends_and_faces_outwards_also_mirrored(tmp_path: Path) -> None:
     for mirror in ("", '<scale x="-1" y="1" z="1"/>'):
         scene = mitsuba(

@@ -239,6 +239,7 @@ private:
         sp.coat = t_.scene.coat(s.material);
         sp.metal = t_.scene.metal(s.material);
         sp.beckmann = material.has_beckmann();
+        sp.mirror = material.coat == CoatKind::kSmooth;
         const float cos_eye = std::max(std::fabs(dot(ng, b.ray.d)), t_.integrator.cosmin);
         out_.block.position.push_back(s.position);
         out_.block.normal.push_back(ng);

@@ -61,6 +61,8 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
         for (const DirectionalLight& l : d.directional_lights)
             if (max_component(l.irradiance) > 0)
                 directions.add(l.direction, {}, l.direction, l.irradiance, 0);
+        points.punctual = true;
+        directions.punctual = true;
         keep(points, Semantic::kPoint, LightGroup::kPoint);
         keep(directions, Semantic::kDirection, LightGroup::kDirectional);
         if (scene.environment() && integrator.environment == EnvironmentSampling::kShared) {

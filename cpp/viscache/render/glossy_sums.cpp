@@ -96,8 +96,10 @@ VISCACHE_TARGET_AVX2 Rgb sum_avx2(const SharedLights& s, const EyeShade& eye, co
 
 Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row,
                    [[maybe_unused]] Isa isa) {
-    const LobeConstants lobe = lobe_constants(brdf);
+    LobeConstants lobe = lobe_constants(brdf);
     if (lobe.black) return {};
+    // A mirror reflects no light without an extent
+    if (s.punctual && brdf.mirror) lobe.f0 = {};
 #if VISCACHE_X86
     if (isa == Isa::kAvx512) return sum_avx512(s, eye, lobe, row);
     if (isa == Isa::kAvx2) return sum_avx2(s, eye, lobe, row);

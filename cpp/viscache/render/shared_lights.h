@@ -19,6 +19,7 @@ struct SharedLights {
         b;                        ///< intensity, irradiance or reflected flux density; padded with zeros
     std::vector<SpotCone> cones;  ///< of points, one per column; empty without a spot light
     float bound2 = 0;             ///< for VPLs: added to d² in the geometry term; 0 = unbounded
+    bool punctual = false;        ///< the lights have no extent, so that no reflected ray meets them
     bool empty() const { return ends.count == 0; }
 
     /// Adds a column. Shadow rays stop at `end`; `value` is the RGB factor of the contributions.

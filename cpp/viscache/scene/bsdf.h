@@ -18,6 +18,7 @@ struct ShadingPoint {
     const Coat* coat = nullptr;        ///< of a glossy surface; nullptr: none
     const Conductor* metal = nullptr;  ///< of a mirror or of a glossy surface without a base; nullptr: none
     bool beckmann = false;             ///< microfacets are Beckmann's, not GGX's
+    bool mirror = false;               ///< the lobe stands for the mirror of a smooth coat
     bool thin = false;                 ///< a dielectric that is a plate without thickness
 };
 

@@ -86,8 +86,10 @@ void check_material(const Material& m, size_t index, size_t images) {
     if (m.metallic_roughness_texture >= 0 && m.roughness_texture >= 0)
         fail(name, ": metallic_roughness_texture and roughness_texture exclude each other");
     check_metal(m, name);
-    if (m.beckmann && (m.kind != MaterialKind::kGlossy || m.coat != CoatKind::kNone))
-        fail(name, ": only a glossy material without a coat has beckmann; a coat has its own kind");
+    const bool has_rough_coat = m.coat != CoatKind::kNone && m.coat != CoatKind::kSmooth;
+    if (m.beckmann && (m.kind != MaterialKind::kGlossy || has_rough_coat))
+        fail(name,
+             ": only a glossy material without a rough coat has beckmann; such a coat has its own kind");
     for (int t : {m.base_texture, m.alpha_texture, m.metallic_roughness_texture, m.roughness_texture})
         if (t < -1 || t >= int(images)) fail(name, ": texture must be -1 or in [0, ", images, "), got ", t);
 }

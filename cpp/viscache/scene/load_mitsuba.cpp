@@ -129,7 +129,6 @@ void MitsubaReader::read_scene(const std::string& path) {
     register_ids(scene);
     read_elements(scene);
     check_clip_planes();
-    check_smooth_coats();
 }
 
 void load_mitsuba(const std::string& path, Loading& loading) { MitsubaReader(loading).read_scene(path); }

@@ -30,7 +30,7 @@ struct Material {
     bool two_sided = true;             ///< false: the back side is black
     int base_texture = -1;             ///< image that multiplies `base_color`; -1: none
     int alpha_texture = -1;            ///< image whose alpha (or value) cuts holes; -1: none
-    float alpha_cutoff = 0.5f;         ///< the surface is absent where alpha is below this value
+    float alpha_cutoff = 0.5f;         ///< absent where alpha is below; negative: alpha is a share
     CoatKind coat = CoatKind::kNone;  ///< of glossy materials; under a coat, `specular` scales its reflection
     bool nonlinear = false;  ///< under a coat, light scatters inside: colours get darker and stronger
     bool thin = false;       ///< a dielectric that is a plate without thickness
@@ -41,7 +41,7 @@ struct Material {
     int roughness_texture = -1;           ///< image that multiplies `roughness`; -1: none
     Conductor metal{};      ///< of mirrors and of glossy materials without a base: the index of refraction;
                             ///< `specular` then scales the reflection
-    bool beckmann = false;  ///< the microfacets of a glossy material without a coat are Beckmann's, not GGX's
+    bool beckmann = false;  ///< the lobe of a glossy material without a rough coat is Beckmann's, not GGX's
 
     bool has_beckmann() const { return beckmann || coat == CoatKind::kBeckmann; }
     /// True if base colour, `specular` and `roughness` have to be found for each point.

@@ -5,7 +5,7 @@ namespace viscache::loading {
 
 namespace {
 
-constexpr int kSphereSlices = 48, kSphereStacks = 24;
+constexpr int kSphereSlices = 64, kSphereStacks = 32;
 constexpr int kDiskSlices = 64, kRevolvedSlices = 64;
 
 /// Newell's normal: twice the area vector of the polygon.
@@ -110,9 +110,7 @@ Mesh sphere_mesh(Vec3 center, float radius) {
             const float v = float(j) / kSphereStacks, u = float(i) / kSphereSlices;
             const float phi = 2 * kPi * float(i % kSphereSlices) / kSphereSlices;
             const float s = j == 0 || j == kSphereStacks ? 0.f : std::sin(kPi * v);
-            const Vec3 n{s * std::cos(phi), s * std::sin(phi), std::cos(kPi * v)};
-            m.vertices.push_back(center + n * radius);
-            m.normals.push_back(n);
+            m.normals.push_back({s * std::cos(phi), s * std::sin(phi), std::cos(kPi * v)});
             m.uvs.push_back({u, 1 - v});
         }
     const auto row = uint32_t(kSphereSlices + 1);
@@ -122,6 +120,12 @@ Mesh sphere_mesh(Vec3 center, float radius) {
             if (j > 0) m.triangles.push_back({a, b, a + 1});
             if (j + 1 < uint32_t(kSphereStacks)) m.triangles.push_back({a + 1, b, b + 1});
         }
+    // The mean shadow of a convex body is a quarter of its area: both become those of the sphere
+    double area = 0;
+    for (const Vec3u t : m.triangles)
+        area += length(cross(m.normals[t.y] - m.normals[t.x], m.normals[t.z] - m.normals[t.x])) / 2;
+    const float widened = radius * float(std::sqrt(4 * M_PI / area));
+    for (const Vec3 n : m.normals) m.vertices.push_back(center + n * widened);
     return m;
 }
 

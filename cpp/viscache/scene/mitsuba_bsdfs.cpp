@@ -6,7 +6,7 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kGrey{.5f, .5f, .5f};
-constexpr float kSmoothRoughness = 0.01f;  ///< replaces the perfectly smooth coating of `plastic`
+constexpr float kMirrorRoughness = 0.004f;  ///< of the lobe that stands for the mirror of `plastic`
 
 bool is_bsdf(pugi::xml_node node) { return std::string_view(node.name()) == "bsdf"; }
 
@@ -60,17 +60,9 @@ Material MitsubaReader::plastic(Node node, bool rough) {
     set_base(m, color_texture(node, "diffuse_reflectance", kGrey));
     m.specular = clamp01(color(node, "specular_reflectance", {1, 1, 1}));
     m.eta = float(ior(node, "int_ior", 1.49) / ior(node, "ext_ior", 1.000277));
-    m.roughness = rough ? roughness(node, 0.1) : kSmoothRoughness;
-    if (!rough) smooth_coats_.push_back(node);
+    m.beckmann = !rough;  // without the long tails of GGX
+    m.roughness = rough ? roughness(node, 0.1) : kMirrorRoughness;
     return m;
-}
-
-/// Our lobe for a mirror reflects lights without an extent, which no ray of Mitsuba's mirror meets.
-void MitsubaReader::check_smooth_coats() {
-    const SceneDescription& scene = loading_.scene;
-    if (scene.point_lights.empty() && scene.directional_lights.empty()) return;
-    for (const Node node : smooth_coats_)
-        warn_at(node, "point and directional lights have highlights on smooth plastic, unlike in Mitsuba");
 }
 
 /// Sets a roughness that may have an image.
@@ -144,7 +136,7 @@ Material MitsubaReader::mask(Node node, int depth) {
     Material m = nested(node, depth);
     const ColorTexture opacity = color_texture(node, "opacity", kGrey);
     m.alpha_texture = opacity.image;
-    m.alpha_cutoff = 0.5f;
+    m.alpha_cutoff = -1;  // greys are shares
     if (opacity.image < 0) m.opacity = std::clamp(luminance(opacity.color), 0.f, 1.f);
     return m;
 }

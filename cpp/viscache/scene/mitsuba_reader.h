@@ -87,7 +87,6 @@ private:
     Material nested(Node node, int depth);
     bool is_beckmann(Node node);
     Material plastic(Node node, bool rough);
-    void check_smooth_coats();
     Material conductor(Node node, bool rough);
     Material dielectric(Node node);
     Material principled(Node node);
@@ -136,7 +135,6 @@ private:
     std::map<size_t, int> materials_;                ///< key: bsdf element
     MaterialUv* uv_ = nullptr;                       ///< of the material that is being read
     std::map<int, UvTransform> material_uv_;         ///< key: index of the material
-    std::vector<Node> smooth_coats_;                 ///< plastics
     std::map<size_t, std::vector<int>> groups_;      ///< key: shapegroup element
     std::map<std::string, std::string> serialized_;  ///< file contents; key: path
     struct Clipped {

@@ -6,7 +6,8 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kHalf{.5f, .5f, .5f}, kQuarter{.25f, .25f, .25f}, kOne{1, 1, 1}, kZero{0, 0, 0};
-constexpr float kSmooth = 1e-3f;  ///< pbrt takes surfaces of smaller alpha for smooth
+constexpr float kSmooth = 1e-3f;            ///< pbrt takes surfaces of smaller alpha for smooth
+constexpr float kMirrorRoughness = 0.004f;  ///< of the lobe that stands for the mirror of a coat
 
 }  // namespace
 
@@ -100,7 +101,8 @@ Material PbrtReader::v4_coated_diffuse(const PbrtParams& params, const std::stri
     m.eta = v4_eta(params, "eta", 1.5, where);
     const float alpha = v4_alpha(params, "", 0);
     m.coat = alpha < kSmooth ? CoatKind::kSmooth : CoatKind::kRough;
-    m.roughness = alpha < kSmooth ? 0.01f : clamp_roughness(alpha);  // a sharp lobe stands for the mirror
+    m.beckmann = alpha < kSmooth;
+    m.roughness = alpha < kSmooth ? kMirrorRoughness : clamp_roughness(alpha);
     m.nonlinear = true;
     for (const char* inside : {"albedo", "g"})
         if (params.has(inside)) loading_.warn(where, "the medium inside of a coat is not modelled; ignored");

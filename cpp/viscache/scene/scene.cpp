@@ -299,7 +299,9 @@ bool Scene::solid_at(uint32_t mesh_index, uint32_t triangle, float u, float v) c
     const Rgba texel = sample_image(
         image, {uv[0].x * w + uv[1].x * u + uv[2].x * v, uv[0].y * w + uv[1].y * u + uv[2].y * v});
     const bool has_alpha = image.channels == 2 || image.channels == 4;
-    return (has_alpha ? texel.a : texel.rgb.x) >= material.alpha_cutoff;
+    const float alpha = has_alpha ? texel.a : texel.rgb.x;
+    if (material.alpha_cutoff < 0) return pattern(mesh_index, triangle, u, v) < alpha * material.opacity;
+    return alpha >= material.alpha_cutoff;
 }
 
 }  // namespace viscache

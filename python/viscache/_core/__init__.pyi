@@ -77,14 +77,15 @@ class SceneDescription:
         dielectric layer of index eta, smooth or of the roughness; then specular scales its
         reflection, and nonlinear lets light that scatters under it shift colours. A dielectric can be
         thin: a plate without thickness. opacity in [0, 1] is the share of the surface that is there;
-        the rest are small holes in a fixed pattern. A glossy material without a coat can be metallic
+        the rest are small holes in a fixed pattern. A negative alpha_cutoff takes alpha_texture for
+        such shares too. A glossy material without a coat can be metallic
         in [0, 1]: that share of its base colour becomes its specular colour. Its roughness can have an
         image: the green channel of metallic_roughness_texture multiplies the root of roughness and the
         blue one multiplies metallic, as in glTF; the values of roughness_texture multiply roughness.
         A mirror, or a glossy material with a base_color of 0, can be a metal of the complex index
         metal_eta + i·metal_k, relative to what is outside; then specular scales its reflection. Both 0:
         its reflectance at normal incidence is specular. Microfacets are GGX's, or Beckmann's with
-        beckmann=True; those of a coat are named by its kind.
+        beckmann=True; those of a rough coat are named by its kind.
         """
     def add_mesh(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], *, material: typing.SupportsInt | typing.SupportsIndex = 0, normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, uvs: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], emits_two_sided: bool = False, in_world: bool = True, name: str = '', emission_texture: typing.SupportsInt | typing.SupportsIndex = -1) -> int:
         """

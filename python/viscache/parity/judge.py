@@ -101,8 +101,10 @@ def judge(
         return judged(verdict="warned" if mine.warnings else "differs", why=why)
     stacks.grow(effort.first)
     compared = stacks.compared()
-    while stacks.count < effort.most and not _clear(compared, effort):
-        stacks.grow(min(2 * stacks.count, effort.most))
+    # No number of samples changes the verdict on a file that is warned of
+    most = effort.first if mine.warnings else effort.most
+    while stacks.count < most and not _clear(compared, effort):
+        stacks.grow(min(2 * stacks.count, most))
         compared = stacks.compared()
     verdict, why = _verdict(compared, mine.warnings, other.warnings)
     return judged(

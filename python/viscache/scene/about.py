@@ -11,7 +11,7 @@ import numpy.typing as npt
 from viscache import _core
 from viscache.scene.coplanar import coplanar_share
 
-__all__ = ["far_away", "info", "placed_coplanar_share"]
+__all__ = ["far_away", "info", "lit_coats", "placed_coplanar_share"]
 
 MOST_COUNTED_TRIANGLES = 5_000_000
 #: Distance from the origin, in sizes of the scene, that causes a warning.
@@ -31,6 +31,18 @@ def far_away(bounds: npt.NDArray[np.float32]) -> list[str]:
     return [
         f"the scene lies {away:.3g} times its size from the origin, where single precision "
         f"leaves it {steps:.3g} steps across"
+    ]
+
+
+def lit_coats(core: _core.Scene) -> list[str]:
+    """A warning for light paths: lights without an extent show in the mirrors of smooth coats."""
+    smooth = any(m["coat"] == _core.CoatKind.SMOOTH for m in _core.scene_materials(core))
+    kinds = {light["kind"] for light in _core.scene_lights(core)} if smooth else set()
+    if kinds.isdisjoint({"point", "directional"}):
+        return []
+    return [
+        "bidirectional paths show point and directional lights in smooth coats, "
+        "whose mirror is a narrow lobe"
     ]
 
 
