@@ -13,6 +13,8 @@ void ShaftCounts::merge(const ShaftCounts& b) {
     pairs += b.pairs;
     doubted += b.doubted;
     long_lists += b.long_lists;
+    asked += b.asked;
+    packets += b.packets;
 }
 
 ShaftItem* hold(std::vector<ShaftItem>& items, size_t count) {

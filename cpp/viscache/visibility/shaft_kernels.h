@@ -32,6 +32,8 @@ struct ShaftCounts {
     uint64_t pairs = 0;       ///< triangles tested against the 16 points of a packet
     uint64_t doubted = 0;     ///< rays within the bounds of an edge, of a plane or of an end
     uint64_t long_lists = 0;  ///< rays of nodes with too many triangles
+    uint64_t asked = 0;       ///< packets with a point that asks
+    uint64_t packets = 0;     ///< packets with a ray that was traced
     uint64_t traced() const { return doubted + long_lists; }
     void merge(const ShaftCounts& b);
 };

@@ -4,6 +4,7 @@
 
 #include "viscache/visibility/exact.h"
 #include "viscache/visibility/shadow_ray.h"
+#include "viscache/visibility/shaft_choice.h"
 
 namespace viscache {
 
@@ -44,18 +45,20 @@ private:
     float extent_;
 };
 
-/// Number of queries in the first words of the rows.
-uint64_t queries_in(const BitMatrix& wanted, size_t words) {
+/// Number of queries to these lights of the first 64.
+uint64_t queries_in(const BitMatrix& wanted, Word some) {
     uint64_t n = 0;
-    for (size_t i = 0; i < wanted.rows(); ++i) n += count_bits(wanted.row_span(i).first(words));
+    for (size_t i = 0; i < wanted.rows(); ++i) n += uint64_t(std::popcount(wanted.row(i)[0] & some));
     return n;
 }
 
-/// A copy whose first words of every row are 0.
-BitMatrix copy_without(const BitMatrix& wanted, size_t words) {
+/// A copy without these lights of the first 64.
+BitMatrix copy_without(const BitMatrix& wanted, Word some) {
     BitMatrix rest(wanted.rows(), wanted.columns());
-    for (size_t i = 0; i < wanted.rows(); ++i)
-        std::copy(wanted.row(i) + words, wanted.row(i) + wanted.row_words(), rest.row(i) + words);
+    for (size_t i = 0; i < wanted.rows(); ++i) {
+        std::copy(wanted.row(i), wanted.row(i) + wanted.row_words(), rest.row(i));
+        rest.row(i)[0] &= ~some;
+    }
     return rest;
 }
 
@@ -96,7 +99,7 @@ void ShaftOracle::begin_tile(const EyeBlock& eyes) {
 /// True if no coordinate is so large that bounds leave the range of float.
 bool ShaftOracle::fits(const EyeBlock& eyes, const FarEnds& lights) {
     const float scale = scene_.scale();
-    if (!is_prepared_ || order_.size() != eyes.size()) {
+    if (!is_sorted(eyes)) {
         eyes_fit_ = true;
         for (const Vec3 o : eyes.origin) eyes_fit_ = eyes_fit_ && is_near(o, scale);
     }
@@ -108,7 +111,7 @@ bool ShaftOracle::fits(const EyeBlock& eyes, const FarEnds& lights) {
 
 /// Sorts the eye points of the tile, once.
 void ShaftOracle::prepare(const EyeBlock& eyes) {
-    if (is_prepared_ && order_.size() == eyes.size()) return;
+    if (is_sorted(eyes)) return;
     order_ = packet_order(eyes.origin);
     eyes_.build(eyes.origin, eyes.normal, order_, scene_.scale());
     is_prepared_ = true;
@@ -118,7 +121,8 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
                         BitMatrix& visible, Counters& counters) {
     if (is_direction(lights.semantic)) return exact_->block(eyes, lights, wanted, visible, counters);
     const uint64_t queries = count_bits(wanted);
-    if (queries == 0 || is_logging_ || !scene_.refusal().empty() || !fits(eyes, lights)) {
+    const bool is_few = options_.choose && !is_sorted(eyes) && queries < kLeastLightsPerPoint * eyes.size();
+    if (queries == 0 || is_few || is_logging_ || !scene_.refusal().empty() || !fits(eyes, lights)) {
         totals_.add({0, queries, {}});
         return exact_->block(eyes, lights, wanted, visible, counters);
     }
@@ -126,38 +130,33 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     gather_rows(wanted, order_, wanted_);
     visible_.reset(wanted.rows(), wanted.columns());
     memory_.counts = {};
-    const size_t words = words_for(lights.count);
-    size_t done = 0;
-    while (done < words && !(done == 1 && gives_up(queries_in(wanted, 1)))) answer_word(done++, eyes, lights);
+    // A few lights show which is cheaper
+    const Word trial = options_.choose ? kTrialLights : 0;
+    if (trial) answer_word(0, trial, eyes, lights);
+    const bool pays = shafts_pay(memory_.counts) || !trial;
+    for (size_t w = 0; pays && w < words_for(lights.count); ++w)
+        answer_word(w, w == 0 ? ~trial : ~Word{0}, eyes, lights);
     scatter_rows(visible_, order_, visible);
-    const uint64_t answered = done == words ? queries : queries_in(wanted, done);
+    const uint64_t answered = pays ? queries : queries_in(wanted, trial);
     GroupCounters& group = counters.group(lights.group);
     group.queries += answered;
     group.rays += answered;
     group.occluded += answered - count_bits(visible);
     totals_.add({answered, queries - answered, memory_.counts});
-    if (done == words) return;
-    rest_ = copy_without(wanted, done);
+    if (pays) return;
+    rest_ = copy_without(wanted, trial);
     rest_visible_.reset(wanted.rows(), wanted.columns());
     exact_->block(eyes, lights, rest_, rest_visible_, counters);
     add_bits(rest_visible_, visible);
 }
 
-/// True if shafts would leave so many rays of the rest of the block that packets are cheaper. `queries` were
-/// answered so far.
-bool ShaftOracle::gives_up(uint64_t queries) const {
-    // Where more rays are traced anyhow, the lists before them cost more than they save (measured)
-    constexpr double kMostTraced = 0.25;
-    return options_.choose && double(memory_.counts.traced()) > kMostTraced * double(queries);
-}
-
-/// Answers 64 lights.
-void ShaftOracle::answer_word(size_t w, const EyeBlock& eyes, const FarEnds& lights) {
+/// Answers some of 64 lights.
+void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const FarEnds& lights) {
     const ShaftTree& tree = scene_.tree(*control_);
     const AnswerLight answer = shaft_kernel(options_.isa);
     const float scale = scene_.scale();
     columns_.read(wanted_, w, eyes_);
-    for (Word rest = columns_.all(); rest; rest &= rest - 1) {
+    for (Word rest = columns_.all() & some; rest; rest &= rest - 1) {
         control_->check();
         const size_t j = size_t(std::countr_zero(rest)), k = w * kWordBits + j;
         const Vec3 end{lights.tx[k], lights.ty[k], lights.tz[k]}, at = end * scale;
@@ -174,6 +173,7 @@ void ShaftOracle::answer_word(size_t w, const EyeBlock& eyes, const FarEnds& lig
                                .bounds = options_.bounds,
                                .wanted = columns_.wanted(j),
                                .visible = columns_.visible(j)};
+        for (size_t p = 0; p < eyes_.packets(); ++p) memory_.counts.asked += light.wanted[p] != 0;
         answer(light, memory_, rays);
     }
     columns_.write(visible_, w);

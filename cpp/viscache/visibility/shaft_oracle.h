@@ -28,8 +28,8 @@ private:
 
 /// How shafts are used.
 struct ShaftOptions {
-    /// Leave the rest of a block to packets if the first 64 columns show that most of it will be traced
-    /// anyhow.
+    /// Leave a tile to packets where they cost less: few lights, or by the work of the first 64
+    /// (shaft_choice.h).
     bool choose = false;
     /// Factor of all error bounds. Below 1, answers may differ from those of rays; for tests.
     float bounds = 1;
@@ -67,8 +67,8 @@ public:
 private:
     bool fits(const EyeBlock& eyes, const FarEnds& lights);
     void prepare(const EyeBlock& eyes);
-    bool gives_up(uint64_t queries) const;
-    void answer_word(size_t w, const EyeBlock& eyes, const FarEnds& lights);
+    bool is_sorted(const EyeBlock& eyes) const { return is_prepared_ && order_.size() == eyes.size(); }
+    void answer_word(size_t w, Word some, const EyeBlock& eyes, const FarEnds& lights);
 
     const ShaftScene& scene_;
     const RayCaster& caster_;

@@ -27,6 +27,8 @@ void ShaftSource::report(Counters& counters, SourceReport& out) const {
     add("shaft_pairs", sums.work.pairs);
     add("shaft_doubted", sums.work.doubted);
     add("shaft_long_lists", sums.work.long_lists);
+    add("shaft_asked_packets", sums.work.asked);
+    add("shaft_traced_packets", sums.work.packets);
     if (!shafts_.refusal().empty()) add("no_shafts", shafts_.refusal());
     out.timings.emplace_back("shaft_tree_s", tree_s_);
 }

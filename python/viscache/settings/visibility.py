@@ -51,8 +51,8 @@ class Exact:
         is tested against the scene, and rays answer only what its bounds of rounding leave open.
         Answers are the same bit for bit. It pays where eye points lie more densely than triangles,
         as with many samples per pixel (docs/performance/exact.md has figures). "auto": shafts, and
-        packets for the rest of a tile's lights where the first 64 leave more than a quarter of the
-        rays open; that may still be an eighth slower than packets. Scenes with instances, or too
+        packets where a trial of eight lights leaves many packets to be traced, or where points ask
+        for few lights. Scenes with instances, or too
         large for the tree (4 GiB), keep packets; `Frame.parameters["engine"]` tells.
     """
 

@@ -1,0 +1,20 @@
+#pragma once
+// Shafts or packets of rays, for a group of lights and a tile: by counted work, never by time. The two limits
+// were chosen in twelve scenes and hold in twelve others (docs/performance/exact.md). A list of prices for
+// all counters predicted the other scenes worse.
+#include "viscache/visibility/shaft_kernels.h"
+
+namespace viscache {
+
+/// Points ask for at least so many lights each, on average; else preparing them costs more than shafts save.
+constexpr uint64_t kLeastLightsPerPoint = 12;
+/// Lights of the first 64 that shafts answer for a trial.
+constexpr Word kTrialLights = 0x0101010101010101;
+/// Largest share of packets with a ray that shafts leave to be traced. A packet costs as much with one ray.
+constexpr double kMostPacketsTraced = 0.33;
+
+inline bool shafts_pay(const ShaftCounts& trial) {
+    return double(trial.packets) <= kMostPacketsTraced * double(trial.asked);
+}
+
+}  // namespace viscache
