@@ -59,7 +59,7 @@ class Exact:
     order: Literal["auto", "by_light", "by_pixel"] = "auto"
     coherent: bool | None = None
     sky_engine: Literal["embree", "batch", "auto"] = "embree"
-    engine: Literal["packets", "shafts", "auto"] = "packets"
+    engine: Literal["packets", "shafts", "auto"] = "auto"
 
     def __post_init__(self) -> None:
         check_types(self)
