@@ -87,8 +87,8 @@ public:
         : caster_(caster),
           extent_(extent),
           eyes_(eye_block(eyes, extent)),
-          cache_(caster_, std::make_unique<ExactOracle>(caster_, extent), p, vec3(center), radius, extent,
-                 spp) {
+          cache_(caster_, ExactAnswers{std::make_unique<ExactOracle>(caster_, extent)}, p, vec3(center),
+                 radius, extent, spp) {
         cache_.begin_tile(eyes_);
     }
     py::tuple block(const py::dict& lights,

@@ -16,9 +16,9 @@ const AqvcParameters& checked(const AqvcParameters& p) {
 /// A frame whose only shared lights are those of the exact groups.
 class ExactStart final : public FrameStart {
 public:
-    ExactStart(FrameStart& frame, const AqvcParameters& parameters) : frame_(frame) {
+    ExactStart(FrameStart& frame, const AqvcParameters& parameters, size_t shared) : frame_(frame) {
         for (const FarEnds* lights : frame.lights())
-            if (answers_exactly(parameters, lights->group, lights->count)) lights_.push_back(lights);
+            if (answers_exactly(parameters, lights->group, lights->count, shared)) lights_.push_back(lights);
     }
     std::span<const FarEnds* const> lights() const override { return lights_; }
     uint64_t eye_points() const override { return frame_.eye_points(); }
@@ -39,8 +39,10 @@ AqvcSource::AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcPa
     : parameters_(checked(parameters)), scene_(scene), caster_(caster), spp_(spp), exact_(exact) {}
 
 void AqvcSource::prepare(FrameStart& frame, Control& control) {
+    shared_in_frame_ = 0;
+    for (const FarEnds* lights : frame.lights()) shared_in_frame_ += lights->count;
     if (!exact_) return;
-    ExactStart start(frame, parameters_);
+    ExactStart start(frame, parameters_, shared_in_frame_);
     exact_->prepare(start, control);
 }
 
@@ -53,8 +55,8 @@ int AqvcSource::dealt_tile_edge() const {
 }
 
 std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, const FarEnds* lights) {
-    const bool exact =
-        lights ? answers_exactly(parameters_, group, lights->count) : answers_own_exactly(parameters_, group);
+    const bool exact = lights ? answers_exactly(parameters_, group, lights->count, shared_in_frame_)
+                              : answers_own_exactly(parameters_, group);
     if (parameters_.form != Form::kWaves || exact) return nullptr;
     return std::make_unique<ExactOracle>(caster_, scene_.offset_extent());
 }
@@ -62,8 +64,9 @@ std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, const FarEnd
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
     const float extent = scene_.offset_extent();
     auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);
-    return std::make_unique<QuantizedCache>(caster_, std::move(exact), parameters_, scene_.center(),
-                                            scene_.radius(), extent, spp_, table);
+    return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_},
+                                            parameters_, scene_.center(), scene_.radius(), extent, spp_,
+                                            table);
 }
 
 std::unique_ptr<VisibilityOracle> KeptTableSource::make() {

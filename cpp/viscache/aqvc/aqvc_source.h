@@ -29,6 +29,7 @@ private:
     const RayCaster& caster_;
     int spp_;
     OracleSource* exact_;
+    size_t shared_in_frame_ = 0;  ///< lights that all eye points share
 };
 
 /// Caches that share one table of the frame between all threads, for bidirectional path tracing.

@@ -31,9 +31,9 @@ void add_clamps(const ClampCounts& clamps, Counters& counters) {
 
 }  // namespace
 
-QuantizedCache::QuantizedCache(const RayCaster& caster, std::unique_ptr<VisibilityOracle> exact,
-                               const AqvcParameters& parameters, Vec3 scene_center, float scene_radius,
-                               float offset_extent, int spp, FrameTable* frame_table)
+QuantizedCache::QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
+                               Vec3 scene_center, float scene_radius, float offset_extent, int spp,
+                               FrameTable* frame_table)
     : caster_(caster),
       parameters_(checked(parameters)),
       grid_(parameters_, scene_center, checked_radius(scene_radius)),

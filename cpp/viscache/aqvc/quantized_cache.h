@@ -31,9 +31,9 @@ public:
     /// Scene::offset_extent, `spp` the number of samples per pixel. `exact` answers the exact groups. A table
     /// of the frame must outlive the cache; `pairs` then uses it for all tiles and accepts queries in any
     /// order.
-    QuantizedCache(const RayCaster& caster, std::unique_ptr<VisibilityOracle> exact,
-                   const AqvcParameters& parameters, Vec3 scene_center, float scene_radius,
-                   float offset_extent, int spp, FrameTable* frame_table = nullptr);
+    QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
+                   Vec3 scene_center, float scene_radius, float offset_extent, int spp,
+                   FrameTable* frame_table = nullptr);
 
     /// Makes tiles read and extend a kept table, which must outlive the cache. Requires Form::kPairs and
     /// Storage::kTable.
