@@ -19,6 +19,7 @@ from viscache.settings.source_context import SourceContext
 Array = npt.NDArray[Any]
 ISAS = ("portable", "avx2", "avx512")
 SCENES = os.environ.get("VISCACHE_SCENES")
+PACKETS = vc.Exact(engine="packets")
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def visible(
 def count_of_differences(
     scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds, setting: Any = None
 ) -> int:
-    packets = visible(scene, vc.Exact(), eyes, ends)
+    packets = visible(scene, PACKETS, eyes, ends)
     shafts = visible(scene, setting or vc.Exact(engine="shafts"), eyes, ends)
     return int(np.count_nonzero(packets != shafts))
 
@@ -129,7 +130,7 @@ def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple
     Exactly at a corner, Embree's answer depends on the packet: its boxes are tested in another way.
     """
     answers = [
-        visible(scene, vc.Exact(order=o, coherent=c), eyes, ends)
+        visible(scene, vc.Exact(order=o, coherent=c, engine="packets"), eyes, ends)
         for o in ("by_light", "by_pixel")
         for c in (True, False)
     ]
@@ -234,7 +235,7 @@ WHITTED = vc.Whitted(n_vpls=150)
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
     scene = vc.scenes.build("room?triangles=3000")
-    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2)
+    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2, visibility=PACKETS)
     shafts = vc.render(
         scene,
         WHITTED,
@@ -253,9 +254,8 @@ def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
 def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
     """What the engine of a default frame did; None if packets answered it all."""
     frame = vc.render(scene, integrator, **{"size": (150, 90), "spp": 2} | options)
-    exact = vc.Exact(engine="packets")
     packets = vc.render(
-        scene, integrator, visibility=exact, **{"size": (150, 90), "spp": 2} | options
+        scene, integrator, visibility=PACKETS, **{"size": (150, 90), "spp": 2} | options
     )
     assert frame.sha256 == packets.sha256
     return frame.parameters.get("engine")
@@ -290,7 +290,7 @@ def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
     fast = vc.Embree(robust=False)
     frame = vc.render(scene, WHITTED, size=(150, 90), rays=fast)
     assert "engine" not in frame.parameters
-    with pytest.raises(ValueError, match="engine=\"shafts\""):
+    with pytest.raises(ValueError, match='engine="shafts"'):
         vc.render(scene, WHITTED, size=(150, 90), rays=fast, visibility=vc.Exact(engine="shafts"))
 
 
@@ -300,8 +300,7 @@ def test_exact_groups_of_the_quantized_cache_go_through_shafts() -> None:
     cache = vc.Aqvc(exact_groups=("point",))
     cold = vc.render(scene, WHITTED, visibility=cache, **options)
     assert cold.parameters["engine"]["shaft_queries"] == cold.counters["groups"]["point"]["queries"]
-    packets = vc.Exact(engine="packets")
-    lamps_alone = vc.render(scene, WHITTED, visibility=packets, **options).layers["point"]
+    lamps_alone = vc.render(scene, WHITTED, visibility=PACKETS, **options).layers["point"]
     assert np.array_equal(cold.layers["point"], lamps_alone)
     for threads in (1, 3):
         again = vc.render(scene, WHITTED, visibility=cache, threads=threads, **options)
@@ -331,8 +330,8 @@ def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
     eyes, ends = area_points(scene, 1500), lamps(scene, 64)
     assert count_of_differences(scene, eyes, ends) == 0
     # The power of it: many answers hang on the holes
-    solid = visible(leaves(), vc.Exact(), eyes, ends)
-    assert np.count_nonzero(solid != visible(scene, vc.Exact(), eyes, ends)) > 1000
+    solid = visible(leaves(), PACKETS, eyes, ends)
+    assert np.count_nonzero(solid != visible(scene, PACKETS, eyes, ends)) > 1000
 
 
 @pytest.mark.slow
