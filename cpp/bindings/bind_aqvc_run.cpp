@@ -7,6 +7,7 @@
 #include "analytic_caster.h"
 #include "arrays.h"
 #include "viscache/aqvc/quantized_cache.h"
+#include "viscache/visibility/exact.h"
 #include "viscache/visibility/given_contributions.h"
 
 namespace viscache::bindings {
@@ -86,7 +87,8 @@ public:
         : caster_(caster),
           extent_(extent),
           eyes_(eye_block(eyes, extent)),
-          cache_(caster_, p, vec3(center), radius, extent, spp) {
+          cache_(caster_, ExactAnswers{std::make_unique<ExactOracle>(caster_, extent)}, p, vec3(center),
+                 radius, extent, spp) {
         cache_.begin_tile(eyes_);
     }
     py::tuple block(const py::dict& lights,

@@ -44,8 +44,12 @@ void bind_sources(py::module_& m) {
              scene, caster, py::arg("batch"), py::kw_only(), py::arg("choose"), py::arg("order") = py::none(),
              py::arg("coherent") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
     py::class_<AqvcSource, OracleSource>(m, "AqvcSource", "See viscache.Aqvc.")
-        .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,
-             py::arg("parameters"), py::kw_only(), py::arg("spp"), KeepScene(), KeepCaster());
+        .def(py::init([](const Scene& s, const RayCaster& c, const AqvcParameters& p, int spp,
+                         std::optional<OracleSource*> exact) {
+                 return std::make_unique<AqvcSource>(s, c, p, spp, exact.value_or(nullptr));
+             }),
+             scene, caster, py::arg("parameters"), py::kw_only(), py::arg("spp"),
+             py::arg("exact") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 6>());
     py::class_<FrameTableSource, OracleSource>(
         m, "FrameTableSource", "A quantized cache with one table per frame; see viscache.Bdpt.")
         .def(py::init<const Scene&, const RayCaster&, const AqvcParameters&, int>(), scene, caster,

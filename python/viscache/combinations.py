@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from viscache.settings.integrators import Bdpt, Direct, Whitted
-from viscache.settings.rays import Embree
+from viscache.settings.rays import is_robust
 from viscache.settings.visibility import Aqvc, Exact, ShadowMap, Unoccluded, VisMaps
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
@@ -69,10 +69,6 @@ class Rule:
     given: Callable[[Request], Any] = lambda r: r.visibility
 
 
-def _robust(request: Request) -> bool:
-    return isinstance(request.rays, Embree) and request.rays.robust
-
-
 _IN_TILES = (Direct, Whitted)
 
 RULES: tuple[Rule, ...] = (
@@ -107,7 +103,7 @@ RULES: tuple[Rule, ...] = (
     Rule('`AmbientOcclusion(directions="shared")`', "any rays but robust Embree",
          '`directions="own"`',
          "rays must be vc.Embree() with shared directions",
-         lambda r: r.shares_directions and not _robust(r),
+         lambda r: r.shares_directions and not is_robust(r.rays),
          lambda r: r.rays),
     Rule('`AmbientOcclusion(directions="shared")`', 'any cache, `use="correct"`',
          '`directions="own"`',
@@ -116,17 +112,17 @@ RULES: tuple[Rule, ...] = (
     Rule("`Exact(sky_engine=…)`", "any rays but robust Embree", '`sky_engine="embree"`',
          'rays must be vc.Embree() with sky_engine="batch" or "auto"',
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
-                    and not _robust(r)),
+                    and not is_robust(r.rays)),
          lambda r: r.rays),
     Rule("`Exact(sky_engine=…)`", "`Bdpt`, `AmbientOcclusion`", '`sky_engine="embree"`',
          "integrator must be vc.Direct(...) or vc.Whitted(...) with sky_engine",
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.sky_engine != "embree"
                     and not isinstance(r.integrator, _IN_TILES)),
          lambda r: r.integrator),
-    Rule("`Exact(engine=…)`", "any rays but robust Embree", '`engine="packets"`',
-         'rays must be vc.Embree() with engine="shafts" or "auto"',
-         lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine != "packets"
-                    and not _robust(r)),
+    Rule('`Exact(engine="shafts")`', "any rays but robust Embree", '`engine="auto"`',
+         'rays must be vc.Embree() with engine="shafts"',
+         lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine == "shafts"
+                    and not is_robust(r.rays)),
          lambda r: r.rays),
     Rule("`keep=AqvcTable(...)`", "any visibility but `Aqvc`", "`Aqvc`",
          "visibility must be vc.Aqvc(...) with keep",

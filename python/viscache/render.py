@@ -225,7 +225,7 @@ def render_part(
             spp=spp,
             seed=seed,
             batch=batch,
-            shafts=shafts_for(geometry, visibility),
+            shafts=shafts_for(geometry, visibility, rays),
             kept=kept,
             bidirectional=isinstance(integrator, Bdpt),
         )

@@ -107,7 +107,7 @@ def test_every_packet_order_and_flag_gives_the_same_frame(scene, integrator):
         (order, coherent, threads): vc.render(
             scene,
             integrator,
-            visibility=vc.Exact(order=order, coherent=coherent),
+            visibility=vc.Exact(order=order, coherent=coherent, engine="packets"),
             size=(45, 33),
             threads=threads,
         )

@@ -87,6 +87,18 @@ def test_few_are_up_to_eight(lights: int) -> None:
     assert (counts["rays"] == counts["queries"]) == (lights == 8)
 
 
+@pytest.mark.parametrize("n_vpls", [135, 134])
+def test_a_small_part_of_the_shared_lights_is_exact(n_vpls: int) -> None:
+    """Nine lamps are a sixteenth of 9 + 135 lights."""
+    room = q.scene("room", triangles=2000, lights=9)
+    low, high = room.bounds
+    places = np.random.default_rng(2).uniform(low, high, (n_vpls, 3))
+    own = vc.Vpls(places, np.broadcast_to([0.0, -1, 0], places.shape), np.full(n_vpls, 0.1))
+    counts = render(room, vc.Aqvc(), vc.Whitted(vpls=own)).counters["groups"]
+    assert (counts["point"]["rays"] == counts["point"]["queries"]) == (n_vpls == 135)
+    assert counts["vpl"]["rays"] < counts["vpl"]["queries"]
+
+
 def test_directions_that_all_share_stay_in_the_cache_by_default(scene: vc.Scene) -> None:
     shared = vc.Direct(environment="shared", n_environment=32)
     counts = {

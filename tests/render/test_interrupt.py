@@ -101,7 +101,8 @@ def seconds_to_stop(call: str, delay: float = 0.6) -> float:
             id="rows of VPLs",
         ),
         pytest.param(
-            "vc.render(scene, many, size=SIZE, visibility=vc.Exact(order='by_pixel'))",
+            "vc.render(scene, many, size=SIZE,"
+            " visibility=vc.Exact(order='by_pixel', engine='packets'))",
             id="rows of VPLs by pixel",
         ),
         pytest.param(

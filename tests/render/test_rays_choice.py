@@ -25,7 +25,7 @@ STACKS: list[tuple[Any, dict[str, Any]]] = [
     (vc.Direct(), {}),
     (vc.Whitted(n_vpls=32), {}),
     (vc.AmbientOcclusion(n_samples=16, max_distance=1.0), {}),
-    (vc.Whitted(n_vpls=32), {"visibility": vc.Exact(order="by_pixel")}),
+    (vc.Whitted(n_vpls=32), {"visibility": vc.Exact(order="by_pixel", engine="packets")}),
     (vc.Whitted(n_vpls=32), {"visibility": vc.Aqvc(c_e=8)}),
     (vc.Whitted(n_vpls=32), {"visibility": vc.Aqvc(preset="paper")}),
 ]

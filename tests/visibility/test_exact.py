@@ -31,7 +31,11 @@ def test_packet_order_and_coherence_change_no_byte(
 ) -> None:
     settings = [
         vc.Exact(),
-        *(vc.Exact(order=o, coherent=c) for o in ("by_light", "by_pixel") for c in (True, False)),
+        *(
+            vc.Exact(order=o, coherent=c, engine="packets")
+            for o in ("by_light", "by_pixel")
+            for c in (True, False)
+        ),
     ]
     frames = [vc.render(room, integrator, size=size, visibility=v, seed=5) for v in settings]
     for frame in frames[1:]:

@@ -19,6 +19,7 @@ from viscache.settings.source_context import SourceContext
 Array = npt.NDArray[Any]
 ISAS = ("portable", "avx2", "avx512")
 SCENES = os.environ.get("VISCACHE_SCENES")
+PACKETS = vc.Exact(engine="packets")
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def visible(
 def count_of_differences(
     scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds, setting: Any = None
 ) -> int:
-    packets = visible(scene, vc.Exact(), eyes, ends)
+    packets = visible(scene, PACKETS, eyes, ends)
     shafts = visible(scene, setting or vc.Exact(engine="shafts"), eyes, ends)
     return int(np.count_nonzero(packets != shafts))
 
@@ -129,7 +130,7 @@ def sure_packets(scene: vc.Scene, eyes: vc.EyePoints, ends: vc.FarEnds) -> tuple
     Exactly at a corner, Embree's answer depends on the packet: its boxes are tested in another way.
     """
     answers = [
-        visible(scene, vc.Exact(order=o, coherent=c), eyes, ends)
+        visible(scene, vc.Exact(order=o, coherent=c, engine="packets"), eyes, ends)
         for o in ("by_light", "by_pixel")
         for c in (True, False)
     ]
@@ -234,7 +235,7 @@ WHITTED = vc.Whitted(n_vpls=150)
 @pytest.mark.parametrize("threads", [1, 2, 3])
 def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
     scene = vc.scenes.build("room?triangles=3000")
-    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2)
+    packets = vc.render(scene, WHITTED, size=(150, 90), spp=2, visibility=PACKETS)
     shafts = vc.render(
         scene,
         WHITTED,
@@ -248,6 +249,62 @@ def test_frames_have_the_bytes_of_packets(engine: Any, threads: int) -> None:
     work = shafts.parameters["engine"]
     assert work["shaft_queries"] > 0
     assert work["shaft_doubted"] + work["shaft_long_lists"] < work["shaft_queries"]
+
+
+def work_of(scene: vc.Scene, integrator: Any = WHITTED, **options: Any) -> Any:
+    """What the engine of a default frame did; None if packets answered it all."""
+    frame = vc.render(scene, integrator, **{"size": (150, 90), "spp": 2} | options)
+    packets = vc.render(
+        scene, integrator, visibility=PACKETS, **{"size": (150, 90), "spp": 2} | options
+    )
+    assert frame.sha256 == packets.sha256
+    return frame.parameters.get("engine")
+
+
+def test_by_default_the_tree_is_built_where_queries_pay_for_it() -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    assert work_of(scene, size=(40, 24)) is None  # 1920 points x 150 lights < 256 x 3000 triangles
+    assert work_of(scene)["shaft_queries"] > 0
+    # Now the tree is there
+    assert work_of(scene, size=(40, 24))["shaft_queries"] > 0
+
+
+def test_by_default_packets_answer_points_that_ask_for_few_lights() -> None:
+    scene = vc.scenes.build("room?triangles=3000&lights=4")
+    scene.shafts().memory_bytes()  # builds the tree
+    work = work_of(scene, vc.Direct())
+    assert work["shaft_queries"] == 0 < work["left_to_packets"]
+
+
+def test_by_default_packets_answer_where_a_trial_leaves_many_rays() -> None:
+    """Points farther apart than triangles: a node of 64 points has more of them than a list."""
+    scene = vc.scenes.build("random_triangles")
+    scene.shafts().memory_bytes()
+    tried = work_of(scene, size=(60, 40), spp=1)
+    assert 0 < tried["shaft_queries"] < tried["left_to_packets"]
+    assert tried["shaft_traced_packets"] > 0.33 * tried["shaft_asked_packets"]
+
+
+def test_rays_that_are_not_robust_keep_packets_by_default() -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    fast = vc.Embree(robust=False)
+    frame = vc.render(scene, WHITTED, size=(150, 90), rays=fast)
+    assert "engine" not in frame.parameters
+    with pytest.raises(ValueError, match='engine="shafts"'):
+        vc.render(scene, WHITTED, size=(150, 90), rays=fast, visibility=vc.Exact(engine="shafts"))
+
+
+def test_exact_groups_of_the_quantized_cache_go_through_shafts() -> None:
+    scene = vc.scenes.build("room?triangles=3000&lights=24")
+    options: dict[str, Any] = {"size": (150, 90), "spp": 4}
+    cache = vc.Aqvc(exact_groups=("point",))
+    cold = vc.render(scene, WHITTED, visibility=cache, **options)
+    assert cold.parameters["engine"]["shaft_queries"] == cold.counters["groups"]["point"]["queries"]
+    lamps_alone = vc.render(scene, WHITTED, visibility=PACKETS, **options).layers["point"]
+    assert np.array_equal(cold.layers["point"], lamps_alone)
+    for threads in (1, 3):
+        again = vc.render(scene, WHITTED, visibility=cache, threads=threads, **options)
+        assert again.sha256 == cold.sha256
 
 
 def leaves(**holes: Any) -> vc.Scene:
@@ -273,8 +330,8 @@ def test_holes_are_left_to_rays(holes: dict[str, Any]) -> None:
     eyes, ends = area_points(scene, 1500), lamps(scene, 64)
     assert count_of_differences(scene, eyes, ends) == 0
     # The power of it: many answers hang on the holes
-    solid = visible(leaves(), vc.Exact(), eyes, ends)
-    assert np.count_nonzero(solid != visible(scene, vc.Exact(), eyes, ends)) > 1000
+    solid = visible(leaves(), PACKETS, eyes, ends)
+    assert np.count_nonzero(solid != visible(scene, PACKETS, eyes, ends)) > 1000
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 #include "viscache/aqvc/aqvc_source.h"
 
+#include "viscache/visibility/exact.h"
+
 namespace viscache {
 
 namespace {
@@ -11,25 +13,60 @@ const AqvcParameters& checked(const AqvcParameters& p) {
     return p;
 }
 
+/// A frame whose only shared lights are those of the exact groups.
+class ExactStart final : public FrameStart {
+public:
+    ExactStart(FrameStart& frame, const AqvcParameters& parameters, size_t shared) : frame_(frame) {
+        for (const FarEnds* lights : frame.lights())
+            if (answers_exactly(parameters, lights->group, lights->count, shared)) lights_.push_back(lights);
+    }
+    std::span<const FarEnds* const> lights() const override { return lights_; }
+    uint64_t eye_points() const override { return frame_.eye_points(); }
+    int threads() const override { return frame_.threads(); }
+    Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
+        return frame_.ask_small(pixels, source, control);
+    }
+
+private:
+    FrameStart& frame_;
+    std::vector<const FarEnds*> lights_;
+};
+
 }  // namespace
 
-AqvcSource::AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp)
-    : parameters_(checked(parameters)), scene_(scene), caster_(caster), spp_(spp) {}
+AqvcSource::AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
+                       OracleSource* exact)
+    : parameters_(checked(parameters)), scene_(scene), caster_(caster), spp_(spp), exact_(exact) {}
+
+void AqvcSource::prepare(FrameStart& frame, Control& control) {
+    shared_in_frame_ = 0;
+    for (const FarEnds* lights : frame.lights()) shared_in_frame_ += lights->count;
+    if (!exact_) return;
+    ExactStart start(frame, parameters_, shared_in_frame_);
+    exact_->prepare(start, control);
+}
+
+void AqvcSource::report(Counters& counters, SourceReport& out) const {
+    if (exact_) exact_->report(counters, out);
+}
 
 int AqvcSource::dealt_tile_edge() const {
     return parameters_.storage == Storage::kPaperTiles ? kPaperTile : 0;
 }
 
 std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, const FarEnds* lights) {
-    const bool exact =
-        lights ? answers_exactly(parameters_, group, lights->count) : answers_own_exactly(parameters_, group);
+    const bool exact = lights ? answers_exactly(parameters_, group, lights->count, shared_in_frame_)
+                              : answers_own_exactly(parameters_, group);
     if (parameters_.form != Form::kWaves || exact) return nullptr;
     return std::make_unique<ExactOracle>(caster_, scene_.offset_extent());
 }
 
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
-    return std::make_unique<QuantizedCache>(caster_, parameters_, scene_.center(), scene_.radius(),
-                                            scene_.offset_extent(), spp_, table);
+    const float extent = scene_.offset_extent();
+    auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);
+    return std::make_unique<QuantizedCache>(caster_, ExactAnswers{std::move(exact), shared_in_frame_},
+                                            parameters_, scene_.center(), scene_.radius(), extent, spp_,
+                                            table);
 }
 
 std::unique_ptr<VisibilityOracle> KeptTableSource::make() {

@@ -9,12 +9,16 @@ namespace viscache {
 /// Caches that are cleared for each tile.
 class AqvcSource : public OracleSource {
 public:
-    /// `spp`: samples per pixel.
-    AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp);
+    /// `spp`: samples per pixel. `exact` makes the oracles of the exact groups, and must outlive the source;
+    /// nullptr: packets of rays.
+    AqvcSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
+               OracleSource* exact = nullptr);
+    void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
     /// In the form kWaves, for light groups that are not answered exactly.
     std::unique_ptr<VisibilityOracle> make_audit(int group, const FarEnds* lights) override;
     int dealt_tile_edge() const override;
+    void report(Counters& counters, SourceReport& out) const override;
 
 protected:
     std::unique_ptr<QuantizedCache> make_cache(FrameTable* table = nullptr) const;
@@ -24,6 +28,8 @@ private:
     const Scene& scene_;
     const RayCaster& caster_;
     int spp_;
+    OracleSource* exact_;
+    size_t shared_in_frame_ = 0;  ///< lights that all eye points share
 };
 
 /// Caches that share one table of the frame between all threads, for bidirectional path tracing.

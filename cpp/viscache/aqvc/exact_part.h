@@ -1,17 +1,25 @@
 #pragma once
-// The light groups of a quantized cache that exact rays answer.
+// The light groups of a quantized cache that an exact oracle answers.
+#include <memory>
 #include <vector>
 
 #include "viscache/aqvc/parameters.h"
-#include "viscache/visibility/exact.h"
+#include "viscache/visibility/oracle.h"
 
 namespace viscache {
+
+/// Who answers the exact groups, and lights of the frame that all eye points share, of which a small part is
+/// exact.
+struct ExactAnswers {
+    std::unique_ptr<VisibilityOracle> oracle;
+    size_t shared_in_frame = 0;
+};
 
 class ExactPart {
 public:
     /// With a table of the frame no group is exact unless it is named: its connections are to fill the table.
-    ExactPart(const RayCaster& caster, float extent, const AqvcParameters& parameters, bool of_frame)
-        : oracle_(caster, extent), parameters_(parameters) {
+    ExactPart(ExactAnswers answers, const AqvcParameters& parameters, bool of_frame)
+        : answers_(std::move(answers)), parameters_(parameters) {
         const bool none = of_frame && !parameters.exact_groups;
         for (int g = 0; g < kLightGroups; ++g)
             own_.set(size_t(g), !none && answers_own_exactly(parameters, g));
@@ -19,11 +27,11 @@ public:
 
     /// True if it answers connections with these lights.
     bool answers(const FarEnds& lights) const {
-        return answers_exactly(parameters_, lights.group, lights.count);
+        return answers_exactly(parameters_, lights.group, lights.count, answers_.shared_in_frame);
     }
     /// True if it answers far ends of single eye points.
     bool answers_own(int group) const { return own_.test(size_t(group)); }
-    ExactOracle& oracle() { return oracle_; }
+    VisibilityOracle& oracle() { return *answers_.oracle; }
 
     /// Answers the queries of the exact groups, and hands the others to `rest(queries, visible)`.
     template <class Rest>
@@ -35,13 +43,13 @@ public:
             for (size_t i = 0; i < queries.size(); ++i)
                 numbers_[answers_own(queries[i].group)].push_back(uint32_t(i));
         if (numbers_[1].empty()) return rest(queries, visible);
-        if (numbers_[0].empty()) return oracle_.pairs(eyes, queries, visible, counters);
+        if (numbers_[0].empty()) return oracle().pairs(eyes, queries, visible, counters);
         for (const bool exact : {false, true}) {
             some_.clear();
             for (uint32_t i : numbers_[exact]) some_.push_back(queries[i]);
             answer_.assign(words_for(some_.size()), 0);
             if (exact)
-                oracle_.pairs(eyes, some_, answer_, counters);
+                oracle().pairs(eyes, some_, answer_, counters);
             else
                 rest(std::span<const ShadowQuery>(some_), std::span<Word>(answer_));
             for_each_bit(answer_, [&](size_t k) { set_bit(visible.data(), numbers_[exact][k]); });
@@ -49,7 +57,7 @@ public:
     }
 
 private:
-    ExactOracle oracle_;
+    ExactAnswers answers_;
     const AqvcParameters& parameters_;
     LightGroupSet own_;
     // Of a call of `pairs`: numbers of the cached and of the exact queries, the queries of one of them,

@@ -219,13 +219,14 @@ inline bool refines(const AqvcParameters& p, int group, int spp) {
     return shared && (c_e > p.c_finest || c_e * c_e > spp);
 }
 
-/// True if exact rays answer the queries between eye points and `shared` lights of this group. Auto: groups
-/// of few lights, because cells cost more than so few rays.
-inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared) {
+/// True if exact rays answer the queries between eye points and the `shared` lights of this group. Auto:
+/// groups of few lights, because cells cost more than so few rays; and a small part of all lights that the
+/// frame's eye points share, because lamps among virtual lights cause half of the error (docs/aqvc.md has
+/// figures of both).
+inline bool answers_exactly(const AqvcParameters& p, int group, size_t shared, size_t shared_in_frame) {
     if (p.exact_groups) return p.exact_groups->test(size_t(group));
-    constexpr size_t kFew =
-        8;  // measured: up to 2 times slower with 1–4 lights, as fast with 8 (docs/aqvc.md)
-    return p.form == Form::kWaves && shared <= kFew;
+    constexpr size_t kFew = 8, kSmallPart = 16;
+    return p.form == Form::kWaves && (shared <= kFew || shared * kSmallPart <= shared_in_frame);
 }
 
 /// The same for far ends that are each eye point's own. Auto: samples of area lights and skies. They hardly

@@ -31,15 +31,16 @@ void add_clamps(const ClampCounts& clamps, Counters& counters) {
 
 }  // namespace
 
-QuantizedCache::QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
-                               float scene_radius, float offset_extent, int spp, FrameTable* frame_table)
+QuantizedCache::QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
+                               Vec3 scene_center, float scene_radius, float offset_extent, int spp,
+                               FrameTable* frame_table)
     : caster_(caster),
       parameters_(checked(parameters)),
       grid_(parameters_, scene_center, checked_radius(scene_radius)),
       extent_(offset_extent),
       spp_(spp),
       shares_(frame_table != nullptr),
-      exact_(caster, offset_extent, parameters_, shares_),
+      exact_(std::move(exact), parameters_, shares_),
       tracer_(caster, offset_extent),
       pairs_(parameters_, frame_table),
       sample_rows_(caster, offset_extent) {
@@ -62,6 +63,7 @@ void QuantizedCache::watch(const Control& control) {
 }
 
 void QuantizedCache::begin_tile(const EyeBlock& eyes) {
+    exact_.oracle().begin_tile(eyes);
     tile_.eyes = nullptr;
     pairs_.begin_tile();
     has_order_ = false;

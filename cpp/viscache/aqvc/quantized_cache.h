@@ -28,10 +28,12 @@ namespace viscache {
 class QuantizedCache final : public VisibilityOracle {
 public:
     /// Center and radius are those of the bounding sphere of the scene. `offset_extent` is
-    /// Scene::offset_extent, `spp` the number of samples per pixel. A table of the frame must outlive the
-    /// cache; `pairs` then uses it for all tiles and accepts queries in any order.
-    QuantizedCache(const RayCaster& caster, const AqvcParameters& parameters, Vec3 scene_center,
-                   float scene_radius, float offset_extent, int spp, FrameTable* frame_table = nullptr);
+    /// Scene::offset_extent, `spp` the number of samples per pixel. `exact` answers the exact groups. A table
+    /// of the frame must outlive the cache; `pairs` then uses it for all tiles and accepts queries in any
+    /// order.
+    QuantizedCache(const RayCaster& caster, ExactAnswers exact, const AqvcParameters& parameters,
+                   Vec3 scene_center, float scene_radius, float offset_extent, int spp,
+                   FrameTable* frame_table = nullptr);
 
     /// Makes tiles read and extend a kept table, which must outlive the cache. Requires Form::kPairs and
     /// Storage::kTable.

@@ -17,6 +17,9 @@ public:
         : frame_(frame), lights_(std::move(lights)), out_(out), render_(std::move(render)) {}
     std::span<const FarEnds* const> lights() const override { return lights_; }
     int threads() const override { return frame_.threads; }
+    uint64_t eye_points() const override {
+        return uint64_t(frame_.width) * uint64_t(frame_.height) * uint64_t(frame_.spp);
+    }
     Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
         FrameSettings settings = frame_;
         const double scale =

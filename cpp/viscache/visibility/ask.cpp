@@ -53,6 +53,7 @@ public:
     }
     std::span<const FarEnds* const> lights() const override { return lights_; }
     int threads() const override { return threads_; }
+    uint64_t eye_points() const override { return tiles_.size; }
     Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {
         const size_t step = std::max<size_t>(1, tiles_.size / std::max<size_t>(1, pixels));
         const Counters counters =

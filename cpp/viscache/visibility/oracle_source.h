@@ -28,6 +28,8 @@ public:
     /// Runs the queries of a small version of the frame, with about `pixels` eye samples, through the oracles
     /// of another source. Returns its counters; the frame adds these rays to its own.
     virtual Counters ask_small(size_t pixels, OracleSource& source, Control& control) = 0;
+    /// Eye points of the whole frame.
+    virtual uint64_t eye_points() const = 0;
     virtual int threads() const = 0;
 };
 

@@ -1,11 +1,15 @@
 #pragma once
-// Shafts or packets of rays, for a group of lights and a tile: by counted work, never by time. The two limits
-// were chosen in twelve scenes and hold in twelve others (docs/performance/exact.md). A list of prices for
-// all counters predicted the other scenes worse.
+// Shafts or packets of rays: by counted work, never by time. The frame decides whether its tree is worth
+// building; then each tile decides for each group of lights. The tile's two limits were chosen in twelve
+// scenes and hold in twelve others (docs/performance/exact.md). A list of prices for all counters predicted
+// the other scenes worse.
 #include "viscache/visibility/shaft_kernels.h"
 
 namespace viscache {
 
+/// Queries that a frame may ask per triangle before its tree is built. Building takes the time of about ten
+/// rays per triangle, so that it costs no more than 3 % where shafts then save nothing.
+constexpr uint64_t kLeastQueriesPerTriangle = 256;
 /// Points ask for at least so many lights each, on average; else preparing them costs more than shafts save.
 constexpr uint64_t kLeastLightsPerPoint = 12;
 /// Lights of the first 64 that shafts answer for a trial.

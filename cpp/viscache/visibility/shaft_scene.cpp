@@ -37,18 +37,17 @@ Bounds bounds_of_world(const Scene& scene) {
 }  // namespace
 
 ShaftScene::ShaftScene(std::shared_ptr<const Scene> scene, uint64_t max_bytes) : scene_(std::move(scene)) {
-    uint64_t triangles = 0;
-    for (const Mesh& mesh : scene_->meshes()) triangles += mesh.in_world ? mesh.triangles.size() : 0;
+    for (const Mesh& mesh : scene_->meshes()) triangles_ += mesh.in_world ? mesh.triangles.size() : 0;
     const Bounds bounds = bounds_of_world(*scene_);
     const float extent = max_component(bounds.hi - bounds.lo);
     if (!scene_->description().instances.empty()) {
         // Embree turns the ray into the instance's space, so its bits are not those of placed triangles
         refusal_ = "the scene has instances";
-    } else if (triangles == 0 || !(extent > 0)) {
+    } else if (triangles_ == 0 || !(extent > 0)) {
         refusal_ = "the scene has no triangles";
-    } else if (triangles > uint64_t{1} << 30) {
+    } else if (triangles_ > uint64_t{1} << 30) {
         refusal_ = "the scene has more than 2^30 triangles";
-    } else if (max_bytes && most_shaft_bytes(triangles) > max_bytes) {
+    } else if (max_bytes && most_shaft_bytes(triangles_) > max_bytes) {
         refusal_ = "the tree might exceed max_bytes";
     } else {
         scale_ = std::ldexp(1.f, -std::ilogb(extent));
@@ -63,6 +62,7 @@ const ShaftTree& ShaftScene::tree(const Control& control) const {
     std::call_once(once_, [&] {
         const std::vector<ShaftTriangle> triangles = scaled_triangles(*scene_, scale_);
         tree_ = build_shaft_tree(triangles, control);
+        has_tree_.store(true, std::memory_order_release);
     });
     return tree_;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // A scene's triangles for shafts, built once for all frames.
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -16,6 +17,9 @@ public:
 
     /// Why packets must answer everything; empty if shafts can be used.
     const std::string& refusal() const { return refusal_; }
+    uint64_t triangles() const { return triangles_; }
+    /// True once the tree is built.
+    bool has_tree() const { return has_tree_.load(std::memory_order_acquire); }
     /// Coordinates of the tree are those of the scene times this power of two: the scene's size is then in
     /// [1, 2), and no bound leaves the range of float.
     float scale() const { return scale_; }
@@ -27,8 +31,10 @@ private:
     std::shared_ptr<const Scene> scene_;
     float scale_ = 1;
     std::string refusal_;
+    uint64_t triangles_ = 0;
     mutable std::once_flag once_;
     mutable ShaftTree tree_;
+    mutable std::atomic<bool> has_tree_ = false;
 };
 
 }  // namespace viscache

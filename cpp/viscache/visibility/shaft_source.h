@@ -15,20 +15,21 @@ public:
           shafts_(shafts),
           exact_(exact),
           options_(options) {}
-    /// Builds the tree, if it is not built and the frame has shared points.
+    /// Builds the tree, if the frame is to use it.
     void prepare(FrameStart& frame, Control& control) override;
-    std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<ShaftOracle>(shafts_, caster_, extent_, exact_.make(), options_, totals_);
-    }
+    std::unique_ptr<VisibilityOracle> make() override;
     void report(Counters& counters, SourceReport& out) const override;
 
 private:
+    std::string reason_against(const FrameStart& frame) const;
+
     const RayCaster& caster_;
     float extent_;
     const ShaftScene& shafts_;
     OracleSource& exact_;
     ShaftOptions options_;
     ShaftTotals totals_;
+    std::string no_shafts_;  ///< why packets answer everything
     double tree_s_ = 0;
 };
 

@@ -723,7 +723,7 @@ class AqvcSource(OracleSource):
     """
     See viscache.Aqvc.
     """
-    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, *, spp: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, *, spp: typing.SupportsInt | typing.SupportsIndex, exact: OracleSource | None = None) -> None:
         ...
 class FrameTableSource(OracleSource):
     """

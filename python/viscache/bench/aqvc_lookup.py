@@ -26,7 +26,7 @@ def aqvc_lookup(quick: bool = False) -> Outcome:
     scene = build_scene("room?triangles=20000" if quick else "room?triangles=200000")
     size = (96, 96) if quick else (512, 512)
     integrator = Whitted(n_vpls=64 if quick else 256)
-    settings: dict[str, Visibility] = {"ray": Exact()}
+    settings: dict[str, Visibility] = {"ray": Exact(engine="packets")}
     forms = {"waves": PaperForm(), "pairs": PaperForm(form="pairs")}
     for name, form in forms.items():
         settings[name] = Aqvc(c_e=10, refinement="on", paper=form)

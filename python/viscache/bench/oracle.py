@@ -97,7 +97,7 @@ def in_python(scene: Scene, quick: bool, outcome: Outcome) -> None:
     """A whole exact frame, traced by the core and through an oracle written in Python."""
     size, integrator = ((96, 64), Whitted(n_vpls=64)) if quick else ((640, 400), Whitted())
     frames: dict[str, Frame] = {}
-    ways: dict[str, Any] = {"core": Exact(), "python": Traced()}
+    ways: dict[str, Any] = {"core": Exact(engine="packets"), "python": Traced()}
 
     def runner(name: str) -> Callable[[], Sample]:
         def run() -> Sample:

@@ -153,7 +153,7 @@ def noise(shot: Shot, quick: bool) -> dict[str, Noise]:
             shot.scene, shot.integrator, size=shot.size, spp=spp, seed=1000, camera=shot.camera
         )
     )
-    chosen: dict[str, Visibility] = {"exact": Exact(), **methods(quick)}
+    chosen: dict[str, Visibility] = {"exact": Exact(engine="packets"), **methods(quick)}
     seeds = range(2 if quick else SEEDS)
     frames = {n: [shot.frame(v, seed=s) for s in seeds] for n, v in chosen.items()}
     return {

@@ -39,7 +39,7 @@ class Shot:
         return render(
             self.scene,
             self.integrator,
-            visibility=visibility or Exact(),
+            visibility=visibility or Exact(engine="packets"),
             seed=seed,
             size=self.size,
             spp=self.spp,

@@ -16,7 +16,7 @@ from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import is_written
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
-from viscache.settings.rays import Embree, check_rays
+from viscache.settings.rays import check_rays, is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, VisMaps
 
@@ -147,10 +147,9 @@ class Oracle:
                 'storage must be "table" or "exact" for arrays of points',
                 visibility.paper.storage,
             )
-        if isinstance(visibility, Exact) and visibility.engine != "packets":
-            caster = check_rays(rays)
-            robust = isinstance(caster, Embree) and caster.robust
-            require(robust, 'rays must be vc.Embree() with engine="shafts" or "auto"', rays)
+        rays = check_rays(rays)
+        if isinstance(visibility, Exact) and visibility.engine == "shafts":
+            require(is_robust(rays), 'rays must be vc.Embree() with engine="shafts"', rays)
         self.scene, self.visibility = scene, visibility
         self._use = use
         self._threads = threads or len(os.sched_getaffinity(0))
@@ -159,7 +158,7 @@ class Oracle:
             caster=scene.caster(rays, threads=self._threads),
             seed=int(seed),
             spp=int(spp),
-            shafts=shafts_for(scene, visibility),
+            shafts=shafts_for(scene, visibility, rays),
         )
 
     def block(

@@ -7,8 +7,9 @@ from typing import Any
 from viscache import _core
 from viscache.oracles import written
 from viscache.oracles.correct import Correct
+from viscache.settings.rays import Rays, is_robust
 from viscache.settings.source_context import SourceContext
-from viscache.settings.visibility import Exact, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, VisMaps
 
 __all__ = ["oracle_source", "parameters_of", "shafts_for"]
 
@@ -27,9 +28,12 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
     )
 
 
-def shafts_for(scene: Any, visibility: Any) -> _core.ShaftScene | None:
+def shafts_for(scene: Any, visibility: Any, rays: Rays) -> _core.ShaftScene | None:
     """The triangles of a scene for shafts, or None where packets of rays answer."""
-    if not isinstance(visibility, Exact) or visibility.engine == "packets":
+    uses = isinstance(visibility, Aqvc) or (
+        isinstance(visibility, Exact) and visibility.engine != "packets"
+    )
+    if not uses or not is_robust(rays):
         return None
     shafts: _core.ShaftScene = scene.shafts()
     return shafts

@@ -230,7 +230,11 @@ class Aqvc:
             )
         if context.bidirectional:
             return _core.FrameTableSource(scene, caster, self.core(), spp=spp)
-        return _core.AqvcSource(scene, caster, self.core(), spp=spp)
+        exact: _core.OracleSource | None = None
+        if context.shafts is not None:
+            packets = _core.ExactSource(scene, caster)
+            exact = _core.ShaftSource(scene, caster, context.shafts, packets, choose=True)
+        return _core.AqvcSource(scene, caster, self.core(), spp=spp, exact=exact)
 
     def for_frame_table(self) -> Aqvc:
         """With the defaults for `Bdpt`: Eq. 6, no refinement (Sec. 4.2), 256 MiB.

@@ -11,7 +11,7 @@ from viscache.settings.checks import check_types, require
 from viscache.settings.parameter_rows import ParameterRows
 from viscache.settings.spelling import setting
 
-__all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays"]
+__all__ = ["Bsp", "Caster", "Embree", "Rays", "Vlf", "check_rays", "is_robust"]
 
 BSP_ROWS = ParameterRows(_core.visibility.BspSettings)
 FIELD_ROWS = ParameterRows(_core.vlf.FieldSettings)
@@ -129,6 +129,11 @@ class Vlf:
 Rays: TypeAlias = Embree | Bsp | Vlf
 #: What they build.
 Caster: TypeAlias = "_core.EmbreeCaster | _core.visibility.BspCaster | _core.vlf.VisibilityField"
+
+
+def is_robust(rays: object) -> bool:
+    """True for Embree's watertight rays, the default."""
+    return isinstance(rays, Embree) and rays.robust
 
 
 def vlf_settings(given: Vlf | str | None) -> Vlf:

@@ -50,16 +50,17 @@ class Exact:
         "packets": 16 rays at a time. "shafts": the hull of a light and many neighbouring eye points
         is tested against the scene, and rays answer only what its bounds of rounding leave open.
         Answers are the same bit for bit. It pays where eye points lie more densely than triangles,
-        as with many samples per pixel (docs/performance/exact.md has figures). "auto": shafts, and
-        packets where a trial of eight lights leaves many packets to be traced, or where points ask
-        for few lights. Scenes with instances, or too
-        large for the tree (4 GiB), keep packets; `Frame.parameters["engine"]` tells.
+        as with many samples per pixel (docs/performance/exact.md has figures). "auto": shafts, but
+        packets in frames with too few queries to pay for the tree of the scene, where points ask
+        for few lights, and where a trial of eight lights leaves many packets to be traced. Scenes
+        with instances, or too large for the tree (4 GiB), keep packets, and so do rays other than
+        `Embree()`. `Frame.parameters["engine"]` counts what shafts did.
     """
 
     order: Literal["auto", "by_light", "by_pixel"] = "auto"
     coherent: bool | None = None
     sky_engine: Literal["embree", "batch", "auto"] = "embree"
-    engine: Literal["packets", "shafts", "auto"] = "packets"
+    engine: Literal["packets", "shafts", "auto"] = "auto"
 
     def __post_init__(self) -> None:
         check_types(self)
