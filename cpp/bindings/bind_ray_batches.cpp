@@ -3,7 +3,8 @@
 
 #include "caster_queries.h"
 #include "isa_argument.h"
-#include "viscache/visibility/block_tracer.h"
+#include "viscache/visibility/ray_batch.h"
+#include "viscache/visibility/ray_order.h"
 
 namespace viscache::bindings {
 

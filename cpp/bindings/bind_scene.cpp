@@ -10,8 +10,6 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kSortChunk = 1 << 16;  // sorting pays more in larger chunks
-
 std::optional<RayWay> way_named(const std::optional<std::string>& name) {
     if (!name) return std::nullopt;
     if (*name == "coherent") return RayWay::kCoherent;
@@ -31,17 +29,18 @@ py::array_t<bool> occluded(const EmbreeCaster& caster, const AnyFloatArray& o, c
     const RayArrays rays{origins.rows, directions.rows, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    threads = resolve_threads(threads);
-    std::vector<BlockTracer> tracers(size_t(threads), BlockTracer(caster, rays, out, way_named(way)));
-    std::atomic<bool> usable{true};
-    // Several chunks per thread, so that all end at the same time
-    const size_t chunk = std::clamp(n / (6 * size_t(threads)), kChunk, kSortChunk);
-    in_chunks(
-        n, threads,
-        [&](size_t first, size_t last, int worker) {
-            if (usable && !tracers[size_t(worker)].block(first, last - first)) usable = false;
-        },
-        chunk);
+    const std::optional<RayWay> fixed = way_named(way);
+    bool usable = true;
+    const auto trace = [&](Control& control) {
+        usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
+    };
+    if (n < kQuick) {
+        py::gil_scoped_release release;
+        Control control;
+        trace(control);
+    } else {
+        run_interruptible(trace);
+    }
     if (!usable) {
         require_distances(t);
         require_usable(origins.rows, n, "origins");

@@ -1,12 +1,12 @@
 #pragma once
-// Traces any-hit rays of a caller's arrays, block by block, in the way that suits them. Affects speed only:
-// in robust scenes every way gives the same answers.
+// Traces any-hit rays of a caller's arrays in the way that suits them. Affects speed only: in robust scenes
+// every way gives the same answers.
 #include <cstdint>
 #include <optional>
 
+#include "viscache/math/parallel.h"
 #include "viscache/visibility/embree_caster.h"
-#include "viscache/visibility/ray_batch.h"
-#include "viscache/visibility/ray_order.h"
+#include "viscache/visibility/ray_arrays.h"
 
 namespace viscache {
 
@@ -17,25 +17,12 @@ enum class RayWay {
     kSorted,    ///< similar rays together, in incoherent packets
 };
 
-/// One object per thread. The way of a block follows from its rays and its scene, never from time.
-class BlockTracer {
-public:
-    /// The answer for ray k is stored in occluded[k]. `fixed`: always use this way.
-    BlockTracer(const EmbreeCaster& caster, const RayArrays& rays, uint8_t* occluded,
-                std::optional<RayWay> fixed = {});
-    /// Traces rays [first, first + count). Stops at the first batch with a ray that must not be traced, and
-    /// returns false. Nothing of such a batch is traced.
-    bool block(size_t first, size_t count);
-
-private:
-    RayWay way_of(size_t first, size_t count);
-
-    const EmbreeCaster& caster_;
-    RayArrays rays_;
-    uint8_t* occluded_;
-    std::optional<RayWay> fixed_;
-    RayOrder order_;
-    RayBatch batch_;
-};
+/// Any hits of `count` rays; the answer for ray k is stored in occluded[k]. The way of a block of rays
+/// follows from its rays, never from time; `fixed`: always this way.
+///
+/// False if a ray must not be traced: a component that is not finite or above kMaxCoordinate in size, or a
+/// t_max that is not >= 0. Nothing of its batch is traced, and the answers are incomplete.
+bool trace_any_hits(const EmbreeCaster& caster, const RayArrays& rays, size_t count, uint8_t* occluded,
+                    int threads, Control& control, std::optional<RayWay> fixed = {});
 
 }  // namespace viscache
