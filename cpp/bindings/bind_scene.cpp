@@ -10,37 +10,42 @@ namespace viscache::bindings {
 
 namespace {
 
-constexpr size_t kSortChunk = 1 << 16;  // sorting pays more in larger chunks
+std::optional<RayWay> way_named(const std::optional<std::string>& name) {
+    if (!name) return std::nullopt;
+    if (*name == "coherent") return RayWay::kCoherent;
+    if (*name == "as_given") return RayWay::kAsGiven;
+    if (*name == "sorted") return RayWay::kSorted;
+    throw py::value_error("way must be coherent, as_given or sorted, got " + *name);
+}
 
-/// Any hits by Embree; every block is traced in the way that is fastest for it.
-py::array_t<bool> occluded(const EmbreeCaster& caster, const FloatArray& o, const FloatArray& d,
-                           const py::object& t_max, int threads) {
-    const Vec3 *origins = rows3(o, "origins"), *directions = rows3(d, "directions");
+/// Any hits by Embree; every block is traced in the way that suits it.
+py::array_t<bool> occluded(const EmbreeCaster& caster, const AnyFloatArray& o, const AnyFloatArray& d,
+                           const py::object& t_max, int threads, const std::optional<std::string>& way) {
+    const RowView origins(o, "origins"), directions(d, "directions");
     require_same_rows(o, d, "origins and directions");
     const size_t n = size_t(o.shape(0));
-    const FloatArray t = distances(t_max, n);
-    const RayArrays rays{origins, directions, t.data(), size_t(t.ndim() == 1)};
+    const FloatArray t = distances_of_shape(t_max, n);
+    if (t.ndim() == 0) require_distances(t);
+    const RayArrays rays{origins.rows, directions.rows, t.data(), size_t(t.ndim() == 1)};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
-    threads = resolve_threads(threads);
-    std::vector<BlockTracer> tracers(size_t(threads), BlockTracer(caster, rays, out));
-    std::atomic<bool> usable{true};
-    // Several chunks per thread: later chunks use what was measured on the first ones
-    const size_t chunk = std::clamp(n / (6 * size_t(threads)), kChunk, kSortChunk);
-    in_chunks(
-        n, threads,
-        [&](size_t first, size_t last, int worker) {
-            // Rays are checked chunk by chunk while they are in the processor's cache
-            if (!all_usable({origins + first, last - first}) ||
-                !all_usable({directions + first, last - first}))
-                usable = false;
-            else
-                tracers[size_t(worker)].block(first, last - first);
-        },
-        chunk);
+    const std::optional<RayWay> fixed = way_named(way);
+    bool usable = true;
+    const auto trace = [&](Control& control) {
+        usable = trace_any_hits(caster, rays, n, out, threads, control, fixed);
+    };
+    if (n < kQuick) {
+        py::gil_scoped_release release;
+        Control control;
+        trace(control);
+    } else {
+        run_interruptible(trace);
+    }
     if (!usable) {
-        require_usable(o, "origins");
-        require_usable(d, "directions");
+        require_distances(t);
+        require_usable(origins.rows, n, "origins");
+        require_usable(directions.rows, n, "directions");
+        throw std::runtime_error("the rays changed while they were traced");
     }
     return result;
 }
@@ -53,14 +58,14 @@ py::array_t<bool> bare_occluded(const EmbreeCaster& caster, const FloatArray& o,
     require_same_rows(o, d, "origins and directions");
     if (!(t_max >= 0)) throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max));
     const size_t n = size_t(o.shape(0));
-    const RayArrays rays{rows3(o, "origins"), rows3(d, "directions"), &t_max, 0};
+    const RayArrays rays{{o.data()}, {d.data()}, &t_max, 0};
     const PacketPlan plan{width, coherent ? Coherence::kCoherent : Coherence::kIncoherent};
     py::array_t<bool> result{py::ssize_t(n)};
     auto* out = reinterpret_cast<uint8_t*>(result.mutable_data());
     py::gil_scoped_release release;
     parallel_for((n + kChunk - 1) / kChunk, threads, [&](size_t chunk, int) {
         const size_t first = chunk * kChunk, last = std::min(n, first + kChunk);
-        caster.occluded(rays, first, last - first, out, plan);
+        caster.occluded_in_a_loop(rays, first, last - first, out, plan);
     });
     return result;
 }
@@ -118,7 +123,8 @@ void bind_scene(py::module_& m) {
              py::arg("scene"), py::kw_only(), py::arg("robust") = true,
              py::call_guard<py::gil_scoped_release>())
         .def("occluded", &occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),
-             py::arg("threads") = 0)
+             py::arg("threads") = 0, py::kw_only(), py::arg("way") = py::none(),
+             "Any hits. `way` (coherent, as_given or sorted) fixes what otherwise follows from the rays.")
         .def("intersect", &nearest_hits<EmbreeCaster>, py::arg("origins"), py::arg("directions"),
              py::arg("threads") = 0)
         .def("bare_occluded", &bare_occluded, py::arg("origins"), py::arg("directions"), py::arg("t_max"),

@@ -2,6 +2,7 @@
 // Traces rays from NumPy arrays through any ray caster: the methods of the bound classes.
 #include "arrays.h"
 #include "interrupt.h"
+#include "row_view.h"
 #include "viscache/visibility/check_rays.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/visible_matrix.h"
@@ -11,12 +12,18 @@ namespace viscache::bindings {
 constexpr size_t kChunk = 1 << 13;
 constexpr size_t kQuick = 1 << 18;  // calls with fewer rays end too soon for Ctrl-C to matter
 
-inline void require_usable(const FloatArray& a, const char* name) {
-    const Vec3* rows = rows3(a, name);
-    if (const auto i = first_unusable({rows, size_t(a.shape(0))}))
+inline void require_usable(const Rows& rows, size_t n, const char* name) {
+    if (const auto i = first_unusable(rows, n)) {
+        const Vec3 row = rows[*i];
         throw py::value_error(std::string(name) + " must be finite and at most 1e16 in size, row " +
-                              std::to_string(*i) + " is (" + std::to_string(rows[*i].x) + ", " +
-                              std::to_string(rows[*i].y) + ", " + std::to_string(rows[*i].z) + ")");
+                              std::to_string(*i) + " is (" + std::to_string(row.x) + ", " +
+                              std::to_string(row.y) + ", " + std::to_string(row.z) + ")");
+    }
+}
+
+inline void require_usable(const FloatArray& a, const char* name) {
+    require_rows(a, 3, name);
+    require_usable(Rows{a.data()}, size_t(a.shape(0)), name);
 }
 
 inline void require_same_rows(const py::array& a, const py::array& b, const char* names) {
@@ -25,15 +32,25 @@ inline void require_same_rows(const py::array& a, const py::array& b, const char
                               " and " + shape_text(b));
 }
 
-/// t_max as an array: one number for all rays, or one per ray. Throws for NaN.
-inline FloatArray distances(const py::object& t_max, size_t n) {
+/// t_max as an array: one number for all rays, or one per ray. Its values are not checked yet.
+inline FloatArray distances_of_shape(const py::object& t_max, size_t n) {
     auto a = FloatArray::ensure(t_max);
     if (!a) PyErr_Clear();
     if (!a || a.ndim() > 1 || (a.ndim() == 1 && size_t(a.shape(0)) != n))
         throw py::value_error("t_max must be a number or have shape (" + std::to_string(n) + ",)");
-    for (py::ssize_t i = 0; i < a.size(); ++i)
-        if (!(a.data()[i] >= 0))
-            throw py::value_error("t_max must be >= 0, got " + std::to_string(a.data()[i]));
+    return a;
+}
+
+inline void require_distances(const FloatArray& t_max) {
+    for (py::ssize_t i = 0; i < t_max.size(); ++i)
+        if (!(t_max.data()[i] >= 0))
+            throw py::value_error("t_max must be >= 0, got " + std::to_string(t_max.data()[i]));
+}
+
+/// The same, checked. Throws for NaN.
+inline FloatArray distances(const py::object& t_max, size_t n) {
+    FloatArray a = distances_of_shape(t_max, n);
+    require_distances(a);
     return a;
 }
 

@@ -22,6 +22,7 @@ void bind_math(py::module_& m);
 void bind_nee_plus_plus(py::module_& m);
 void bind_python_oracle(py::module_& m);
 void bind_relighting(py::module_& m);
+void bind_ray_batches(py::module_& m);
 void bind_render(py::module_& m);
 void bind_render_aligned(py::module_& m);
 void bind_sampling(py::module_& m);
@@ -61,6 +62,7 @@ PYBIND11_MODULE(_core, m) {
     bind_sky(m);
     bind_scene(m);
     bind_scene_info(m);
+    bind_ray_batches(m);
     bind_triangles(m);
     bind_bsp(m);
     bind_render(m);

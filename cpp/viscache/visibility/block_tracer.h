@@ -1,37 +1,28 @@
 #pragma once
-// Traces any-hit rays of a caller's arrays, block by block, in the fastest way. Affects speed only: in
-// robust scenes every way gives the same answers.
+// Traces any-hit rays of a caller's arrays in the way that suits them. Affects speed only: in robust scenes
+// every way gives the same answers.
 #include <cstdint>
+#include <optional>
 
-#include "viscache/visibility/coherence_trial.h"
+#include "viscache/math/parallel.h"
 #include "viscache/visibility/embree_caster.h"
-#include "viscache/visibility/ray_order.h"
+#include "viscache/visibility/ray_arrays.h"
 
 namespace viscache {
 
-/// One object per thread and batch of similar rays. Rays in a coherent order, such as that of an image, are
-/// traced as given, with the traversal flag that is fastest in trials. Other rays are sorted first, unless
-/// they are cheap or sorting a block did not save time.
-class BlockTracer {
-public:
-    /// The answer for ray k is stored in occluded[k].
-    BlockTracer(const EmbreeCaster& caster, const RayArrays& rays, uint8_t* occluded);
-    /// Traces rays [first, first + count).
-    void block(size_t first, size_t count);
-
-private:
-    enum class Sorting { kUnknown, kOnTrial, kPays, kNot };
-    void choose(size_t first, size_t count, double seconds);
-    void trace_as_given(size_t first, size_t count);
-    void trace_sorted(size_t first, size_t count);
-
-    const EmbreeCaster& caster_;
-    RayArrays rays_;
-    uint8_t* occluded_;
-    CoherenceTrial flag_;
-    RayOrder order_;
-    Sorting sorting_ = Sorting::kUnknown;
-    double seconds_per_ray_ = 0;  ///< of the last block that was traced as given
+/// Ways to trace a block of rays.
+enum class RayWay {
+    kCoherent,  ///< as given, in coherent packets
+    kAsGiven,   ///< as given, in incoherent packets
+    kSorted,    ///< similar rays together, in incoherent packets
 };
+
+/// Any hits of `count` rays; the answer for ray k is stored in occluded[k]. The way of a block of rays
+/// follows from its rays, never from time; `fixed`: always this way.
+///
+/// False if a ray must not be traced: a component that is not finite or above kMaxCoordinate in size, or a
+/// t_max that is not >= 0. Nothing of its batch is traced, and the answers are incomplete.
+bool trace_any_hits(const EmbreeCaster& caster, const RayArrays& rays, size_t count, uint8_t* occluded,
+                    int threads, Control& control, std::optional<RayWay> fixed = {});
 
 }  // namespace viscache

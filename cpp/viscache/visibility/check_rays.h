@@ -6,23 +6,21 @@
 #include <string>
 
 #include "viscache/visibility/query.h"
+#include "viscache/visibility/ray_arrays.h"
 
 namespace viscache {
-
-/// True if all components are finite and at most kMaxCoordinate in size. Branch-free, so it runs at memory
-/// speed.
-inline bool all_usable(std::span<const Vec3> vectors) {
-    static_assert(sizeof(Vec3) == 3 * sizeof(float));
-    const float* v = reinterpret_cast<const float*>(vectors.data());
-    int unusable = 0;
-    for (size_t i = 0; i < 3 * vectors.size(); ++i) unusable |= !(std::fabs(v[i]) <= kMaxCoordinate);
-    return !unusable;
-}
 
 /// Index of the first vector that is not finite or larger than kMaxCoordinate; empty if there is none.
 inline std::optional<size_t> first_unusable(std::span<const Vec3> vectors) {
     for (size_t i = 0; i < vectors.size(); ++i)
         if (!(max_abs(vectors[i]) <= kMaxCoordinate) || !is_finite(vectors[i])) return i;
+    return std::nullopt;
+}
+
+/// The same for rows of a caller's array.
+inline std::optional<size_t> first_unusable(const Rows& rows, size_t n) {
+    for (size_t i = 0; i < n; ++i)
+        if (const Vec3 row = rows[i]; first_unusable({&row, 1})) return i;
     return std::nullopt;
 }
 

@@ -4,7 +4,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "viscache/visibility/coherence_trial.h"
 #include "viscache/visibility/embree_packets.h"
 
 namespace viscache {
@@ -265,15 +264,16 @@ void EmbreeCaster::occluded(std::span<const Ray> rays, std::span<uint8_t> occlud
     }
 }
 
-void EmbreeCaster::occluded(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
-                            const PacketPlan& plan) const {
-    rtc::occluded_by_plan(impl_->top, rays, rtc::AsGiven{first}, count, occluded, impl_->sound(plan));
+void EmbreeCaster::occluded(const RayBatch& batch, uint8_t* blocked, const PacketPlan& plan) const {
+    rtc::Query query(plan.coherence);
+    const auto run = rtc::is_wide(impl_->sound(plan)) ? rtc::occluded_batch<RTCRay16, 16>
+                                                      : rtc::occluded_batch<RTCRay8, 8>;
+    run(query, impl_->top, batch, blocked);
 }
 
-void EmbreeCaster::occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
-                            const PacketPlan& plan) const {
-    rtc::occluded_by_plan(impl_->top, rays, rtc::Sorted{order.data()}, order.size(), occluded,
-                          impl_->sound(plan));
+void EmbreeCaster::occluded_in_a_loop(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
+                                      const PacketPlan& plan) const {
+    rtc::occluded_by_plan(impl_->top, rays, first, count, occluded, impl_->sound(plan));
 }
 
 void EmbreeCaster::blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,

@@ -11,6 +11,8 @@
 
 namespace viscache {
 
+class RayBatch;
+
 struct EmbreeOptions {
     /// Watertight at edges, with the same answer on every ISA; costs 15–35 %.
     bool robust = true;
@@ -23,12 +25,13 @@ public:
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const override;
     void occluded(std::span<const Ray> rays, std::span<uint8_t> occluded) const override;
     uint16_t occluded16(uint16_t mask, RayPacket16& rays, Coherence coherence) const override;
-    /// Any hit of rays [first, first + count). The answer for ray k is stored in occluded[k].
-    void occluded(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
-                  const PacketPlan& plan) const;
-    /// The same for the rays with the indices in `order`.
-    void occluded(const RayArrays& rays, std::span<const uint32_t> order, uint8_t* occluded,
-                  const PacketPlan& plan) const;
+    /// Any hit of checked rays, in packets of 8 or 16. Stores the answer of ray i in blocked[i]; `blocked`
+    /// has room for RayBatch::kMost.
+    void occluded(const RayBatch& batch, uint8_t* blocked, const PacketPlan& plan) const;
+    /// The same for rays [first, first + count) of arrays, which are not checked, in a plain loop: the
+    /// baseline. Stores the answer of ray k in occluded[k].
+    void occluded_in_a_loop(const RayArrays& rays, size_t first, size_t count, uint8_t* occluded,
+                            const PacketPlan& plan) const;
     /// Traces one ray per point along an axis or against it, on the side of the point's normal (n·axis = 0:
     /// along). Stores the blocked lanes, 16 bits per packet. For plans of width 8 and 16.
     void blocked_along(const PointLanes& points, Vec3 axis, float t_max, uint16_t* blocked,

@@ -7,6 +7,7 @@
 
 #include "viscache/visibility/embree.h"
 #include "viscache/visibility/ray_arrays.h"
+#include "viscache/visibility/ray_batch.h"
 
 namespace viscache::rtc {
 
@@ -95,28 +96,42 @@ uint32_t occluded_lanes(Query& query, RTCScene scene, uint32_t mask, const RayPa
     return occluded;
 }
 
-/// Index of the ray at position i of a call.
-struct AsGiven {
-    size_t first;
-    size_t operator()(size_t i) const { return first + i; }
-};
-struct Sorted {
-    const uint32_t* order;
-    size_t operator()(size_t i) const { return order[i]; }
-};
+/// Any hit of checked rays in lanes. Stores the answer of ray i in blocked[i], up to a whole packet.
+template <class Packet, int kWidth>
+void occluded_batch(Query& query, RTCScene scene, const RayBatch& batch, uint8_t* blocked) {
+    static_assert(16 % kWidth == 0);
+    alignas(64) Packet packet;
+    constexpr size_t kRow = sizeof(float) * kWidth;
+    set_common(packet);
+    for (size_t at = 0; at < batch.size(); at += kWidth) {
+        const RayPacket16& rays = batch.lanes().packet[at / 16];
+        const size_t lane = at % 16;
+        const int32_t* asked = batch.lanes().asked[at / 16] + lane;
+        std::memcpy(packet.org_x, rays.ox + lane, kRow);
+        std::memcpy(packet.org_y, rays.oy + lane, kRow);
+        std::memcpy(packet.org_z, rays.oz + lane, kRow);
+        std::memcpy(packet.tnear, rays.t_min + lane, kRow);
+        std::memcpy(packet.dir_x, rays.dx + lane, kRow);
+        std::memcpy(packet.dir_y, rays.dy + lane, kRow);
+        std::memcpy(packet.dir_z, rays.dz + lane, kRow);
+        std::memcpy(packet.tfar, rays.t_max + lane, kRow);
+        trace(query, scene, asked, packet);
+        // Where Embree splits wide packets, it also traces inactive lanes
+        for (size_t i = 0; i < kWidth; ++i) blocked[at + i] = uint8_t(asked[i] & (packet.tfar[i] < 0));
+    }
+}
 
-/// Any hit in packets of kWidth consecutive rays, filled directly from the arrays. The answer for ray k is
-/// stored in occluded[k].
-template <class Packet, int kWidth, class Number>
-void occluded_packets(Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
+/// A plain loop: any hit in packets of kWidth consecutive rays, filled directly from the arrays.
+template <class Packet, int kWidth>
+void occluded_packets(Query& query, RTCScene scene, const RayArrays& rays, size_t first, size_t count,
                       uint8_t* occluded) {
     alignas(64) Packet packet;
     alignas(64) int valid[kWidth];
     set_common(packet);
-    for (size_t at = 0; at < count; at += kWidth) {
-        const size_t n = std::min<size_t>(kWidth, count - at);
+    for (size_t at = first; at < first + count; at += kWidth) {
+        const size_t n = std::min<size_t>(kWidth, first + count - at);
         for (size_t i = 0; i < kWidth; ++i) {
-            const size_t k = number(at + std::min(i, n - 1));
+            const size_t k = at + std::min(i, n - 1);
             const Vec3 o = rays.origin[k], d = rays.direction[k];
             const float t = rays.t_max[k * rays.t_stride];
             const bool active = i < n && t > 0 && !(d == Vec3{});  // a ray with zero direction hits nothing
@@ -131,16 +146,13 @@ void occluded_packets(Query& query, RTCScene scene, const RayArrays& rays, Numbe
             packet.tfar[i] = active ? t : kInfinity;
         }
         trace(query, scene, valid, packet);
-        // Where Embree splits wide packets, it also traces inactive lanes
-        for (size_t i = 0; i < n; ++i) occluded[number(at + i)] = valid[i] && packet.tfar[i] < 0;
+        for (size_t i = 0; i < n; ++i) occluded[at + i] = valid[i] && packet.tfar[i] < 0;
     }
 }
 
-template <class Number>
-void occluded_singly(Query& query, RTCScene scene, const RayArrays& rays, Number number, size_t count,
-                     uint8_t* occluded) {
-    for (size_t i = 0; i < count; ++i) {
-        const size_t k = number(i);
+inline void occluded_singly(Query& query, RTCScene scene, const RayArrays& rays, size_t first, size_t count,
+                            uint8_t* occluded) {
+    for (size_t k = first; k < first + count; ++k) {
         const Vec3 o = rays.origin[k], d = rays.direction[k];
         const float t = rays.t_max[k * rays.t_stride];
         occluded[k] = 0;
@@ -151,15 +163,14 @@ void occluded_singly(Query& query, RTCScene scene, const RayArrays& rays, Number
     }
 }
 
-template <class Number>
-void occluded_by_plan(RTCScene scene, const RayArrays& rays, Number number, size_t count, uint8_t* occluded,
-                      const PacketPlan& plan) {
+inline void occluded_by_plan(RTCScene scene, const RayArrays& rays, size_t first, size_t count,
+                             uint8_t* occluded, const PacketPlan& plan) {
     Query query(plan.coherence);
     switch (plan.width) {
-        case 1: return occluded_singly(query, scene, rays, number, count, occluded);
-        case 4: return occluded_packets<RTCRay4, 4>(query, scene, rays, number, count, occluded);
-        case 8: return occluded_packets<RTCRay8, 8>(query, scene, rays, number, count, occluded);
-        case 16: return occluded_packets<RTCRay16, 16>(query, scene, rays, number, count, occluded);
+        case 1: return occluded_singly(query, scene, rays, first, count, occluded);
+        case 4: return occluded_packets<RTCRay4, 4>(query, scene, rays, first, count, occluded);
+        case 8: return occluded_packets<RTCRay8, 8>(query, scene, rays, first, count, occluded);
+        case 16: return occluded_packets<RTCRay16, 16>(query, scene, rays, first, count, occluded);
         default:
             throw std::invalid_argument("width must be 1, 4, 8 or 16, got " + std::to_string(plan.width));
     }

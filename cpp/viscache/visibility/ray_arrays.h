@@ -8,10 +8,20 @@
 
 namespace viscache {
 
+/// Rows of three floats in a caller's array, read in place. Row i begins `stride` floats after row i − 1.
+struct Rows {
+    const float* data;
+    ptrdiff_t stride = 3;  ///< 0: one row for all
+
+    Vec3 operator[](size_t i) const {
+        const float* row = data + ptrdiff_t(i) * stride;
+        return {row[0], row[1], row[2]};
+    }
+};
+
 /// Rays as arrays, read in place: ray i = origin[i] + t·direction[i] for t in [0, t_max[i·t_stride]].
 struct RayArrays {
-    const Vec3* origin;
-    const Vec3* direction;
+    Rows origin, direction;
     const float* t_max;
     size_t t_stride;  ///< 0: one t_max for all rays
 };

@@ -1,7 +1,10 @@
 #include "viscache/visibility/ray_order.h"
 
+#include <algorithm>
+
 #include "viscache/math/bounds.h"
 #include "viscache/visibility/direction_bins.h"
+#include "viscache/visibility/row_lanes.h"
 
 namespace viscache {
 
@@ -13,50 +16,115 @@ constexpr uint32_t kEdge = 8;                    // along each axis of both grid
 constexpr uint32_t kDirections = kEdge * kEdge;  // bins of the octahedral square
 constexpr uint32_t kClasses = kEdge * kEdge * kEdge * kDirections;
 constexpr size_t kBoxStride = 16;  // a sample of the origins suffices for their bounding box
-constexpr uint32_t kSpread3[kEdge] = {0, 1, 8, 9, 64, 65, 72, 73};  // Morton code bits in three dimensions
+constexpr size_t kRun = 32;        // steps from a ray to the next in one place of the sample
+constexpr size_t kRuns = 16;       // places of the sample
 
-uint32_t step(float v) { return uint32_t(std::max(0.f, std::min(v, kEdge - 1.f))); }
+#define VISCACHE_INLINE inline __attribute__((always_inline))
 
-/// Cells of a box, numbered along a Morton curve. Points outside belong to the nearest cell.
-struct OriginCells {
-    Vec3 lo, scale;
+/// Number of the cell along one axis, its bits two places apart. Points outside belong to the nearest cell.
+VISCACHE_INLINE uint32_t spread_step(float v) {
+    const float below = v < kEdge - 1.f ? v : kEdge - 1.f;
+    const uint32_t step = uint32_t(int32_t(below > 0 ? below : 0.f));
+    return (step & 1) | (step & 2) << 2 | (step & 4) << 4;
+}
 
-    explicit OriginCells(const Bounds& box) : lo(box.lo) {
-        const auto per_unit = [](float extent) { return extent > 1e-30f ? kEdge / extent : 0.f; };
-        const Vec3 extent = box.hi - box.lo;
-        scale = {per_unit(extent.x), per_unit(extent.y), per_unit(extent.z)};
+/// Cells along a Morton curve × directions, sixteen rays at a time. `count` is a multiple of 16.
+VISCACHE_INLINE void classify_body(const RayOrder::Cells& cells, const float* origin, const float* direction,
+                                   size_t count, uint16_t* out) {
+    for (size_t at = 0; at < count; at += 16) {
+        float x[16], y[16], z[16], dx[16], dy[16], dz[16];
+        rows_to_lanes16(origin + 3 * at, x, y, z);
+        rows_to_lanes16(direction + 3 * at, dx, dy, dz);
+        for (size_t i = 0; i < 16; ++i) {
+            const uint32_t cell = spread_step((x[i] - cells.lo.x) * cells.scale.x) |
+                                  spread_step((y[i] - cells.lo.y) * cells.scale.y) << 1 |
+                                  spread_step((z[i] - cells.lo.z) * cells.scale.z) << 2;
+            out[at + i] = uint16_t(cell * kDirections + direction_bin<kEdge>({dx[i], dy[i], dz[i]}));
+        }
     }
-    uint32_t operator()(Vec3 p) const {
-        return kSpread3[step((p.x - lo.x) * scale.x)] | kSpread3[step((p.y - lo.y) * scale.y)] << 1 |
-               kSpread3[step((p.z - lo.z) * scale.z)] << 2;
-    }
-};
+}
+
+void classify_portable(const RayOrder::Cells& c, const float* o, const float* d, size_t n, uint16_t* out) {
+    classify_body(c, o, d, n, out);
+}
+#if VISCACHE_X86
+VISCACHE_TARGET_AVX2 void classify_avx2(const RayOrder::Cells& c, const float* o, const float* d, size_t n,
+                                        uint16_t* out) {
+    classify_body(c, o, d, n, out);
+}
+VISCACHE_TARGET_AVX512 void classify_avx512(const RayOrder::Cells& c, const float* o, const float* d,
+                                            size_t n, uint16_t* out) {
+    classify_body(c, o, d, n, out);
+}
+#endif
+#undef VISCACHE_INLINE
+
+auto classify_kernel([[maybe_unused]] Isa isa) {
+#if VISCACHE_X86
+    if (isa == Isa::kAvx512) return classify_avx512;
+    if (isa == Isa::kAvx2) return classify_avx2;
+#endif
+    return classify_portable;
+}
+
+RayOrder::Cells cells_of(const RayArrays& rays, size_t first, size_t count, size_t stride) {
+    Bounds box;
+    for (size_t i = first; i < first + count; i += stride) box.add(rays.origin[i]);
+    const auto per_unit = [](float extent) { return extent > 1e-30f ? kEdge / extent : 0.f; };
+    const Vec3 extent = box.hi - box.lo;
+    return {box.lo, {per_unit(extent.x), per_unit(extent.y), per_unit(extent.z)}};
+}
 
 }  // namespace
 
-void RayOrder::classify(const RayArrays& rays, size_t first, size_t count) {
-    first_ = first;
-    class_.resize(count);
-    Bounds box;
-    for (size_t i = first; i < first + count; i += kBoxStride) box.add(rays.origin[i]);
-    const OriginCells cells(box);
-    for (size_t i = 0; i < count; ++i)
-        class_[i] = uint16_t(cells(rays.origin[first + i]) * kDirections +
-                             direction_bin<kEdge>(rays.direction[first + i]));
+RayOrder::RayOrder(Isa isa) : classify_(classify_kernel(isa)) {}
+
+/// Stores the classes of the rays [first, first + count) from class_[at] on.
+void RayOrder::classify(const RayArrays& rays, const Cells& cells, size_t first, size_t count, size_t at) {
+    size_t done = 0;
+    if (rays.origin.stride == 3 && rays.direction.stride == 3) {
+        done = count / 16 * 16;
+        classify_(cells, rays.origin.data + 3 * first, rays.direction.data + 3 * first, done, &class_[at]);
+    }
+    // Rows with gaps and the last ones are copied
+    for (; done < count; done += 16) {
+        float origin[48], direction[48];
+        uint16_t classes[16];
+        const size_t n = std::min<size_t>(16, count - done);
+        for (size_t i = 0; i < 16; ++i) {
+            const size_t k = first + done + std::min(i, n - 1);
+            const Vec3 o = rays.origin[k], d = rays.direction[k];
+            std::copy_n(&o.x, 3, origin + 3 * i);
+            std::copy_n(&d.x, 3, direction + 3 * i);
+        }
+        classify_(cells, origin, direction, 16, classes);
+        std::copy_n(classes, n, &class_[at + done]);
+    }
 }
 
-double RayOrder::share_in_order() const {
+double RayOrder::share_in_order(const RayArrays& rays, size_t first, size_t count) {
+    if (count < 2) return 1;
+    const size_t runs = std::clamp<size_t>(count / (2 * kRun), 1, kRuns);
+    const size_t length = std::min(count, runs == 1 ? count : kRun + 1);
+    class_.resize(std::max(class_.size(), runs * length));
+    const Cells cells = cells_of(rays, first, count, std::max<size_t>(1, count / 256));
     size_t same = 0;
-    for (size_t i = 1; i < class_.size(); ++i) same += class_[i] == class_[i - 1];
-    return class_.size() > 1 ? double(same) / double(class_.size() - 1) : 1;
+    for (size_t run = 0; run < runs; ++run) {
+        const size_t begin = run * (count - length) / std::max<size_t>(1, runs - 1);
+        classify(rays, cells, first + begin, length, run * length);
+        for (size_t i = 1; i < length; ++i) same += class_[run * length + i] == class_[run * length + i - 1];
+    }
+    return double(same) / double(runs * (length - 1));
 }
 
-std::span<const uint32_t> RayOrder::sort() {
+std::span<const uint32_t> RayOrder::sort(const RayArrays& rays, size_t first, size_t count) {
+    class_.resize(count);
+    classify(rays, cells_of(rays, first, count, kBoxStride), first, count, 0);
     begin_.assign(kClasses + 1, 0);
-    for (const uint16_t c : class_) ++begin_[c + 1u];
+    for (size_t i = 0; i < count; ++i) ++begin_[class_[i] + 1u];
     for (size_t c = 1; c <= kClasses; ++c) begin_[c] += begin_[c - 1];
-    order_.resize(class_.size());
-    for (size_t i = 0; i < class_.size(); ++i) order_[begin_[class_[i]]++] = uint32_t(first_ + i);
+    order_.resize(count);
+    for (size_t i = 0; i < count; ++i) order_[begin_[class_[i]]++] = uint32_t(first + i);
     return order_;
 }
 

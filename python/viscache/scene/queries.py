@@ -100,14 +100,15 @@ def together(
 ) -> tuple[list[Floats], tuple[int, ...]]:
     """Vectors (..., 3) as rows (N, 3) of one length, and the shape (...) that they broadcast to.
 
-    `more` has further shapes that broadcast with them.
+    `more` has further shapes that broadcast with them. Rows of float32 are views where strides can
+    express them, also with gaps between rows, or one row for all.
 
     Raises
     ------
     ValueError
         Arrays without vectors, or shapes that do not broadcast; the message gives names and shapes.
     """
-    arrays = {name: checked_points(value, name) for name, value in given.items()}
+    arrays = {name: checked_points(value, name, order="K") for name, value in given.items()}
     for name, array in arrays.items():
         vectors = array.ndim >= 1 and array.shape[-1] == 3
         require(vectors, f"{name} must have shape (..., 3)", array.shape)
@@ -119,4 +120,4 @@ def together(
         told = " and ".join(str(s) for s in shapes)
         raise ValueError(f"{names} must have shapes that broadcast, got {told}") from None
     rows = [np.broadcast_to(array, (*shape, 3)).reshape(-1, 3) for array in arrays.values()]
-    return [np.ascontiguousarray(row) for row in rows], shape
+    return rows, shape

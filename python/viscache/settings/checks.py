@@ -96,10 +96,12 @@ def checked_threads(wish: int | None) -> int:
     return wish or 0
 
 
-def checked_points(value: npt.ArrayLike, name: str) -> npt.NDArray[np.float32]:
-    """Numbers as the core takes them; it checks their shape."""
+def checked_points(
+    value: npt.ArrayLike, name: str, *, order: Literal["C", "K"] = "C"
+) -> npt.NDArray[np.float32]:
+    """Numbers as the core takes them; it checks their shape. Order "K" keeps their layout."""
     array = np.asarray(value)
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be numbers, got dtype {array.dtype}")
     with np.errstate(over="ignore"):  # what overflows float32 becomes inf and is refused by name
-        return np.asarray(array, dtype=np.float32, order="C")
+        return np.asarray(array, dtype=np.float32, order=order)
