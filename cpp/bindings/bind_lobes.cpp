@@ -58,6 +58,21 @@ py::array_t<float> latlong(const std::array<std::array<double, 3>, 3>& to_world,
     return out;
 }
 
+py::tuple bilinear(const FloatArray& u, const FloatArray& v, int width, int height, const IsaName& isa) {
+    const auto n = size_t(u.size());
+    if (n != size_t(v.size()) || n > BilinearPlaces::kMost)
+        throw py::value_error("u and v must have one length, of at most 512");
+    BilinearPlaces p;
+    bilinear_places({u.data(), n}, {v.data(), n}, width, height, p, isa_of(isa));
+    py::array_t<int32_t> pixels({py::ssize_t(4), py::ssize_t(n)});
+    py::array_t<float> shares({py::ssize_t(2), py::ssize_t(n)});
+    const int32_t* corners[] = {p.up_left, p.up_right, p.down_left, p.down_right};
+    for (size_t c = 0; c < 4; ++c) std::copy_n(corners[c], n, pixels.mutable_data(py::ssize_t(c), 0));
+    std::copy_n(p.right, n, shares.mutable_data(0, 0));
+    std::copy_n(p.down, n, shares.mutable_data(1, 0));
+    return py::make_tuple(pixels, shares);
+}
+
 py::tuple glossy_sum(const ShadingPoint& sp, std::array<float, 3> position, int semantic,
                      const FloatArray& far, const FloatArray& normal, const FloatArray& value, float bound2,
                      const std::vector<bool>& seen, const IsaName& isa) {
@@ -87,6 +102,10 @@ void bind_lobes(py::module_& m) {
         "latlong_batch", &latlong, py::arg("to_world"), py::kw_only(), py::arg("y"), py::arg("first"),
         py::arg("step"), py::arg("n"), py::arg("isa") = py::none(),
         "Columns and rows (2, n) in a lat-long image of points ((first + i)·step, y) of the equal-area map.");
+    t.def("bilinear_places", &bilinear, py::arg("u"), py::arg("v"), py::kw_only(), py::arg("width"),
+          py::arg("height"), py::arg("isa") = py::none(),
+          "The four pixels (4, n) around places of a lat-long image, row by row of the image, and the shares "
+          "(2, n) of the right column and the lower row.");
     t.def("glossy_sum", &glossy_sum, py::arg("sp"), py::arg("position"), py::kw_only(), py::arg("semantic"),
           py::arg("far"), py::arg("normal"), py::arg("value"), py::arg("bound2"), py::arg("seen"),
           py::arg("isa") = py::none(), "Sum of f·g·value over the visible columns.");

@@ -5,7 +5,7 @@ import numpy.typing as npt
 import pytest
 
 from viscache import _core
-from viscache._core._testing import latlong_batch
+from viscache._core._testing import bilinear_places, latlong_batch
 
 ISAS = ("portable", "avx2", "avx512")
 AVAILABLE = ISAS[: ISAS.index(_core.best_isa()) + 1]
@@ -60,3 +60,43 @@ def test_poles_and_the_seam_are_places() -> None:
     corner = latlong_batch(y_up, y=0, first=0, step=1, n=2)
     assert {round(float(v), 5) for v in (up[1, 0], *corner[1])} == {0.0, 1.0}
     assert np.isfinite(up).all() and np.isfinite(corner).all()
+
+
+def places(width: int, height: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Anywhere in the image, and on and beside its borders and centres of pixels."""
+    rng = np.random.default_rng(3)
+    u, v = rng.random((2, 400)).astype(np.float32)
+    edges = np.array([0, 0.25, 0.5, 0.75, 1, width - 0.5, width - 0.25, width], np.float32)
+    u[: len(edges)] = edges / max(width, 1)
+    v[10 : 10 + len(edges)] = np.minimum(edges / height, 1)
+    return u.clip(0, 1), v
+
+
+@pytest.mark.parametrize("width, height", [(1, 1), (2, 1), (3, 2), (1024, 512), (16384, 8192)])
+def test_look_ups_are_bilinear_around_the_sphere(width: int, height: int) -> None:
+    """Columns wrap around, rows end at the poles, and the shares are those of the place."""
+    u, v = places(width, height)
+    pixels, shares = bilinear_places(u, v, width=width, height=height)
+    x, y = u * np.float32(width) - np.float32(0.5), v * np.float32(height) - np.float32(0.5)
+    left, up = np.floor(x).astype(int), np.floor(y).astype(int)
+    rows = np.clip([up, up + 1], 0, height - 1)
+    columns = np.array([left, left + 1]) % width
+    want = [rows[j] * width + columns[i] for j in range(2) for i in range(2)]
+    # A float beside a boundary may be rounded across it: then its share of the far pixel is 1
+    same = (shares >= 0).all(0) & (shares < 1).all(0)
+    assert same.mean() > 0.99
+    assert (shares >= 0).all() and (shares <= 1).all()
+    np.testing.assert_array_equal(pixels[:, same], np.array(want)[:, same])
+    np.testing.assert_array_equal(
+        shares[:, same], np.array([x - left, y - up], np.float32)[:, same]
+    )
+
+
+@pytest.mark.parametrize("isa", AVAILABLE)
+def test_look_ups_of_every_instruction_set_have_the_same_bits(isa: str) -> None:
+    u, v = places(1000, 500)
+    for n in (1, 15, 16, 33, len(u)):
+        want = bilinear_places(u[:n], v[:n], width=1000, height=500, isa="portable")
+        got = bilinear_places(u[:n], v[:n], width=1000, height=500, isa=isa)
+        np.testing.assert_array_equal(got[0], want[0])
+        np.testing.assert_array_equal(got[1], want[1])

@@ -60,12 +60,22 @@ def test_a_light_without_an_extent_leaves_the_diffuse_part_alone(light: Light) -
     assert picture(light, coat=CoatKind.ROUGH).image.max() > 3 * made.max()
 
 
-@pytest.mark.parametrize("light", [globe, sky])
-def test_a_light_with_an_extent_shows(light: Light) -> None:
-    made = picture(light).image
-    diffuse = picture(light, specular=(0, 0, 0)).image
+def mirrored(light: Light, **material: Any) -> float:
+    """The light of the mirror alone: what the base reflects differs between coats by 2.7 %."""
+    made, diffuse = (
+        picture(light, **material | look).image for look in ({}, {"specular": (0, 0, 0)})
+    )
     assert made.mean() > 1.03 * diffuse.mean()
-    assert made.mean() == pytest.approx(picture(light, coat=CoatKind.ROUGH).image.mean(), rel=0.05)
+    return float(made.mean(dtype=float) - diffuse.mean(dtype=float))
+
+
+@pytest.mark.parametrize("light, tolerance", [(globe, 0.02), (sky, 0.003)])
+def test_a_light_with_an_extent_shows(light: Light, tolerance: float) -> None:
+    """As much as in microfacets of the same roughness, within four deviations over seeds."""
+    made = mirrored(light)
+    assert made == pytest.approx(mirrored(light, coat=CoatKind.ROUGH), rel=tolerance)
+    # Power: a mirror of another index
+    assert made != pytest.approx(mirrored(light, coat=CoatKind.ROUGH, eta=1.55), rel=tolerance)
 
 
 def test_shared_directions_of_a_sky_show_too() -> None:

@@ -1,6 +1,8 @@
 """scene/envmap.h: environment light on the equal-area octahedral map."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -184,6 +186,38 @@ def test_a_sample_agrees_with_evaluation_in_its_direction(resolution: int) -> No
     assert pdf == pytest.approx(map_.pdf(wi), rel=1e-6)
 
 
+def speckled(height: int, share: float) -> Array:
+    """Pixels of random colour, the others black, and black rows."""
+    rng = np.random.default_rng(3)
+    image = rng.random((height, 2 * height, 3)) * (rng.random((height, 2 * height, 1)) < share)
+    image[height // 2 : height // 2 + height // 8] = 0
+    return image.astype(np.float32)
+
+
+@pytest.mark.parametrize("resolution, share", [(2, 1), (8, 0.5), (16, 0.1), (32, 1), (256, 0.005)])
+def test_samples_are_those_of_tables_of_all_texels(resolution: int, share: float) -> None:
+    """Bit for bit: the map keeps sums of blocks and adds up the block of a sample anew."""
+    map_ = EnvironmentMap.from_latlong(speckled(128, share), resolution=resolution)
+    weights = map_.pixels.astype(float) @ np.zeros(3)
+    for c in range(3):
+        weights += LUMINANCE[c] * map_.pixels[..., c].astype(float)
+    u = uniforms(3000, 2).astype(np.float32)
+    u[:4] = [[0, 0], [1 - 2**-24, 1 - 2**-24], [0, 1 - 2**-24], [1 - 2**-24, 0]]
+    totals = np.array([np.cumsum(row)[-1] for row in weights])
+    row, _, u_row = _core._testing.Distribution1D(totals).sample(u[:, 0].astype(float))
+    column, u_column = np.empty_like(row), np.empty_like(u_row)
+    for y in np.unique(row):
+        of_row = row == y
+        found = _core._testing.Distribution1D(weights[y]).sample(u[of_row, 1].astype(float))
+        column[of_row], u_column[of_row] = found[0], found[2]
+    margin = np.float32(resolution * 2**-21)
+    inside = np.stack([u_column, u_row], 1).astype(np.float32).clip(margin, 1 - margin)
+    place = (np.stack([column, row], 1).astype(np.float32) + inside) / np.float32(resolution)
+    wi, radiance, _ = map_.sample(u)
+    np.testing.assert_array_equal(wi, _core.sampling.equal_area_to_direction(place))
+    np.testing.assert_array_equal(radiance, map_.pixels[row, column])
+
+
 def test_the_density_is_the_share_of_luminance() -> None:
     map_ = EnvironmentMap.from_latlong(sky())
     w = _core._testing.square_to_uniform_sphere(uniforms(5000, 2))
@@ -310,3 +344,34 @@ def test_captured_environments_keep_their_power(name: str) -> None:
 def test_the_map_is_the_same_for_any_number_of_threads() -> None:
     maps = [EnvironmentMap.from_latlong(sky(), threads=n).pixels.tobytes() for n in (1, 2, 3, 8)]
     assert len(set(maps)) == 1
+
+
+# Memory
+
+GROWTH = """
+import re, sys
+from pathlib import Path
+import numpy as np
+from viscache._core.sampling import EnvironmentMap
+def resident():
+    return int(re.search(r"VmRSS:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024
+image = np.ones((512, 1024, 3), np.float32)
+image[int(512 * float(sys.argv[1])):] = 0
+for _ in range(3):  # the allocator keeps what a copy of the image took
+    EnvironmentMap.from_latlong(image, resolution=16)
+before = resident()
+map_ = EnvironmentMap.from_latlong(image)
+print(resident() - before)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads Linux' /proc")
+def test_the_memory_of_a_sky_is_that_of_its_bright_texels() -> None:
+    """The tables that samples need take a quarter of them."""
+
+    def growth(bright: float) -> float:
+        return float(subprocess.check_output([sys.executable, "-c", GROWTH, str(bright)]))
+
+    texels = 1024 * 1024 * 12 / 2**20
+    assert 0.95 * texels < growth(1) < 1.3 * texels
+    assert growth(0.5) < 0.85 * texels

@@ -1,7 +1,6 @@
 #include "viscache/aqvc/key_levels.h"
 
-#include "viscache/math/isa.h"
-#include "viscache/math/x86_intrinsics.h"
+#include "viscache/math/isa_variants.h"
 
 namespace viscache {
 namespace {
@@ -29,25 +28,13 @@ VISCACHE_INLINE void hash_body(const LevelKeys& keys, LevelHashes& out) {
         out[level] = {uint32_t(d[level] >> 32), uint32_t(d[level] & 0x7fffffffu)};
 }
 
-void hash_portable(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX2 void hash_avx2(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
-VISCACHE_TARGET_AVX512 void hash_avx512(const LevelKeys& keys, LevelHashes& out) { hash_body(keys, out); }
-#endif
 #undef VISCACHE_INLINE
 
 }  // namespace
 
 LevelHashes hash_levels(const LevelKeys& keys) {
     LevelHashes out;
-#if VISCACHE_X86
-    switch (active_isa()) {
-        case Isa::kAvx512: hash_avx512(keys, out); return out;
-        case Isa::kAvx2: hash_avx2(keys, out); return out;
-        default: break;
-    }
-#endif
-    hash_portable(keys, out);
+    variant_of<hash_body>(active_isa())(keys, out);
     return out;
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 namespace {
 
@@ -20,26 +22,11 @@ inline __attribute__((always_inline)) void fill(const float* x, const float* y, 
     }
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void fill_avx512(const float* x, const float* y, const float* z, double* u, double* v,
-                                        size_t n) {
-    fill(x, y, z, u, v, n);
-}
-VISCACHE_TARGET_AVX2 void fill_avx2(const float* x, const float* y, const float* z, double* u, double* v,
-                                    size_t n) {
-    fill(x, y, z, u, v, n);
-}
-#endif
-
 }  // namespace
 
 void octahedral_batch(std::span<const float> x, std::span<const float> y, std::span<const float> z,
-                      std::span<double> u, std::span<double> v, [[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return fill_avx512(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
-    if (isa == Isa::kAvx2) return fill_avx2(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
-#endif
-    fill(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
+                      std::span<double> u, std::span<double> v, Isa isa) {
+    variant_of<fill>(isa)(x.data(), y.data(), z.data(), u.data(), v.data(), x.size());
 }
 
 }  // namespace viscache

@@ -1,5 +1,7 @@
 #include "viscache/aqvc/place_cells.h"
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 namespace {
 
@@ -45,20 +47,7 @@ VISCACHE_INLINE bool place_body(const Group& g) {
     return small;
 }
 
-bool place_portable(const Group& g) { return place_body(g); }
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX2 bool place_avx2(const Group& g) { return place_body(g); }
-VISCACHE_TARGET_AVX512 bool place_avx512(const Group& g) { return place_body(g); }
-#endif
 #undef VISCACHE_INLINE
-
-auto place_kernel([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return place_avx512;
-    if (isa == Isa::kAvx2) return place_avx2;
-#endif
-    return place_portable;
-}
 
 }  // namespace
 
@@ -78,7 +67,7 @@ void CellPlacer::begin(const TileAnchors& tile) {
 
 void CellPlacer::place(double c_e, PlacedLevel& out, ClampCounts& clamps, Isa isa) {
     const CellGrid& grid = *tile_->grid;
-    const auto kernel = place_kernel(isa);
+    const auto kernel = variant_of<place_body>(isa);
     const auto& o = grid.offset();
     out.resize(x_.size());
     for (size_t i = 0; i < x_.size(); i += kGroup) {

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 namespace {
 
@@ -109,54 +111,17 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
     return n;
 }
 
-// One struct of static functions per instruction set. It is a macro because a target attribute cannot be a
-// parameter.
-#define VISCACHE_ROW_VARIANT(Name, TARGET)                                                                  \
-    struct Name {                                                                                           \
-        TARGET static bool take_misses(const Word* n, const Word* a, Word* k, Word* m, size_t w) {          \
-            return take_misses_body(n, a, k, m, w);                                                         \
-        }                                                                                                   \
-        TARGET static void keep(Word* a, const Word* b, size_t w) { keep_body(a, b, w); }                   \
-        TARGET static void drop(Word* a, const Word* k, const Word* s, size_t w) { drop_body(a, k, s, w); } \
-        TARGET static void store_below(const Word* m, const Word* v, Word* k2, Word* v2, size_t w) {        \
-            store_below_body(m, v, k2, v2, w);                                                              \
-        }                                                                                                   \
-        TARGET static void disagreement(RowPair o, const RowPair n[4], Word* d, size_t w) {                 \
-            disagreement_body(o, n, d, w);                                                                  \
-        }                                                                                                   \
-        TARGET static void resolve(Word* a, RowPair o, const Word* d, Word* v, Word* n, size_t w, bool l,   \
-                                   RowCounts& c) {                                                          \
-            resolve_body(a, o, d, v, n, w, l, c);                                                           \
-        }                                                                                                   \
-        TARGET static bool finish(Word* a, RowPair o, Word* v, size_t w, RowCounts& c) {                    \
-            return finish_body(a, o, v, w, c);                                                              \
-        }                                                                                                   \
-        TARGET static int step(Word* a, RowPair o, const RowPair n[4], bool l, Word* m, Word* v, size_t w,  \
-                               RowCounts& c) {                                                              \
-            return step_body(a, o, n, l, m, v, w, c);                                                       \
-        }                                                                                                   \
-        TARGET static uint64_t count(const Word* a, size_t w) { return count_body(a, w); }                  \
-        static constexpr RowKernels kernels{take_misses, keep,   drop, store_below, disagreement,           \
-                                            resolve,     finish, step, count};                              \
-    };
-
-VISCACHE_ROW_VARIANT(Portable, )
-#if VISCACHE_X86
-VISCACHE_ROW_VARIANT(Avx2, VISCACHE_TARGET_AVX2)
-VISCACHE_ROW_VARIANT(Avx512, VISCACHE_TARGET_AVX512)
-#endif
-
-#undef VISCACHE_ROW_VARIANT
 #undef VISCACHE_INLINE
+
+constexpr RowKernels kernels_of(Isa isa) {
+    return {
+        variant_of<take_misses_body>(isa), variant_of<keep_body>(isa),         variant_of<drop_body>(isa),
+        variant_of<store_below_body>(isa), variant_of<disagreement_body>(isa), variant_of<resolve_body>(isa),
+        variant_of<finish_body>(isa),      variant_of<step_body>(isa),         variant_of<count_body>(isa)};
+}
 
 }  // namespace
 
-const RowKernels& row_kernels([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return Avx512::kernels;
-    if (isa == Isa::kAvx2) return Avx2::kernels;
-#endif
-    return Portable::kernels;
-}
+const RowKernels& row_kernels(Isa isa) { return table_of<kernels_of>(isa); }
 
 }  // namespace viscache

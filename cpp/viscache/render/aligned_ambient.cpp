@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "viscache/math/isa.h"
+#include "viscache/math/isa_variants.h"
 #include "viscache/vlf/field_rows.h"
 
 namespace viscache {
@@ -95,20 +95,10 @@ namespace {
     return all[0] > 0 ? seen[0] / all[0] : 0.f;
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX2 float sum_shares_avx2(const DirectionCells& cells, Vec3 normal,
-                                           std::span<const Word> row) {
-    return sum_shares(cells, normal, row);
-}
-#endif
-
 }  // namespace
 
 float free_share(const DirectionCells& cells, Vec3 normal, std::span<const Word> row) {
-#if VISCACHE_X86
-    if (active_isa() != Isa::kPortable) return sum_shares_avx2(cells, normal, row);
-#endif
-    return sum_shares(cells, normal, row);
+    return variant_of<sum_shares>(std::min(active_isa(), Isa::kAvx2))(cells, normal, row);
 }
 
 AmbientShares aligned_ambient(const EyePathTracer& tracer, const std::vector<Tile>& tiles,

@@ -1,5 +1,6 @@
 #include "viscache/render/glossy_sums.h"
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/scene/lobes.h"
 
 namespace viscache {
@@ -81,30 +82,15 @@ VISCACHE_INLINE Rgb sum_body(const SharedLights& s, const EyeShade& eye, const L
 
 #undef VISCACHE_INLINE
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 Rgb sum_avx512(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
-                                      const Word* row) {
-    return sum_body(s, eye, lobe, row);
-}
-VISCACHE_TARGET_AVX2 Rgb sum_avx2(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
-                                  const Word* row) {
-    return sum_body(s, eye, lobe, row);
-}
-#endif
-
 }  // namespace
 
 Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row,
-                   [[maybe_unused]] Isa isa) {
+                   Isa isa) {
     LobeConstants lobe = lobe_constants(brdf);
     if (lobe.black) return {};
     // A mirror reflects no light without an extent
     if (s.punctual && brdf.mirror) lobe.f0 = {};
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return sum_avx512(s, eye, lobe, row);
-    if (isa == Isa::kAvx2) return sum_avx2(s, eye, lobe, row);
-#endif
-    return sum_body(s, eye, lobe, row);
+    return variant_of<sum_body>(isa)(s, eye, lobe, row);
 }
 
 }  // namespace viscache

@@ -29,8 +29,8 @@ struct SummedWeights {
     double total() const { return sums.back(); }
     /// First guide entry that `sample(u)` reads.
     size_t guide_cell(double u) const { return std::min(size_t(u * double(size())), size() - 1); }
-    /// Samples an index with probability pmf, for u in [0, 1). Indices of weight zero are never returned.
-    Pick sample(double u) const {
+    /// The index that u in [0, 1) chooses. Indices of weight zero are never returned.
+    size_t find(double u) const {
         const double x = u * total();
         // The guide narrows the search to a few entries: one lookup replaces a walk through a large table
         const size_t cell = guide_cell(u);
@@ -41,23 +41,23 @@ struct SummedWeights {
         if (above == last) above = std::upper_bound(last, sums.end(), x);
         // u·total was rounded up to the total: take the last index with positive weight
         if (above == sums.end()) above = std::lower_bound(sums.begin() + 1, sums.end(), total());
-        const size_t i = size_t(above - sums.begin()) - 1;
+        return size_t(above - sums.begin()) - 1;
+    }
+    /// Samples an index with probability pmf.
+    Pick sample(double u) const {
+        const size_t i = find(u);
         const double width = sums[i + 1] - sums[i];
-        return {i, width / total(), std::min(float((x - sums[i]) / width), 0x1.fffffep-1f)};
+        return {i, width / total(), rescaled(u * total(), sums[i], width)};
+    }
+    /// Where x lies in the interval of a width from `below`, in [0, 1).
+    static float rescaled(double x, double below, double width) {
+        return std::min(float((x - below) / width), 0x1.fffffep-1f);
     }
 };
 
-/// Stores the running sums of the weights in sums[1 … n] and fills the guide; both are n + 1 long. Throws
-/// std::invalid_argument unless the weights are finite and >= 0. The guide stays unfilled when the total is
-/// zero.
-inline void sum_weights(std::span<const double> weights, std::span<double> sums, std::span<uint32_t> guide) {
-    const size_t n = weights.size();
-    sums[0] = 0;
-    for (size_t i = 0; i < n; ++i) {
-        if (!(weights[i] >= 0) || !std::isfinite(weights[i]))
-            throw std::invalid_argument("weights must be finite and >= 0, got " + std::to_string(weights[i]));
-        sums[i + 1] = sums[i] + weights[i];
-    }
+/// Fills the guide of running sums. It stays unfilled when their total is zero.
+inline void fill_guide(std::span<const double> sums, std::span<uint32_t> guide) {
+    const size_t n = sums.size() - 1;
     if (!(sums[n] > 0)) return;
     for (size_t j = 0, i = 0; j <= n; ++j) {
         while (i + 1 < n && sums[i + 1] <= sums[n] * (double(j) / double(n))) ++i;
@@ -72,7 +72,13 @@ public:
     /// Throws std::invalid_argument unless the weights are finite and >= 0 with a positive sum.
     explicit Distribution1D(std::span<const double> weights)
         : sums_(weights.size() + 1), guide_(weights.size() + 1) {
-        sum_weights(weights, sums_, guide_);
+        for (size_t i = 0; i < weights.size(); ++i) {
+            if (!(weights[i] >= 0) || !std::isfinite(weights[i]))
+                throw std::invalid_argument("weights must be finite and >= 0, got " +
+                                            std::to_string(weights[i]));
+            sums_[i + 1] = sums_[i] + weights[i];
+        }
+        fill_guide(sums_, guide_);
         if (!(total() > 0) || !std::isfinite(total()))
             throw std::invalid_argument("weights must have a positive, finite sum, got " +
                                         std::to_string(total()));

@@ -1,5 +1,6 @@
 #include "viscache/sampling/hemisphere_batch.h"
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/warp.h"
 
@@ -27,24 +28,10 @@ inline __attribute__((always_inline)) void fill_batch(const HemisphereSequence& 
         fill(s, first, out, [](Vec2 u) { return square_to_uniform_hemisphere(u); });
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void fill_avx512(const HemisphereSequence& s, uint32_t first, HemisphereBatch& out) {
-    fill_batch(s, first, out);
-}
-VISCACHE_TARGET_AVX2 void fill_avx2(const HemisphereSequence& s, uint32_t first, HemisphereBatch& out) {
-    fill_batch(s, first, out);
-}
-#endif
-
 }  // namespace
 
-void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, HemisphereBatch& out,
-                      [[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return fill_avx512(sequence, first, out);
-    if (isa == Isa::kAvx2) return fill_avx2(sequence, first, out);
-#endif
-    fill_batch(sequence, first, out);
+void hemisphere_batch(const HemisphereSequence& sequence, uint32_t first, HemisphereBatch& out, Isa isa) {
+    variant_of<fill_batch>(isa)(sequence, first, out);
 }
 
 }  // namespace viscache

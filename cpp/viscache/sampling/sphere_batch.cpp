@@ -1,5 +1,6 @@
 #include "viscache/sampling/sphere_batch.h"
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/sampling/low_discrepancy.h"
 #include "viscache/sampling/warp.h"
 
@@ -18,26 +19,10 @@ inline __attribute__((always_inline)) void fill(uint32_t sx, uint32_t sy, uint32
     }
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void fill_avx512(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x,
-                                        float* y, float* z) {
-    fill(sx, sy, first, n, x, y, z);
-}
-VISCACHE_TARGET_AVX2 void fill_avx2(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y,
-                                    float* z) {
-    fill(sx, sy, first, n, x, y, z);
-}
-#endif
-
 }  // namespace
 
-void sphere_batch(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y, float* z,
-                  [[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return fill_avx512(sx, sy, first, n, x, y, z);
-    if (isa == Isa::kAvx2) return fill_avx2(sx, sy, first, n, x, y, z);
-#endif
-    fill(sx, sy, first, n, x, y, z);
+void sphere_batch(uint32_t sx, uint32_t sy, uint32_t first, size_t n, float* x, float* y, float* z, Isa isa) {
+    variant_of<fill>(isa)(sx, sy, first, n, x, y, z);
 }
 
 }  // namespace viscache

@@ -7,6 +7,9 @@
 
 namespace viscache {
 
+/// Roughness of the narrow lobe that stands for the mirror of a smooth coat.
+constexpr float kMirrorRoughness = 0.004f;
+
 struct Coat {
     static constexpr int kSteps = 63;
     float eta = 1.5f;

@@ -1,5 +1,6 @@
 // Radiance HDR (.hdr, .pic): RGBE pixels, flat or with runs of the old or the new kind.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "viscache/scene/decoders.h"
@@ -85,7 +86,12 @@ void read_new_runs(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
             if (n == 0) fail_broken(where, "a run of 0 pixels");
             if (n > line.size() - i) fail_broken(where, "a run is longer than its scanline");
             const uint8_t* values = in.take(is_run ? 1 : n);
-            for (size_t k = 0; k < n; ++k) line[i++].v[component] = values[is_run ? 0 : k];
+            Rgbe* const out = line.data() + i;  // bytes may alias the vector's own pointers
+            if (is_run)
+                for (size_t k = 0, value = *values; k < n; ++k) out[k].v[component] = uint8_t(value);
+            else
+                for (size_t k = 0; k < n; ++k) out[k].v[component] = values[k];
+            i += n;
         }
 }
 
@@ -123,6 +129,13 @@ void read_scanline(ByteReader& in, std::vector<Rgbe>& line, const std::string& w
     read_old_runs(in, line, where);
 }
 
+/// Factors of the mantissas, by the exponent's byte.
+std::array<float, 256> scales() {
+    std::array<float, 256> table{};
+    for (int e = 1; e < 256; ++e) table[size_t(e)] = std::ldexp(1.f, e - (128 + 8));
+    return table;
+}
+
 /// The fewest bytes that a scanline of n pixels takes: a pixel, and an old run of any number of pixels.
 uint64_t least_bytes(int n) { return n == 1 ? 4 : 8; }
 
@@ -138,15 +151,17 @@ Image decode_hdr(std::string_view bytes, const std::string& where) {
     const size_t row = size_t(layout.width) * 3, all = row * size_t(layout.height);
     const bool in_order = !layout.columns && !layout.from_bottom;
     image.pixels.reserve(all);
+    const std::array<float, 256> scale_of = scales();
     std::vector<Rgbe> line(size_t(layout.length()));
+    const auto step = 3 * (ptrdiff_t(layout.index(0, 1)) - ptrdiff_t(layout.index(0, 0)));
     for (int l = 0; l < layout.lines(); ++l) {
         read_scanline(in, line, where);
         image.pixels.resize(in_order ? row * size_t(l + 1) : all);
+        float* const first = &image.pixels[layout.index(l, 0) * 3];
         for (int i = 0; i < layout.length(); ++i) {
             const Rgbe& p = line[size_t(i)];
-            const float scale = p.v[3] ? std::ldexp(1.f, int(p.v[3]) - (128 + 8)) : 0.f;
-            float* out = &image.pixels[layout.index(l, i) * 3];
-            for (int c = 0; c < 3; ++c) out[c] = float(p.v[c]) * scale;
+            const float scale = scale_of[p.v[3]];
+            for (int c = 0; c < 3; ++c) first[i * step + c] = float(p.v[c]) * scale;
         }
     }
     return image;

@@ -7,6 +7,7 @@
 #include "viscache/math/affine.h"
 #include "viscache/sampling/distribution2d.h"
 #include "viscache/scene/description.h"
+#include "viscache/scene/octahedral_texels.h"
 
 namespace viscache {
 
@@ -28,7 +29,7 @@ public:
                                        int resolution = 0, int threads = 0);
 
     /// Radiance from the unit direction wi: the value of its texel, consistent with `sample` and `pdf`.
-    Rgb eval(Vec3 wi) const { return is_constant() ? pixels_[0] : pixels_[texel(wi)]; }
+    Rgb eval(Vec3 wi) const { return texels_[is_constant() ? 0 : texel(wi)]; }
     /// Samples directions in proportion to luminance, one for each point of [0, 1)²; uniformly over the
     /// sphere for constant and black maps. Takes many points at once, because the tables of a large map
     /// exceed the CPU caches.
@@ -47,22 +48,20 @@ public:
     double total_power() const { return total_power_; }
     /// Power of the resampled map before the correction, divided by the power of the image.
     double power_ratio() const { return power_ratio_; }
-    bool is_constant() const { return resolution_ == 1; }
-    int resolution() const { return resolution_; }
-    size_t memory_bytes() const { return pixels_.size() * sizeof(Rgb) + texels_.memory_bytes(); }
-    /// Row-major over the octahedral square; the row is the second coordinate.
-    const std::vector<Rgb>& pixels() const { return pixels_; }
+    bool is_constant() const { return resolution() == 1; }
+    int resolution() const { return texels_.resolution(); }
+    /// At most: pages of black texels may take none.
+    size_t memory_bytes() const { return texels_.memory_bytes() + choice_.memory_bytes(); }
+    /// Row by row of the octahedral square; the row is the second coordinate.
+    std::vector<Rgb> pixels() const { return texels_.values(); }
 
 private:
     EnvironmentMap() = default;
     size_t texel(Vec3 wi) const;
-    double power() const;
-    void build_tables();
-
-    int resolution_ = 1;
-    std::vector<Rgb> pixels_;
     float density(const Rgb& radiance) const;
-    Distribution2D texels_;  ///< empty: uniform sampling
+
+    OctahedralTexels texels_;
+    Distribution2D choice_;  ///< empty: uniform sampling
     double total_power_ = 0, power_ratio_ = 1;
 };
 

@@ -1,7 +1,9 @@
 #include "viscache/scene/latlong_batch.h"
 
 #include <cmath>
+#include <cstring>
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/sampling/warp.h"
 
 namespace viscache {
@@ -48,16 +50,39 @@ inline __attribute__((always_inline)) void fill(const LatLongTurn& turn, float y
     }
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void fill_avx512(const LatLongTurn& turn, float y, float first, float step, size_t n,
-                                        float* u, float* v) {
-    fill(turn, y, first, step, n, u, v);
+inline __attribute__((always_inline)) void place(const float* u, const float* v, size_t n, int width,
+                                                 int height, BilinearPlaces& out) {
+    int greatest = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const float x = u[i] * float(width) - 0.5f, y = v[i] * float(height) - 0.5f;
+        const int x0 = int(x + 1) - 1, y0 = int(y + 1) - 1;  // x and y are at least -1/2
+        const int left = x0 < 0 ? width - 1 : x0, right = x0 + 1 == width ? 0 : x0 + 1;
+        const int up = y0 < 0 ? 0 : y0, down = y0 + 1 < height ? y0 + 1 : height - 1;
+        out.up_left[i] = up * width + left;
+        out.up_right[i] = up * width + right;
+        out.down_left[i] = down * width + left;
+        out.down_right[i] = down * width + right;
+        out.right[i] = x - float(x0);
+        out.down[i] = y - float(y0);
+        greatest = out.down_left[i] > greatest ? out.down_left[i] : greatest;
+        greatest = out.down_right[i] > greatest ? out.down_right[i] : greatest;
+    }
+    out.greatest = greatest;
 }
-VISCACHE_TARGET_AVX2 void fill_avx2(const LatLongTurn& turn, float y, float first, float step, size_t n,
-                                    float* u, float* v) {
-    fill(turn, y, first, step, n, u, v);
+
+inline __attribute__((always_inline)) void sum(const float* rgb, const BilinearPlaces& places, size_t each,
+                                               ColorLanes* sums, size_t n) {
+    const auto pixel = [rgb](int32_t i) __attribute__((always_inline)) {
+        ColorLanes four;
+        std::memcpy(&four, rgb + 3 * ptrdiff_t(i), sizeof four);
+        return four;
+    };
+    for (size_t x = 0, k = 0; x < n; ++x) {
+        ColorLanes total = sums[x];
+        for (size_t end = k + each; k < end; ++k) total += bilinear(places, k, pixel);
+        sums[x] = total;
+    }
 }
-#endif
 
 }  // namespace
 
@@ -69,12 +94,18 @@ LatLongTurn::LatLongTurn(const Affine& to_world) {
 }
 
 void latlong_batch(const LatLongTurn& turn, float y, float first, float step, size_t n, float* u, float* v,
-                   [[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return fill_avx512(turn, y, first, step, n, u, v);
-    if (isa == Isa::kAvx2) return fill_avx2(turn, y, first, step, n, u, v);
-#endif
-    fill(turn, y, first, step, n, u, v);
+                   Isa isa) {
+    variant_of<fill>(isa)(turn, y, first, step, n, u, v);
+}
+
+void bilinear_places(std::span<const float> u, std::span<const float> v, int width, int height,
+                     BilinearPlaces& out, Isa isa) {
+    variant_of<place>(isa)(u.data(), v.data(), u.size(), width, height, out);
+}
+
+void sum_bilinear(const float* rgb, const BilinearPlaces& places, size_t each, std::span<ColorLanes> sums,
+                  Isa isa) {
+    variant_of<sum>(isa)(rgb, places, each, sums.data(), sums.size());
 }
 
 }  // namespace viscache

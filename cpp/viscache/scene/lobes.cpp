@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 
 LobeConstants lobe_constants(const ShadingPoint& p) {
@@ -53,24 +55,10 @@ inline __attribute__((always_inline)) void reflect_body(const LobeConstants& k, 
     }
 }
 
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX512 void reflect_avx512(const LobeConstants& k, const ReflectedDirections& d, size_t n) {
-    reflect_body(k, d, n);
-}
-VISCACHE_TARGET_AVX2 void reflect_avx2(const LobeConstants& k, const ReflectedDirections& d, size_t n) {
-    reflect_body(k, d, n);
-}
-#endif
-
 }  // namespace
 
-void reflect_directions(const LobeConstants& lobe, const ReflectedDirections& directions, size_t n,
-                        [[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return reflect_avx512(lobe, directions, n);
-    if (isa == Isa::kAvx2) return reflect_avx2(lobe, directions, n);
-#endif
-    reflect_body(lobe, directions, n);
+void reflect_directions(const LobeConstants& lobe, const ReflectedDirections& directions, size_t n, Isa isa) {
+    variant_of<reflect_body>(isa)(lobe, directions, n);
 }
 
 }  // namespace viscache

@@ -1,4 +1,5 @@
 // Mitsuba XML: converts surface models to the nearest material.
+#include "viscache/scene/coat.h"
 #include "viscache/scene/mitsuba_reader.h"
 
 namespace viscache::loading {
@@ -6,7 +7,6 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kGrey{.5f, .5f, .5f};
-constexpr float kMirrorRoughness = 0.004f;  ///< of the lobe that stands for the mirror of `plastic`
 
 bool is_bsdf(pugi::xml_node node) { return std::string_view(node.name()) == "bsdf"; }
 

@@ -1,4 +1,5 @@
 // pbrt-v4 text: its own directives and materials. The reader accepts the words of both versions.
+#include "viscache/scene/coat.h"
 #include "viscache/scene/pbrt_reader.h"
 
 namespace viscache::loading {
@@ -6,8 +7,7 @@ namespace viscache::loading {
 namespace {
 
 constexpr Rgb kHalf{.5f, .5f, .5f}, kQuarter{.25f, .25f, .25f}, kOne{1, 1, 1}, kZero{0, 0, 0};
-constexpr float kSmooth = 1e-3f;            ///< pbrt takes surfaces of smaller alpha for smooth
-constexpr float kMirrorRoughness = 0.004f;  ///< of the lobe that stands for the mirror of a coat
+constexpr float kSmooth = 1e-3f;  ///< pbrt takes surfaces of smaller alpha for smooth
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "viscache/vismap/map_kernels.h"
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 namespace {
 
@@ -73,38 +75,14 @@ VISCACHE_INLINE double shape_body(size_t n, double floor, const double* share, i
     return total(w2);
 }
 
-// One struct of static functions per instruction set. This is a macro because a target attribute cannot be a
-// template parameter.
-#define VISCACHE_MAP_VARIANT(Name, TARGET)                                                         \
-    struct Name {                                                                                  \
-        TARGET static CellSums expand(const BlendedMaps& b, int k, const CellMasses& p, double* v, \
-                                      double* const* d) {                                          \
-            return expand_body(b, k, p, v, d);                                                     \
-        }                                                                                          \
-        TARGET static double shape(size_t n, double f, const double* s, int k, const double* p,    \
-                                   const double* v, const double* const* g, double* d) {           \
-            return shape_body(n, f, s, k, p, v, g, d);                                             \
-        }                                                                                          \
-        static constexpr MapKernels kernels{expand, shape};                                        \
-    };
-
-VISCACHE_MAP_VARIANT(Portable, )
-#if VISCACHE_X86
-VISCACHE_MAP_VARIANT(Avx2, VISCACHE_TARGET_AVX2)
-VISCACHE_MAP_VARIANT(Avx512, VISCACHE_TARGET_AVX512)
-#endif
-
-#undef VISCACHE_MAP_VARIANT
 #undef VISCACHE_INLINE
+
+constexpr MapKernels kernels_of(Isa isa) {
+    return {variant_of<expand_body>(isa), variant_of<shape_body>(isa)};
+}
 
 }  // namespace
 
-const MapKernels& map_kernels([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return Avx512::kernels;
-    if (isa == Isa::kAvx2) return Avx2::kernels;
-#endif
-    return Portable::kernels;
-}
+const MapKernels& map_kernels(Isa isa) { return table_of<kernels_of>(isa); }
 
 }  // namespace viscache

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "viscache/math/isa_variants.h"
+
 namespace viscache {
 namespace {
 
@@ -76,60 +78,16 @@ VISCACHE_INLINE void sum_fours_body(const double* c, double* parents, size_t n) 
     for (size_t i = 0; i < n; ++i) parents[i] = (c[4 * i] + c[4 * i + 1]) + (c[4 * i + 2] + c[4 * i + 3]);
 }
 
-// One struct of static functions per instruction set. This is a macro because a target attribute cannot be a
-// template parameter.
-#define VISCACHE_PRODUCT_VARIANT(Name, TARGET)                                                             \
-    struct Name {                                                                                          \
-        TARGET static void diffuse(const LobeConstants& k, const float* x, const float* y, const float* z, \
-                                   RgbBlock& o) {                                                          \
-            diffuse16(k, x, y, z, o);                                                                      \
-        }                                                                                                  \
-        TARGET static void glossy(const LobeConstants& k, const float* x, const float* y, const float* z,  \
-                                  RgbBlock& o) {                                                           \
-            glossy16(k, x, y, z, o);                                                                       \
-        }                                                                                                  \
-        TARGET static void above(const LobeConstants& k, const float* x, const float* y, const float* z,   \
-                                 const float* s, uint8_t* a, size_t n) {                                   \
-            above_body(k, x, y, z, s, a, n);                                                               \
-        }                                                                                                  \
-        TARGET static float gather(const RgbBlock& s, float* r, float* g, float* b, float* l, float* d) {  \
-            return gather_body(s, r, g, b, l, d);                                                          \
-        }                                                                                                  \
-        TARGET static void raise(const uint8_t* t, float f, float* r, float* g, float* b, float* l,        \
-                                 size_t n) {                                                               \
-            raise_body(t, f, r, g, b, l, n);                                                               \
-        }                                                                                                  \
-        TARGET static double weigh(const float* b, const double* l, size_t n) {                            \
-            return weigh_body(b, l, n);                                                                    \
-        }                                                                                                  \
-        TARGET static void flag(const float* s, const double* l, double w, uint8_t* f, size_t n) {         \
-            flag_body(s, l, w, f, n);                                                                      \
-        }                                                                                                  \
-        TARGET static void scale(const float* b, const double* l, double* o, size_t n, size_t s) {         \
-            scale_body(b, l, o, n, s);                                                                     \
-        }                                                                                                  \
-        TARGET static void sum_fours(const double* c, double* p, size_t n) { sum_fours_body(c, p, n); }    \
-        static constexpr ProductKernels kernels{diffuse, glossy, above, gather,   raise,                   \
-                                                weigh,   flag,   scale, sum_fours};                        \
-    };
-
-VISCACHE_PRODUCT_VARIANT(Portable, )
-#if VISCACHE_X86
-VISCACHE_PRODUCT_VARIANT(Avx2, VISCACHE_TARGET_AVX2)
-VISCACHE_PRODUCT_VARIANT(Avx512, VISCACHE_TARGET_AVX512)
-#endif
-
-#undef VISCACHE_PRODUCT_VARIANT
 #undef VISCACHE_INLINE
+
+constexpr ProductKernels kernels_of(Isa isa) {
+    return {variant_of<diffuse16>(isa),   variant_of<glossy16>(isa),   variant_of<above_body>(isa),
+            variant_of<gather_body>(isa), variant_of<raise_body>(isa), variant_of<weigh_body>(isa),
+            variant_of<flag_body>(isa),   variant_of<scale_body>(isa), variant_of<sum_fours_body>(isa)};
+}
 
 }  // namespace
 
-const ProductKernels& product_kernels([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return Avx512::kernels;
-    if (isa == Isa::kAvx2) return Avx2::kernels;
-#endif
-    return Portable::kernels;
-}
+const ProductKernels& product_kernels(Isa isa) { return table_of<kernels_of>(isa); }
 
 }  // namespace viscache
