@@ -40,6 +40,9 @@ class BlockAnswer:
         Of this call: "queries", "rays", "ray_reduction", "groups", ...; as of a `Frame`.
     n_ends : int
         M.
+    engine : dict
+        What the engines did, as `Frame.parameters["engine"]`; with `Exact(engine=...)` queries of
+        shafts and what they left to rays.
     """
 
     bits: npt.NDArray[np.uint64]
@@ -47,6 +50,7 @@ class BlockAnswer:
     weights: npt.NDArray[np.float32] | None = None
     counters: dict[str, Any] = field(default_factory=dict)
     timings: dict[str, float] = field(default_factory=dict)
+    engine: dict[str, Any] = field(default_factory=dict)
     _log: npt.NDArray[Any] | None = field(default=None, repr=False)
 
     @property
@@ -229,6 +233,7 @@ class Oracle:
             result.get("weights"),
             result["counters"],
             result["timings"],
+            result.get("engine", {}),
             result.get("log"),
         )
 
