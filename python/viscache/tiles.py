@@ -240,6 +240,11 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         for name, seconds in part.frame.timings.items():
             timings[name] = timings.get(name, 0.0) + seconds
     parameters = {k: v for k, v in first.parameters.items() if k != "part"}
+    if "engine" in parameters:
+        work: dict[str, Any] = {}
+        for part in parts:
+            _add(work, part.frame.parameters["engine"])
+        parameters["engine"] = parameters["engine"] | work
     made = Frame(
         layers=layers,
         counters=counters,

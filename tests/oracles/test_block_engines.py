@@ -32,9 +32,10 @@ def test_shafts_answer_blocks_from_arrays(room: vc.Scene, engine: Any, threads: 
 
 
 def test_directions_and_few_lights_stay_with_packets(room: vc.Scene) -> None:
+    room.shafts().memory_bytes()  # builds the tree
     eyes = area_points(room, 3000)
     few = room.oracle(vc.Exact(engine="auto")).block(eyes, lamps(room, 4))
     assert few.engine["shaft_queries"] == 0 and few.engine["left_to_packets"] == 12_000
     sky = vc.FarEnds.directions(np.random.default_rng(1).normal(size=(70, 3)))
     found = room.oracle(vc.Exact(engine="shafts")).block(eyes, sky)
-    assert found.engine["shaft_queries"] == 0
+    assert "no light is a point" in found.engine["no_shafts"]

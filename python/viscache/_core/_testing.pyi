@@ -12,7 +12,7 @@ import viscache._core.aqvc
 import viscache._core.sampling
 import viscache._core.vismap
 import viscache._core.vlf
-__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'bilinear_places', 'choose_light', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'latlong_batch', 'learnt_map', 'least_residual_variance', 'light_cells', 'light_probabilities', 'lit_by_light', 'map_differences', 'nearest_emitter', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
+__all__: list[str] = ['AnalyticCaster', 'BitTable', 'Distribution1D', 'KdTree', 'ProductTree', 'TileRun', 'ambient_visibility', 'best_alpha', 'bilinear_places', 'choose_light', 'control_variate_estimate', 'correlation', 'diffuse_albedo', 'direction_to_octahedral', 'expected_build_s', 'expected_paths', 'flat_triangles', 'free_share', 'fresnel_dielectric', 'gather2', 'geometric_weight', 'ggx_d', 'given_maps', 'glossy_sum', 'hemisphere_batch', 'hierarchy', 'ladder', 'largest_prime', 'latlong_batch', 'learnt_map', 'least_residual_variance', 'light_cells', 'light_probabilities', 'lit_by_light', 'map_differences', 'nearest_emitter', 'node_codes', 'normal_angle', 'normalized_weight', 'octahedral_batch', 'octahedral_square', 'octahedral_to_direction', 'order', 'packed_rays', 'patch_area', 'patch_area_product', 'pdf_bsdf', 'pdf_cosine_hemisphere', 'pdf_ggx_vndf', 'pdf_uniform_cone', 'pdf_uniform_hemisphere', 'pdf_uniform_sphere', 'product_terms', 'radical_inverse', 'random', 'random_u32', 'ray_order', 'record_pattern', 'reflect_directions', 'reflection_at_nodes', 'refract', 'regressed_alpha', 'residual_variance', 'resolution_environment', 'resolution_light', 'resolution_pair', 'sample_bsdf', 'sample_ggx_vndf', 'sample_sphere_light', 'schlick', 'shared_axes', 'smith_g1', 'smith_g2', 'sobol02', 'solid_at', 'sphere_batch', 'square_to_cosine_hemisphere', 'square_to_disk_concentric', 'square_to_triangle', 'square_to_uniform_cone', 'square_to_uniform_hemisphere', 'square_to_uniform_sphere', 'tile_depth', 'triangle_hits', 'wilson_lower']
 class BitTable:
     """
     The lossy table. `get` gives -1 for a miss.
@@ -286,6 +286,10 @@ def order(x: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]
     """
     Processing order of a tile's eye points (AQVC Sec. 4.3).
     """
+def packed_rays(origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], t_max: typing.Any, *, order: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32] | None = None, isa: str | None = None) -> typing.Any:
+    """
+    Lanes and masks of up to 256 rays as Embree gets them; None if one of them must not be traced.
+    """
 def patch_area(arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Any:
     """
     AQVC Eq. 5.
@@ -333,6 +337,10 @@ def random(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], count: 
 def random_u32(keys: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], count: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
     """
     First `count` numbers of each stream; keys (N, 4) are (seed, purpose, pixel, pass). (N, count) uint32.
+    """
+def ray_order(origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, isa: str | None = None) -> tuple:
+    """
+    The order in which rays without order are traced, and their share in order.
     """
 def record_pattern(m: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
