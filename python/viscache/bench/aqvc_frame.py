@@ -51,7 +51,7 @@ CASES = (
         c_e=10,
         goal=5,
         with_slow=True,
-        tuned=Aqvc(preset="fast", c_e=20),
+        tuned=Aqvc(preset="fast", c_e=12),
     ),
     Case(
         size=(512, 512),
