@@ -240,11 +240,13 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         for name, seconds in part.frame.timings.items():
             timings[name] = timings.get(name, 0.0) + seconds
     parameters = {k: v for k, v in first.parameters.items() if k != "part"}
-    if "engine" in parameters:
+    # A process whose scene has the tree of shafts may use it where another has none
+    engines = [p.frame.parameters["engine"] for p in parts if "engine" in p.frame.parameters]
+    if engines:
         work: dict[str, Any] = {}
-        for part in parts:
-            _add(work, part.frame.parameters["engine"])
-        parameters["engine"] = parameters["engine"] | work
+        for engine in engines:
+            _add(work, engine)
+        parameters["engine"] = engines[0] | work
     made = Frame(
         layers=layers,
         counters=counters,

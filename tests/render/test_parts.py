@@ -47,6 +47,23 @@ def test_any_number_of_parts_gives_the_same_bytes(
     assert whole.counters["light_rays"] > 0
 
 
+def test_parts_join_where_only_some_processes_have_the_tree_of_shafts() -> None:
+    scenes = [vc.scenes.build(SCENE) for _ in range(2)]
+    scenes[1].shafts().memory_bytes()  # builds the tree
+    small: dict[str, Any] = {"size": (300, 40), "seed": 3}  # at least two tiles
+    whitted = vc.Whitted(n_vpls=40)
+    for first in (0, 1):
+        cut = [
+            tiles.cut(render_part(scenes[(first + i) % 2], whitted, (i, 2), **small), i, 2)
+            for i in range(2)
+        ]
+        joined = tiles.merge(cut)
+        assert joined.sha256 == vc.render(scenes[0], whitted, **small).sha256
+        assert [("engine" in part.frame.parameters) for part in cut] == [first == 1, first == 0]
+        work = joined.parameters["engine"]
+        assert work["shaft_queries"] + work["left_to_packets"] > 0
+
+
 def test_workers_give_the_same_bytes_in_whatever_order_they_finish() -> None:
     import multiprocessing
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viscache/math/isa_variants.h"
 #include "viscache/visibility/query.h"
 #include "viscache/visibility/row_lanes.h"
 
@@ -38,32 +39,13 @@ VISCACHE_INLINE bool pack_body(const RayBatch::Input& in, size_t packets, RayLan
     return std::all_of(fine, fine + 16, [](int32_t f) { return f != 0; });
 }
 
-bool pack_portable(const RayBatch::Input& in, size_t packets, RayLanes& out) {
-    return pack_body(in, packets, out);
-}
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX2 bool pack_avx2(const RayBatch::Input& in, size_t packets, RayLanes& out) {
-    return pack_body(in, packets, out);
-}
-VISCACHE_TARGET_AVX512 bool pack_avx512(const RayBatch::Input& in, size_t packets, RayLanes& out) {
-    return pack_body(in, packets, out);
-}
-#endif
 #undef VISCACHE_INLINE
-
-auto pack_kernel([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return pack_avx512;
-    if (isa == Isa::kAvx2) return pack_avx2;
-#endif
-    return pack_portable;
-}
 
 constexpr size_t kAhead = 32;  // rays that are fetched before they are copied
 
 }  // namespace
 
-RayBatch::RayBatch(Isa isa) : pack_(pack_kernel(isa)) {}
+RayBatch::RayBatch(Isa isa) : pack_(variant_of<pack_body>(isa)) {}
 
 bool RayBatch::pack(const Input& input, size_t count) {
     size_ = count;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "viscache/math/bounds.h"
+#include "viscache/math/isa_variants.h"
 #include "viscache/visibility/direction_bins.h"
 #include "viscache/visibility/row_lanes.h"
 
@@ -44,28 +45,7 @@ VISCACHE_INLINE void classify_body(const RayOrder::Cells& cells, const float* or
     }
 }
 
-void classify_portable(const RayOrder::Cells& c, const float* o, const float* d, size_t n, uint16_t* out) {
-    classify_body(c, o, d, n, out);
-}
-#if VISCACHE_X86
-VISCACHE_TARGET_AVX2 void classify_avx2(const RayOrder::Cells& c, const float* o, const float* d, size_t n,
-                                        uint16_t* out) {
-    classify_body(c, o, d, n, out);
-}
-VISCACHE_TARGET_AVX512 void classify_avx512(const RayOrder::Cells& c, const float* o, const float* d,
-                                            size_t n, uint16_t* out) {
-    classify_body(c, o, d, n, out);
-}
-#endif
 #undef VISCACHE_INLINE
-
-auto classify_kernel([[maybe_unused]] Isa isa) {
-#if VISCACHE_X86
-    if (isa == Isa::kAvx512) return classify_avx512;
-    if (isa == Isa::kAvx2) return classify_avx2;
-#endif
-    return classify_portable;
-}
 
 RayOrder::Cells cells_of(const RayArrays& rays, size_t first, size_t count, size_t stride) {
     Bounds box;
@@ -77,7 +57,7 @@ RayOrder::Cells cells_of(const RayArrays& rays, size_t first, size_t count, size
 
 }  // namespace
 
-RayOrder::RayOrder(Isa isa) : classify_(classify_kernel(isa)) {}
+RayOrder::RayOrder(Isa isa) : classify_(variant_of<classify_body>(isa)) {}
 
 /// Stores the classes of the rays [first, first + count) from class_[at] on.
 void RayOrder::classify(const RayArrays& rays, const Cells& cells, size_t first, size_t count, size_t at) {
