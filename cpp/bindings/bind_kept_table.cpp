@@ -1,7 +1,9 @@
-// A table of the quantized cache that is kept between frames.
+// Tables and rows of the quantized cache that are kept between frames.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include "arrays.h"
+#include "viscache/aqvc/kept_rows.h"
 #include "viscache/aqvc/kept_table.h"
 #include "viscache/aqvc/parameters.h"
 
@@ -9,7 +11,53 @@ namespace py = pybind11;
 
 namespace viscache::bindings {
 
+namespace {
+
+template <class T>
+py::array_t<T> array_of(const std::vector<T>& values) {
+    return py::array_t<T>(py::ssize_t(values.size()), values.data());
+}
+
+template <class T>
+std::vector<T> values_of(const py::array_t<T, py::array::c_style | py::array::forcecast>& a) {
+    return {a.data(), a.data() + a.size()};
+}
+
+void bind_rows(py::module_& m) {
+    using Longs = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+    using Words = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
+    py::class_<AqvcRows>(m, "AqvcRows", "See viscache.AqvcRows.")
+        .def(py::init<uint64_t>(), py::arg("max_bytes"))
+        .def("clear", &AqvcRows::clear)
+        .def("commit", &AqvcRows::commit)
+        .def_property_readonly("frames", &AqvcRows::frames)
+        .def_property_readonly("cells", &AqvcRows::cells)
+        .def_property_readonly("bytes", &AqvcRows::bytes)
+        .def_property_readonly("tiles", &AqvcRows::tiles)
+        .def(
+            "state",
+            [](const AqvcRows& rows, size_t tile, size_t group) -> py::tuple {
+                if (tile >= rows.tiles() || group >= kLightGroups) throw py::index_error("no such rows");
+                const KeptRows::State s = rows.state(tile, int(group));
+                return py::make_tuple(s.digest, s.row_words, array_of(s.cells), array_of(s.rows));
+            },
+            py::arg("tile"), py::arg("group"), "(digest, row_words, cells, rows) of finished frames.")
+        .def("begin_restore", &AqvcRows::begin_restore, py::arg("tiles"), py::arg("frames"))
+        .def(
+            "restore",
+            [](AqvcRows& rows, size_t tile, size_t group, uint64_t digest, uint64_t row_words,
+               const Longs& cells, const Words& words) {
+                if (tile >= rows.tiles() || group >= kLightGroups) throw py::index_error("no such rows");
+                rows.restore(tile, int(group), {digest, row_words, values_of(cells), values_of(words)});
+            },
+            py::arg("tile"), py::arg("group"), py::arg("digest"), py::arg("row_words"), py::arg("cells"),
+            py::arg("rows"));
+}
+
+}  // namespace
+
 void bind_kept_table(py::module_& m) {
+    bind_rows(m);
     PYBIND11_NUMPY_DTYPE(KeptEntry, slot, digest, visible, current);
     py::class_<KeptTable>(m, "KeptTable", "See viscache.AqvcTable.")
         .def(py::init([](uint64_t table_bytes, const AqvcParameters& p) {

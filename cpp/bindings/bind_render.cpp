@@ -113,6 +113,7 @@ void bind_render(py::module_& m) {
         .def_readwrite("height", &FrameSettings::height)
         .def_readwrite("spp", &FrameSettings::spp)
         .def_readwrite("seed", &FrameSettings::seed)
+        .def_readwrite("first_sample", &FrameSettings::first_sample)
         .def_readwrite("threads", &FrameSettings::threads)
         .def_readwrite("part", &FrameSettings::part)
         .def_readwrite("parts", &FrameSettings::parts);

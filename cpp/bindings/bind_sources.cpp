@@ -61,6 +61,14 @@ void bind_sources(py::module_& m) {
              }),
              scene, caster, py::arg("parameters"), py::arg("table"), py::kw_only(), py::arg("spp"),
              py::arg("check"), py::arg("repair"), KeepScene(), KeepCaster(), py::keep_alive<1, 5>());
+    py::class_<AqvcRowsSource, OracleSource>(m, "AqvcRowsSource", "See viscache.AqvcRows.")
+        .def(py::init([](const Scene& s, const RayCaster& c, const AqvcParameters& p, AqvcRows& rows, int spp,
+                         std::optional<OracleSource*> exact) {
+                 return std::make_unique<AqvcRowsSource>(s, c, p, spp, rows, exact.value_or(nullptr));
+             }),
+             scene, caster, py::arg("parameters"), py::arg("rows"), py::kw_only(), py::arg("spp"),
+             py::arg("exact") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 5>(),
+             py::keep_alive<1, 7>());
     py::class_<ShadowMapSource, OracleSource>(m, "ShadowMapSource", "See viscache.ShadowMap.")
         .def(py::init<const Scene&, const RayCaster&, const ShadowMapSettings&>(), scene, caster,
              py::arg("settings"), KeepScene(), KeepCaster());
@@ -69,9 +77,13 @@ void bind_sources(py::module_& m) {
              caster, py::arg("settings"), py::kw_only(), py::arg("seed"), py::arg("weighted") = true,
              KeepScene(), KeepCaster());
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
-        .def(py::init<const Scene&, const RayCaster&, OracleSource&, double, uint64_t, bool>(), scene, caster,
-             py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("seed"), py::arg("weighted") = true,
-             KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
+        .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
+                         uint64_t seed, bool weighted) {
+                 return std::make_unique<ResidualSource>(s, c, inner,
+                                                         ResidualSettings{share, seed, weighted});
+             }),
+             scene, caster, py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("seed"),
+             py::arg("weighted") = true, KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
 }
 
 }  // namespace viscache::bindings

@@ -16,11 +16,13 @@ from viscache import (
     vlf,
 )
 from viscache._core import SceneDescription
+from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
 from viscache.connections import Connections, connections
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
+from viscache.progressive import Progressive
 from viscache.provenance import VERSION
 from viscache.query_record import record_queries
 from viscache.render import render
@@ -51,6 +53,7 @@ __version__ = VERSION
 __all__ = [
     "AmbientOcclusion",
     "Aqvc",
+    "AqvcRows",
     "AqvcTable",
     "Bdpt",
     "Bsp",
@@ -66,6 +69,7 @@ __all__ = [
     "MapSettings",
     "NeePlusPlus",
     "PaperForm",
+    "Progressive",
     "Relighting",
     "Scene",
     "SceneDescription",

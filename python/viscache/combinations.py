@@ -23,7 +23,10 @@ class Request:
         Settings.
     use : str or Correct, optional
     keep : bool
-        Whether a table of the quantized cache is kept from frame to frame.
+        Whether a table or rows of the quantized cache are kept from frame to frame.
+    keeps_rows : bool
+        Whether it is rows.
+    first_sample : int
     parts : int
         Number of parts of the frame.
     batch : bool
@@ -35,6 +38,8 @@ class Request:
     visibility: Any
     use: Any = None
     keep: bool = False
+    keeps_rows: bool = False
+    first_sample: int = 0
     parts: int = 1
     batch: bool = False
 
@@ -124,16 +129,25 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine == "shafts"
                     and not is_robust(r.rays)),
          lambda r: r.rays),
-    Rule("`keep=AqvcTable(...)`", "any visibility but `Aqvc`", "`Aqvc`",
+    Rule("`keep=…`", "any visibility but `Aqvc`", "`Aqvc`",
          "visibility must be vc.Aqvc(...) with keep",
          lambda r: r.keep and not isinstance(r.visibility, Aqvc)),
-    Rule("`keep=AqvcTable(...)`", "`Bdpt`, `AmbientOcclusion`", "`Direct`, `Whitted`",
+    Rule("`keep=…`", "`Bdpt`, `AmbientOcclusion`", "`Direct`, `Whitted`",
          "integrator must be vc.Direct(...) or vc.Whitted(...) with keep",
          lambda r: r.keep and not isinstance(r.integrator, _IN_TILES),
          lambda r: r.integrator),
-    Rule("frames in parts", "`keep=AqvcTable(...)`", "one machine",
+    Rule("`keep=AqvcRows(...)`", '`PaperForm(form="pairs")`', "`keep=AqvcTable(...)`",
+         'form must be "waves" with keep=vc.AqvcRows(...)',
+         lambda r: (r.keeps_rows and isinstance(r.visibility, Aqvc)
+                    and r.visibility.paper.form != "waves"),
+         lambda r: r.visibility.paper.form),
+    Rule("`first_sample=…`", "`Bdpt`", "`seed=…`",
+         "first_sample must be 0 with Bdpt",
+         lambda r: r.first_sample != 0 and isinstance(r.integrator, Bdpt),
+         lambda r: r.first_sample),
+    Rule("frames in parts", "`keep=…`", "one machine",
          "keep must be left out for parts of a frame",
-         lambda r: r.parts > 1 and r.keep, lambda r: "a table"),
+         lambda r: r.parts > 1 and r.keep, lambda r: "rows" if r.keeps_rows else "a table"),
     Rule("frames in parts", "`ShadowMap`, `NeePlusPlus`, `VisMaps`, an oracle of your own",
          "one machine",
          "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.Unoccluded() for parts of a frame",

@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from typing import Any, Literal, cast, get_args
 
 from viscache import _core, sources
+from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
 from viscache.audited import error_warnings
 from viscache.combinations import Request, check
@@ -44,6 +45,8 @@ __all__ = ["render"]
 
 #: Eye samples of the largest tiles (render/frame.cpp); mirrors may add some.
 MOST_POINTS_OF_A_TILE = 1 << 16
+#: Oracles that draw at random do so anew for each first sample: an odd number far from other seeds.
+SEED_STEP = 0x9E3779B97F4A7C15
 
 
 @spelled
@@ -60,7 +63,8 @@ def render(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
-    keep: AqvcTable | None = None,
+    keep: AqvcTable | AqvcRows | None = None,
+    first_sample: int = 0,
     progress: Progress = False,
 ) -> Frame:
     """Render a frame.
@@ -96,9 +100,13 @@ def render(
         default. Without a camera, the whole scene is shown from a corner above.
     env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
-    keep : AqvcTable, optional
-        For `Aqvc` with Direct or Whitted: a table whose bits this frame reuses and extends. The
-        cache then has the form "pairs", and `scale_free` cells by default.
+    keep : AqvcTable or AqvcRows, optional
+        For `Aqvc` with Direct or Whitted: what this frame reuses and extends. With a table, the
+        cache has the form "pairs", and `scale_free` cells by default; it is for frames of moving
+        cameras. Rows are for frames of more samples, as `vc.Progressive` renders them.
+    first_sample : int >= 0, a multiple of spp
+        Number of the first eye sample of each pixel. With one seed, frames of first samples 0, spp,
+        2·spp, ... have the same virtual lights and shared directions, and new samples of all else.
     progress : bool or callable
         True shows a bar; a callable gets (done, total).
 
@@ -152,6 +160,7 @@ def render(
         camera=camera,
         env=env,
         keep=keep,
+        first_sample=first_sample,
         progress=progress,
     )
 
@@ -170,7 +179,8 @@ def render_part(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
-    keep: AqvcTable | None = None,
+    keep: AqvcTable | AqvcRows | None = None,
+    first_sample: int = 0,
     progress: Progress = False,
 ) -> Frame:
     """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black. As `render`.
@@ -185,7 +195,7 @@ def render_part(
     number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
-    if keep is not None and isinstance(visibility, Aqvc):
+    if isinstance(keep, AqvcTable) and isinstance(visibility, Aqvc):
         visibility = visibility.for_kept_table()
     request = Request(
         integrator=integrator,
@@ -193,6 +203,8 @@ def render_part(
         visibility=visibility,
         use=use,
         keep=keep is not None,
+        keeps_rows=isinstance(keep, AqvcRows),
+        first_sample=_checked_first(first_sample, spp),
         parts=parts,
     )
     check(request)
@@ -204,6 +216,7 @@ def render_part(
     view = find_camera(scene, camera)
     frame = frame_settings(frame_size(size, view), spp, seed, threads)
     frame.part, frame.parts = number, parts
+    frame.first_sample = int(first_sample)
 
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
@@ -215,18 +228,21 @@ def render_part(
     check(replace(request, batch=batch is not None))
     with ExitStack() as stack:
         report = stack.enter_context(progress_bar(progress))
-        kept = None
-        if keep is not None:
+        kept, rows = None, None
+        if isinstance(keep, AqvcTable):
             table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
             kept = (table, keep.check, keep.repair)
+        elif keep is not None:
+            rows = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
         context = SourceContext(
             scene=scene._core,
             caster=caster,
             spp=spp,
-            seed=seed,
+            seed=(seed + SEED_STEP * frame.first_sample) % (1 << 64),
             batch=batch,
             shafts=shafts_for(geometry, visibility, rays),
             kept=kept,
+            rows=rows,
             bidirectional=isinstance(integrator, Bdpt),
         )
         source = oracle_source(visibility, use, context)
@@ -281,6 +297,7 @@ def render_part(
             "size": [frame.width, frame.height],
             "spp": spp,
             "seed": seed,
+            **({"first_sample": frame.first_sample} if frame.first_sample else {}),
             "camera": view.name,
             "tile_edge_px": result["tile_edge_px"],
             **({"engine": result["engine"]} if "engine" in result else {}),
@@ -322,7 +339,11 @@ def check_settings(
         'use must be "replace" or "correct", or vc.Correct(...) unless visibility is VisMaps',
         use,
     )
-    require(keep is None or isinstance(keep, AqvcTable), "keep must be vc.AqvcTable(...)", keep)
+    require(
+        keep is None or isinstance(keep, AqvcTable | AqvcRows),
+        "keep must be vc.AqvcTable(...) or vc.AqvcRows(...)",
+        keep,
+    )
 
 
 def _use_in_words(use: Any, visibility: Any) -> Any:
@@ -335,6 +356,14 @@ def _checked_part(part: tuple[int, int]) -> tuple[int, int]:
     require(is_whole(parts) and 1 <= parts <= 1 << 20, "parts must be in [1, 2^20]", parts)
     require(is_whole(number) and 0 <= number < parts, "part must be in [0, parts)", number)
     return int(number), int(parts)
+
+
+def _checked_first(first_sample: int, spp: int) -> int:
+    whole = is_whole(first_sample) and 0 <= first_sample < 1 << 31
+    require(whole, "first_sample must be a whole number in [0, 2^31)", first_sample)
+    fits = not is_whole(spp) or spp < 1 or first_sample % spp == 0
+    require(fits, f"first_sample must be a multiple of spp ({spp})", first_sample)
+    return int(first_sample)
 
 
 def _batch_for(

@@ -179,7 +179,7 @@ def test_what_a_kept_table_cannot_do_is_refused() -> None:
     table = vc.AqvcTable(table_bytes=1 << 20)
     frame(scene(), table)
     floored = vc.Aqvc(paper=vc.PaperForm(normal_mode="floor"))
-    for other in (vc.Aqvc(c_n=6), floored, vc.Aqvc(grid_seed=1)):
+    for other in (vc.Aqvc(c_n=6), floored, vc.Aqvc(paper=vc.PaperForm(grid_seed=1))):
         with pytest.raises(ValueError, match=r"must be .* as in the table's frames before"):
             frame(scene(), table, other)
     for cache, message in (

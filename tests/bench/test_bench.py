@@ -21,6 +21,7 @@ SMALL = (
     "aqvc-apartment",
     "aqvc-lookup",
     "shafts",
+    "progressive",
     "oracle",
     "memory",
     "loading",

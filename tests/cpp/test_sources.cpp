@@ -100,7 +100,7 @@ void a_share_of_one_is_exact() {
     p.exact_groups = LightGroupSet{};
     p.c_e = 40;
     AqvcSource inner(*setup.world, setup.caster, p, 1), alone(*setup.world, setup.caster, p, 1);
-    ResidualSource source(*setup.world, setup.caster, inner, 1, 3);
+    ResidualSource source(*setup.world, setup.caster, inner, {.share = 1, .seed = 3});
     const FrameResult exact = setup.exact(), wrong = setup.render(alone), right = setup.render(source);
     check(!same_pixels(exact, wrong), "the cache has errors at this C_E");
     check(same_pixels(exact, right), "all queries corrected");
@@ -118,7 +118,8 @@ std::pair<double, double> corrected_mean(Setup& setup, bool weighted) {
     constexpr int kSeeds = 40;
     for (int seed = 0; seed < kSeeds; ++seed) {
         AqvcSource inner(*setup.world, setup.caster, p, 1);
-        ResidualSource source(*setup.world, setup.caster, inner, 0.2, uint64_t(seed), weighted);
+        ResidualSource source(*setup.world, setup.caster, inner,
+                              {.share = 0.2, .seed = uint64_t(seed), .weighted = weighted});
         const double mean = mean_of(setup.render(source));
         sum += mean;
         squares += mean * mean;

@@ -37,7 +37,7 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibi
         scene, integrator, size=SIZE, spp=2, visibility=visibility, use=vc.Correct(share=1)
     )
     assert right.sha256 == exact.sha256
-    assert right.counters["corrections"] > 0
+    assert (right.counters["corrections"] > 0) is not isinstance(visibility, vc.Exact)
     if not isinstance(visibility, vc.Exact):
         cached = vc.render(scene, integrator, size=SIZE, spp=2, visibility=visibility)
         assert cached.sha256 != exact.sha256

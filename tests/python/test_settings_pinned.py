@@ -167,9 +167,10 @@ def test_the_visibility_field_passes_each_of_its_settings_on() -> None:
 def test_render_has_the_defaults_of_the_frame_struct() -> None:
     struct = values(_core.FrameSettings())
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
-    assert set(struct) == {"width", "height", "spp", "seed", "threads", "part", "parts"}
+    same = ("spp", "seed", "first_sample")
+    assert set(struct) == {"width", "height", "threads", "part", "parts", *same}
     assert (struct["part"], struct["parts"]) == (0, 1)  # all of it; `render_part` takes others
-    assert (struct["spp"], struct["seed"]) == (defaults["spp"], defaults["seed"])
+    assert [struct[name] for name in same] == [defaults[name] for name in same]
     assert struct["threads"] == 0 and defaults["threads"] is None  # both mean all
     camera = vc.look_at((0, 0, 1), (0, 0, 0))
     assert (camera.width, camera.height) == (struct["width"], struct["height"])
@@ -208,7 +209,7 @@ BAD = [
     (vc.Aqvc, {"c_e": "12"}, "c_e must be a finite number"),
     (vc.Aqvc, {"c_n": True}, "c_n must be a whole number"),
     (vc.PaperForm, {"grid_offset": 1}, "grid_offset must be true or false"),
-    (vc.Aqvc, {"grid_seed": -1}, "grid_seed must be"),
+    (vc.PaperForm, {"grid_seed": -1}, "grid_seed must be"),
     (vc.PaperForm, {"form": "wave"}, 'form must be "waves" or "pairs"'),
     (vc.PaperForm, {"queue": 3}, r"queue must be even and in \[0, 1024\], got 3"),
     (vc.Aqvc, {"paper": "pairs"}, r"paper must be vc.PaperForm\(...\)"),

@@ -378,6 +378,10 @@ def waves(
             for k in traced[cell]:
                 value[cell, k] = bool(exact[r, k])
             out.rays_per_level[d] += len(traced[cell])
+        for cell in cells:  # an eye point keeps the answers of its own rays
+            for k in traced[cell]:
+                out.visible[rep[cell], k] = value[cell, k]
+                asking[rep[cell]].discard(k)
         if d == depth - 1:
             break
         for cell in cells:

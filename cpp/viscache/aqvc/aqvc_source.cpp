@@ -81,4 +81,17 @@ void KeptTableSource::report(Counters& c, SourceReport& out) const {
                     {"wrong_kept", c.wrong_kept},     {"wrong_fresh", c.wrong_fresh}};
 }
 
+std::unique_ptr<VisibilityOracle> AqvcRowsSource::make() {
+    auto cache = make_cache();
+    cache->use_rows(rows_);
+    return cache;
+}
+
+void AqvcRowsSource::report(Counters& counters, SourceReport& out) const {
+    AqvcSource::report(counters, out);
+    out.counters.emplace_back("kept_cells", rows_.cells());
+    out.counters.emplace_back("kept_bytes", rows_.bytes());
+    out.counters.emplace_back("cells_not_kept", counters.cells_not_kept);
+}
+
 }  // namespace viscache

@@ -69,4 +69,19 @@ private:
     KeptChecks checks_;
 };
 
+/// Caches whose level waves start from kept rows and extend them. The owner of the rows commits them.
+class AqvcRowsSource final : public AqvcSource {
+public:
+    /// `rows` must outlive the source.
+    AqvcRowsSource(const Scene& scene, const RayCaster& caster, const AqvcParameters& parameters, int spp,
+                   AqvcRows& rows, OracleSource* exact = nullptr)
+        : AqvcSource(scene, caster, parameters, spp, exact), rows_(rows) {}
+    std::unique_ptr<VisibilityOracle> make() override;
+    void begin_round(size_t tiles) override { rows_.begin_frame(tiles); }
+    void report(Counters& counters, SourceReport& out) const override;
+
+private:
+    AqvcRows& rows_;
+};
+
 }  // namespace viscache

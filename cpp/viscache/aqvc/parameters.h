@@ -71,6 +71,7 @@ struct AqvcParameters {
     double level_step = 4;
     double c_finest = 4;
     bool by_contribution = false;
+    double bright = 0;
     uint64_t table_bytes = uint64_t{4} << 20;
     Form form = Form::kWaves;
     Storage storage = Storage::kTable;
@@ -123,7 +124,7 @@ inline constexpr std::tuple kAqvcRows{
         "Cells are C_R^k units of length wide and start at the origin. Otherwise they divide the bounding "
         "sphere of the scene. Scale-free cells stay the same when the scene grows or moves. `keep` turns "
         "this on unless a value is given."),
-    row("grid_seed", &AqvcParameters::grid_seed, kKeyed, {.low = 0},
+    row("grid_seed", &AqvcParameters::grid_seed, kKeyed | kPaper, {.low = 0},
         "Seed of the shift of the grids and of the random processing order."),
     row("refinement", &AqvcParameters::refinement, kPlain,
         "Alg. 2: if a cell disagrees with a neighbour, its queries are repeated with smaller cells. "
@@ -144,6 +145,10 @@ inline constexpr std::tuple kAqvcRows{
     row("by_contribution", &AqvcParameters::by_contribution, kPlain,
         "C_E of each connection depends on its unoccluded contribution f: C_E·(mean f / f)^(1/2.5), at "
         "most 2·C_E. Needs refinement and the form \"waves\"; without effect elsewhere."),
+    row("bright", &AqvcParameters::bright, kPlain, {.low = 0},
+        "Connections with shared lights whose unoccluded contribution is above `bright` times the mean of "
+        "their eye point get a ray of their own. Few connections carry much of the squared error. 0: none. "
+        "Needs the form \"waves\"; without effect elsewhere."),
     row("table_bytes", &AqvcParameters::table_bytes, kPlain, {.low = 4, .high = 0x1p33, .by_side = true},
         "Size of the table of one tile. With `Bdpt` the size of the table of the frame, 256 MiB unless a "
         "value is given. Bit rows for samples of single pixels take up to 16 times this size; further "

@@ -12,6 +12,8 @@ namespace {
 
 // Set in the cluster number of a logged query without a cluster
 constexpr uint64_t kBypassed = uint64_t{1} << 63;
+// and of a bright one
+constexpr uint64_t kBright = uint64_t{1} << 62;
 
 const AqvcParameters& checked(const AqvcParameters& p) {
     p.validate();
@@ -52,6 +54,12 @@ void QuantizedCache::use_kept(const KeptTable& table, KeptChecks checks) {
         throw std::invalid_argument("form must be pairs and storage table with a kept table");
     detail::require(checks.share >= 0 && checks.share <= 1, "check must be in [0, 1]", checks.share);
     pairs_.use_kept(table, checks);
+}
+
+void QuantizedCache::use_rows(AqvcRows& rows) {
+    if (parameters_.form != Form::kWaves || shares_)
+        throw std::invalid_argument("form must be waves with kept rows");
+    rows_ = &rows;
 }
 
 void QuantizedCache::watch(const Control& control) {
@@ -151,11 +159,42 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
                                    parameters_.group_c_e(lights.group), parameters_.level_step);
         const TileCells& cells = cells_of(levels);
         clamps = cells.clamps;
-        rays += waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, *answer, counters, log_);
+        KeptRows* kept = rows_ ? &rows_->rows(eyes.tile, lights.group) : nullptr;
+        if (kept) kept->begin(columns_, levels);
+        rays +=
+            waves_.run(tile_, cells, columns_, contribution_levels_, tracer_, kept, *answer, counters, log_);
+        if (kept)
+            counters.cells_not_kept += kept->store(cells, waves_.known(), waves_.value(),
+                                                   rows_->most_bytes(eyes.tile, lights.group));
         if (columns_.merged()) columns_.spread(by_column_, visible);
+        if (parameters_.bright > 0 && contributions_) rays += trace_bright(eyes, lights, wanted, visible);
     }
     rays += trace_bypassing(eyes, lights, wanted, visible, counters);
     add_clamps(clamps, counters);
+}
+
+/// Traces rays for connections above `bright` means of their eye point. Their answers take precedence.
+// Differs: goes beyond the paper. Few connections carry most of the squared contributions, and a wrong bit of
+// one of them costs as much as many others.
+uint64_t QuantizedCache::trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                                      BitMatrix& visible) {
+    bright_.reset(1, lights.count);
+    const float share = float(parameters_.bright);
+    uint64_t rays = 0;
+    for (uint32_t i = 0; i < eyes.size(); ++i) {
+        if (!tile_.usable[i]) continue;
+        Word* row = bright_.row(0);
+        contributions_->at_most(i, {&share, 1}, {&row, 1});
+        for (size_t w = 0; w < wanted.row_words(); ++w) row[w] = wanted.row(i)[w] & ~row[w];
+        for_each_bit(std::span<const Word>(row, wanted.row_words()), [&](size_t k) {
+            if (columns_.bypasses(k)) return;
+            clear_bit(visible.row(i), k);
+            if (log_) log_->answered(i, uint32_t(k), {kBright + i * uint64_t(lights.count) + k, i, 0, true});
+            tracer_.add({i, i, uint32_t(k), uint32_t(k)});
+        });
+        if (tracer_.full()) rays += tracer_.flush(eyes, lights, visible);
+    }
+    return rays + tracer_.flush(eyes, lights, visible);
 }
 
 /// Traces exact rays for queries without a key: eye points or lights without a normal. Points that are not

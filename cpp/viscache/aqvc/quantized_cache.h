@@ -39,6 +39,10 @@ public:
     /// Storage::kTable.
     void use_kept(const KeptTable& table, KeptChecks checks);
 
+    /// Level waves start from these rows and extend them. They must outlive the cache. Requires
+    /// Form::kWaves.
+    void use_rows(AqvcRows& rows);
+
     void watch(const Control& control) override;
     void weigh(const Contributions* contributions) override { contributions_ = contributions; }
     void log(QueryLog* log) override {
@@ -54,6 +58,8 @@ public:
     void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                  Counters& counters) override;
     PairOrder sample_order(const EyeBlock& eyes, int group) override;
+    bool is_exact(const FarEnds& lights) const override { return exact_.answers(lights); }
+    bool is_exact_own(int group) const override { return exact_.answers_own(group); }
 
     /// Deferred writes to the table of the frame.
     std::vector<TableWrite>& writes() { return pairs_.writes(); }
@@ -76,6 +82,8 @@ private:
                         BitMatrix& visible, Counters& counters);
     void block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters);
+    uint64_t trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                          BitMatrix& visible);
     uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                              BitMatrix& visible, Counters& counters);
     void make_order(const EyeBlock& eyes);
@@ -112,6 +120,8 @@ private:
     std::deque<LevelCells> cells_;  ///< cells of the tile; entries from cells_in_use_ on are spare
     size_t cells_in_use_ = 0;
     Waves waves_;
+    AqvcRows* rows_ = nullptr;  ///< kept from frame to frame
+    BitMatrix bright_;
     Pairs pairs_;
     BitMatrix by_column_;
     SampleRows sample_rows_;

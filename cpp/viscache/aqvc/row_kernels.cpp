@@ -48,6 +48,18 @@ VISCACHE_INLINE void store_below_body(const Word* mask, const Word* value, Word*
     }
 }
 
+VISCACHE_INLINE void adopt_body(Word* a, const Word* mask, const Word* value, Word* visible, size_t words,
+                                RowCounts& counts) {
+    for (size_t w = 0; w < words; w += 8) {
+        const Row512 own = load(mask + w), open = load(a + w);
+        store(visible + w, (load(visible + w) & ~own) | (own & load(value + w)));
+        store(a + w, open & ~own);
+        const uint64_t answered = ones(open & own);
+        counts.lookups += answered;
+        counts.hits += answered;
+    }
+}
+
 VISCACHE_INLINE Row512 differing(RowPair own, const RowPair neighbours[4], size_t w) {
     const Row512 v = load(own.value + w);
     Row512 d{};
@@ -114,10 +126,11 @@ VISCACHE_INLINE uint64_t count_body(const Word* a, size_t words) {
 #undef VISCACHE_INLINE
 
 constexpr RowKernels kernels_of(Isa isa) {
-    return {
-        variant_of<take_misses_body>(isa), variant_of<keep_body>(isa),         variant_of<drop_body>(isa),
-        variant_of<store_below_body>(isa), variant_of<disagreement_body>(isa), variant_of<resolve_body>(isa),
-        variant_of<finish_body>(isa),      variant_of<step_body>(isa),         variant_of<count_body>(isa)};
+    return {variant_of<take_misses_body>(isa), variant_of<keep_body>(isa),
+            variant_of<drop_body>(isa),        variant_of<store_below_body>(isa),
+            variant_of<adopt_body>(isa),       variant_of<disagreement_body>(isa),
+            variant_of<resolve_body>(isa),     variant_of<finish_body>(isa),
+            variant_of<step_body>(isa),        variant_of<count_body>(isa)};
 }
 
 }  // namespace

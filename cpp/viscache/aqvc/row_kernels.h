@@ -30,6 +30,10 @@ struct RowKernels {
     /// Copies the bits of `mask` that are unknown at the level below to that level.
     void (*store_below)(const Word* mask, const Word* value, Word* known_below, Word* value_below,
                         size_t words);
+    /// Answers bits of one eye point by its own rays: visible = visible & ~mask | mask & value; a &= ~mask.
+    /// Bits that were open count as look-ups and hits.
+    void (*adopt)(Word* a, const Word* mask, const Word* value, Word* visible, size_t words,
+                  RowCounts& counts);
     /// disagree = OR_n known_n & (value_n ^ value) | ~known, over the four neighbours n.
     void (*disagreement)(RowPair own, const RowPair neighbours[4], Word* disagree, size_t words);
     /// visible |= a & ~disagree & value; a &= disagree; need |= a. With `last_above`, counts the bits that go

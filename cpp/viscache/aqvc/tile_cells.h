@@ -18,6 +18,7 @@ public:
     size_t levels() const { return level_begin_.size() - 1; }
     /// The first cell of a level; cells are numbered level by level. begin(levels()) is the number of cells.
     uint32_t begin(size_t level) const { return level_begin_[level]; }
+    const Cell& cell(uint32_t number) const { return numbers_[number]; }
     /// The cell of an eye point, or kNoCell if it bypasses the cache. It is a cell of a coarser level if the
     /// resolution of the eye point did not change.
     uint32_t of(size_t level, size_t eye) const { return cell_[level * eyes_ + eye]; }

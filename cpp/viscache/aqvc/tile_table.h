@@ -20,6 +20,7 @@ public:
     }
     size_t size() const { return cells_.size(); }
     const Cell& operator[](size_t i) const { return cells_[i].cell; }
+    uint32_t tag(size_t i) const { return cells_[i].tag; }
 
     uint32_t find(const Cell& cell, uint32_t tag) const {
         const uint32_t entry = slots_[locate(cell, tag)];
@@ -33,6 +34,13 @@ public:
         slots_[at] = uint32_t(cells_.size());
         if (2 * cells_.size() > slots_.size()) grow();
         return uint32_t(cells_.size() - 1);
+    }
+
+    /// Keeps the first `count` cells.
+    void truncate(size_t count) {
+        if (count >= cells_.size()) return;
+        cells_.resize(count);
+        index();
     }
 
 private:
@@ -57,7 +65,11 @@ private:
         return i;
     }
     void grow() {
-        slots_.assign(2 * slots_.size(), 0);
+        slots_.resize(2 * slots_.size());
+        index();
+    }
+    void index() {
+        std::fill(slots_.begin(), slots_.end(), 0u);
         const size_t mask = slots_.size() - 1;
         for (size_t k = 0; k < cells_.size(); ++k) {
             size_t i = size_t(hash(cells_[k].cell, cells_[k].tag)) & mask;

@@ -5,28 +5,43 @@
 namespace viscache {
 
 template <class Answer>
-auto Waves::logged(uint32_t eye, uint32_t cell, size_t level, Answer answer) {
+auto Waves::noted(uint32_t eye, uint32_t cell, size_t level, Answer answer) {
     if (!log_) return answer();
     before_.assign(active_.row(eye), active_.row(eye) + words_);
     const auto result = answer();
     for (size_t w = 0; w < words_; ++w) before_[w] &= ~active_.row(eye)[w];
-    for_each_bit(before_, [&](size_t k) {
-        const uint64_t cluster = uint64_t(cell) * columns_->count() + k;
-        const uint32_t representative = traced_by_[cluster];
-        columns_->for_each_light(eye, uint32_t(k), [&](uint32_t light) {
-            const bool own = representative == eye && columns_->light(eye, uint32_t(k)) == light;
-            log_->answered(eye, light, {cluster, representative, uint8_t(level), own});
-        });
-    });
+    note(eye, cell, level, before_);
     return result;
 }
 
+/// Notes that a cell answered these bits of an eye point. Later notes replace earlier ones.
+void Waves::note(uint32_t eye, uint32_t cell, size_t level, std::span<const Word> bits) {
+    for_each_bit(bits, [&](size_t k) { answered_[eye * columns_->count() + k] = {cell, uint8_t(level)}; });
+}
+
+void Waves::write_log(const Columns& columns) const {
+    for (uint32_t eye = 0; eye < eyes_; ++eye)
+        for (uint32_t k = 0; k < columns.count(); ++k) {
+            const Answered a = answered_[eye * columns.count() + k];
+            if (a.cell == kNoCell) continue;
+            const uint64_t cluster = uint64_t(a.cell) * columns.count() + k;
+            const uint32_t representative = traced_by_[cluster];
+            columns.for_each_light(eye, k, [&](uint32_t light) {
+                const bool own = representative == eye && columns.light(eye, k) == light;
+                log_->answered(eye, light, {cluster, representative, a.level, own});
+            });
+        }
+}
+
 uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
-                    ContributionLevels& contribution_levels, MissTracer& tracer, BitMatrix& visible,
-                    Counters& counters, QueryLog* log) {
+                    ContributionLevels& contribution_levels, MissTracer& tracer, KeptRows* kept,
+                    BitMatrix& visible, Counters& counters, QueryLog* log) {
     columns_ = &columns;
     log_ = log;
-    if (log_) traced_by_.assign(tile_cells.size() * columns.count(), 0);
+    if (log_) {
+        traced_by_.assign(tile_cells.size() * columns.count(), 0);
+        answered_.assign(tile.size() * columns.count(), {});
+    }
     contribution_levels_ = &contribution_levels;
     cells_ = &tile_cells;
     eyes_ = tile.size();
@@ -36,6 +51,7 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
     counters.nil_neighbours += tile_cells.nil_neighbours;
     counters.neighbour_probes += 4 * tile_cells.begin(levels_ - 1);
     for (BitMatrix* m : {&known_, &value_, &need_}) m->reset(cells + 1, columns.count());
+    if (kept) kept->load(tile_cells, known_, value_);
     miss_.reset(cells, columns.count());
     disagree_.reset(cells_->begin(levels_ - 1), columns.count());
     if (contribution_levels.active()) {
@@ -52,11 +68,14 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
         const uint64_t traced = trace_level(d, *tile.eyes, columns, tracer);
         counters.rays_per_level[d] += traced;
         rays += traced;
+        adopt_own(d, visible, counters);
         if (d + 1 == levels_) break;
         store_below(d);
         resolve_level(d, visible, counters);
     }
-    return rays + finish(*tile.eyes, columns, tracer, visible, counters);
+    rays += finish(*tile.eyes, columns, tracer, visible, counters);
+    if (log_) write_log(columns);
+    return rays;
 }
 
 /// Traces the bits of the cells of a level that are needed, wanted by the representatives and unknown. At
@@ -80,6 +99,20 @@ uint64_t Waves::trace_level(size_t level, const EyeBlock& eyes, const Columns& c
         if (tracer.full()) rays += tracer.flush(eyes, columns.lights(), value_);
     }
     return rays + tracer.flush(eyes, columns.lights(), value_);
+}
+
+/// An eye point whose ray was traced for a cell takes that answer.
+// Differs: in Alg. 2 an eye point that agreed with its neighbours at a coarser level keeps the coarser cell's
+// value, though its own ray may be traced later for others and tell better.
+void Waves::adopt_own(size_t level, BitMatrix& visible, Counters& counters) {
+    RowCounts counts;
+    for (uint32_t c = cells_->begin(level); c < cells_->begin(level + 1); ++c) {
+        const uint32_t eye = cells_->representative(c);
+        kernels_.adopt(active_.row(eye), miss_.row(c), value_.row(c), visible.row(eye), words_, counts);
+        if (log_) note(eye, c, level, {miss_.row(c), words_});
+    }
+    counters.lookups += counts.lookups;
+    counters.hits += counts.hits;
 }
 
 void Waves::store_below(size_t level) {
@@ -112,7 +145,7 @@ void Waves::resolve_level(size_t level, BitMatrix& visible, Counters& counters) 
         const bool again = c < cells_->begin(level), last_above = level + 2 == levels_;
         const uint32_t next = cells_->of(level + 1, i);
         if (next == c && again) continue;
-        logged(uint32_t(i), c, level, [&] {
+        noted(uint32_t(i), c, level, [&] {
             kernels_.resolve(active_.row(i), row(c), disagree_.row(c), visible.row(i), need_.row(next),
                              words_, last_above, again ? repeated : counts);
             return true;
@@ -134,7 +167,7 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
         const auto finish_row = [&] {
             return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, counts);
         };
-        if (c == kNoCell || !logged(i, c, levels_ - 1, finish_row)) continue;
+        if (c == kNoCell || !noted(i, c, levels_ - 1, finish_row)) continue;
         left.push_back(i);
         for_each_bit(active_.row_span(i), [&](size_t k) {
             if (miss_.get(c, k)) return;
@@ -149,8 +182,8 @@ uint64_t Waves::finish(const EyeBlock& eyes, const Columns& columns, MissTracer&
     for (const uint32_t i : left) {
         const uint32_t c = cells_->of(levels_ - 1, i);
         for (size_t w = 0; w < words_; ++w) known_.row(c)[w] |= miss_.row(c)[w];
-        logged(i, c, levels_ - 1,
-               [&] { return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, again); });
+        noted(i, c, levels_ - 1,
+              [&] { return kernels_.finish(active_.row(i), row(c), visible.row(i), words_, again); });
     }
     counters.leftover_rays += rays;
     counters.lookups += counts.lookups;

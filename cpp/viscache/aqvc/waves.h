@@ -7,16 +7,19 @@
 // nearest its centre. Per level:
 //   1. Trace the unknown bits that the representatives want, sorted by light. With contributions, trace only
 //      those that are due (contribution_levels.h).
+//      An eye point takes the answers of its own rays, also for bits that a coarser cell had resolved.
 //   2. Copy each answer to the finer cells of the same eye point.
 //   3. For each cell: disagree = OR over four neighbours of known_n & (value_n ^ value) | ~known.
 //   4. For each eye point: resolve the bits on which the cell agrees with its neighbours. The others are
 //      needed at the next level.
 // At the end, the remaining bits are those that eye points want but their representative does not. They are
 // traced for the first of these eye points.
+// Bits of kept rows are known from the start.
 #include <vector>
 
 #include "viscache/aqvc/columns.h"
 #include "viscache/aqvc/contribution_levels.h"
+#include "viscache/aqvc/kept_rows.h"
 #include "viscache/aqvc/miss_tracer.h"
 #include "viscache/aqvc/row_kernels.h"
 #include "viscache/aqvc/tile_anchors.h"
@@ -27,21 +30,27 @@ namespace viscache {
 class Waves {
 public:
     /// Answers the columns: sets bits of `visible` (eye points × columns, zeroed). Returns the number of
-    /// rays. `log` may be nullptr.
+    /// rays. `kept` and `log` may be nullptr.
     uint64_t run(const TileAnchors& tile, const TileCells& tile_cells, const Columns& columns,
-                 ContributionLevels& contribution_levels, MissTracer& tracer, BitMatrix& visible,
-                 Counters& counters, QueryLog* log);
+                 ContributionLevels& contribution_levels, MissTracer& tracer, KeptRows* kept,
+                 BitMatrix& visible, Counters& counters, QueryLog* log);
+    /// Rows of the cells after `run`.
+    const BitMatrix& known() const { return known_; }
+    const BitMatrix& value() const { return value_; }
 
 private:
     uint64_t trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer);
+    void adopt_own(size_t level, BitMatrix& visible, Counters& counters);
     void store_below(size_t level);
     void resolve_level(size_t level, BitMatrix& visible, Counters& counters);
     uint64_t finish(const EyeBlock& eyes, const Columns& columns, MissTracer& tracer, BitMatrix& visible,
                     Counters& counters);
 
-    /// Runs `answer`, which resolves bits of an eye point from a cell, and logs them.
+    /// Runs `answer`, which resolves bits of an eye point from a cell, and notes them for the log.
     template <class Answer>
-    auto logged(uint32_t eye, uint32_t cell, size_t level, Answer answer);
+    auto noted(uint32_t eye, uint32_t cell, size_t level, Answer answer);
+    void note(uint32_t eye, uint32_t cell, size_t level, std::span<const Word> bits);
+    void write_log(const Columns& columns) const;
 
     RowPair row(uint32_t cell) const { return {known_.row(cell), value_.row(cell)}; }
 
@@ -51,8 +60,15 @@ private:
     ContributionLevels* contribution_levels_ = nullptr;
     const Columns* columns_ = nullptr;
     QueryLog* log_ = nullptr;
-    std::vector<uint32_t> traced_by_;  ///< with a log: the eye point whose ray decided [cell][column]
-    std::vector<Word> before_;         ///< with a log: bits of an eye point before `answer`
+    // With a log: the eye point whose ray decided [cell][column]; bits of an eye point before `answer`; the
+    // cell that answered [eye point][column]
+    struct Answered {
+        uint32_t cell = kNoCell;
+        uint8_t level = 0;
+    };
+    std::vector<uint32_t> traced_by_;
+    std::vector<Word> before_;
+    std::vector<Answered> answered_;
     /// Rows of bits: per cell (with a row of zeros at the end), per cell that can be refined, or per eye
     /// point.
     BitMatrix known_, value_, need_, miss_, disagree_, active_;

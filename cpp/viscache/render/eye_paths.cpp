@@ -127,6 +127,8 @@ private:
         out_.reset(tile.x1 - tile.x0, tile.y1 - tile.y0);
         out_.block.tile_width = uint32_t(out_.width * grid);
         out_.block.tile_height = uint32_t(out_.height * grid);
+        const uint64_t first = t_.frame.first_sample;
+        const uint64_t before = first * uint64_t(t_.film.width) * uint64_t(t_.film.height);
         const auto flush = [&] {
             step(branches_, Coherence::kCoherent, control);
             branches_.clear();
@@ -136,12 +138,13 @@ private:
             const uint64_t pixel_id = uint64_t(y) * uint64_t(t_.film.width) + uint64_t(x);
             const PixelPlaces places(t_.frame.seed, pixel_id);
             for (int s = 0; s < spp; ++s) {
-                const Vec2 jitter = t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(s)];
+                const Vec2 jitter =
+                    t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(first + uint64_t(s))];
                 Branch& b = branches_.emplace_back(primary(float(x) + jitter.x, float(y) + jitter.y));
                 b.pixel = uint32_t(py * out_.width + px);
                 b.order_x = uint32_t(px * grid + s % grid);
                 b.order_y = uint32_t(py * grid + s / grid);
-                b.stream = (pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
+                b.stream = (before + pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
                 if (branches_.size() == kRaysPerCall) flush();
             }
         }

@@ -196,6 +196,11 @@ private:
             if (i % kRowsPerCheck == 0) control.check();
             const SharedLights& counted = weighted.with(oracle_->block_weights(uint32_t(i)));
             sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, visible_.row(i));
+            for (const Correction& c : oracle_->block_corrections(uint32_t(i))) {
+                one_.assign(visible_.row_words(), 0);
+                set_bit(one_.data(), c.column);
+                sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(lights, i, one_.data()) * c.weight;
+            }
         }
         clock.lap(stages.shading);
     }
@@ -323,6 +328,7 @@ private:
     TileAudit audit_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
+    std::vector<Word> one_;  ///< a row with one bit
     WeightedSamples local_;
     std::vector<Word> answer_;
     std::array<std::vector<Rgb>, kLightGroups> sums_;

@@ -75,6 +75,9 @@ struct FrameSettings {
     int width = 640, height = 400;
     int spp = 1;
     uint64_t seed = 0;
+    /// Number of the first eye sample of every pixel: a frame that goes on where another ended has its seed,
+    /// and new samples of the same lights. A multiple of spp. Not for bidirectional paths.
+    uint64_t first_sample = 0;
     int threads = 0;  ///< 0 = all
     /// Renders every `parts`-th tile from number `part` on. The other pixels stay 0. Only for frames whose
     /// tiles are independent of each other: not for visibility maps, aligned rays or bidirectional paths.

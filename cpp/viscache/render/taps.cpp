@@ -86,13 +86,17 @@ public:
         std::vector<float>& weights = kept.weights.emplace_back();
         for (size_t r = 0; r < visible.rows(); ++r) {
             std::copy_n(visible.row(r), visible.row_words(), bits.row(r));
-            const std::span<const float> row = inner->block_weights(uint32_t(r));
+            const std::span<const float> row =
+                inner->corrected_weights(uint32_t(r), bits.row(r), lights.count, corrected_);
             if (row.empty()) continue;
             if (weights.empty()) weights.assign(visible.rows() * lights.count, 1.f);
             std::copy_n(row.begin(), lights.count, weights.begin() + ptrdiff_t(r * lights.count));
         }
     }
     std::span<const float> block_weights(uint32_t eye) const override { return inner->block_weights(eye); }
+    std::span<const Correction> block_corrections(uint32_t eye) const override {
+        return inner->block_corrections(eye);
+    }
     PairOrder pair_order(const EyeBlock& eyes) override { return inner->pair_order(eyes); }
     PairOrder sample_order(const EyeBlock& eyes, int group) override {
         const PairOrder order = inner->sample_order(eyes, group);
@@ -123,6 +127,9 @@ public:
 
     std::unique_ptr<VisibilityOracle> inner;
     TileAnswers kept;
+
+private:
+    std::vector<float> corrected_;
 };
 
 }  // namespace

@@ -41,6 +41,7 @@ private:
 struct ThreadState {
     std::unique_ptr<VisibilityOracle> oracle;
     BitMatrix wanted, visible;
+    std::vector<float> corrected;
 };
 
 /// Frame of a call with arrays, as its source sees it.
@@ -193,8 +194,9 @@ BlockAnswer ask_block(OracleSource& source, const EyeTiles& tiles, const BlockQu
             state.oracle->weigh(nullptr);
             state.oracle->log(nullptr);
             for (size_t i = 0; i < row.size(); ++i) {
+                const std::span<const float> weights = state.oracle->corrected_weights(
+                    uint32_t(i), state.visible.row(i), lights.count, state.corrected);
                 std::copy_n(state.visible.row(i), out.words, out.bits.data() + size_t(row[i]) * out.words);
-                const std::span<const float> weights = state.oracle->block_weights(uint32_t(i));
                 if (weights.empty()) continue;
                 {
                     const std::lock_guard lock(weights_mutex);

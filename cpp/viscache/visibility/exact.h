@@ -31,6 +31,8 @@ public:
 
     void begin_tile(const EyeBlock&) override { order_.clear(); }
     void log(QueryLog* log) override { log_ = log; }
+    bool is_exact(const FarEnds&) const override { return true; }
+    bool is_exact_own(int) const override { return true; }
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,

@@ -5,6 +5,7 @@
 // block, pairs and samples for the eye points of that tile. An oracle keeps nothing after the tile, so that
 // answers do not depend on the number of threads. A table that the oracles of a frame share must ensure this
 // itself.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -89,6 +90,12 @@ public:
     virtual void values(uint32_t /*eye*/, std::span<Rgb> /*columns*/) const {}
 };
 
+/// A change of an answer: the weight of a column's contribution, added to that of its bit.
+struct Correction {
+    uint32_t column;
+    float weight;
+};
+
 class VisibilityOracle {
 public:
     virtual ~VisibilityOracle() = default;
@@ -119,7 +126,14 @@ public:
     /// For oracles that skip connections at random: weights 1/probability of the visible columns of an eye
     /// point in the latest block. Empty: all weights are 1. Two rows at the same address are equal.
     virtual std::span<const float> block_weights(uint32_t /*eye*/) const { return {}; }
-    /// The same for the queries of the latest `pairs`, or of `samples` if it calls `pairs`.
+    /// Corrections of the answers to an eye point in the latest block, by column.
+    virtual std::span<const Correction> block_corrections(uint32_t /*eye*/) const { return {}; }
+    /// True if the answers to blocks of these lights are those of exact rays.
+    virtual bool is_exact(const FarEnds&) const { return false; }
+    /// The same for far ends of single eye points in a light group.
+    virtual bool is_exact_own(int /*group*/) const { return false; }
+    /// Weights, as `block_weights`, for the queries of the latest `pairs`, or of `samples` if it calls
+    /// `pairs`.
     virtual std::span<const float> pair_weights() const { return {}; }
     /// The order in which `samples` should get samples of this tile and light group; valid until the next
     /// call or begin_tile.
@@ -130,6 +144,23 @@ public:
     /// entry) belongs to sample i. The default converts them to `pairs`.
     virtual void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                          Counters& counters);
+
+    /// The weights of an eye point's columns with their corrections, for who wants all in one row. Sets the
+    /// bits of corrected columns by their weight. Empty: all weights are 1. `scratch` holds the row.
+    std::span<const float> corrected_weights(uint32_t eye, Word* visible, size_t columns,
+                                             std::vector<float>& scratch) const {
+        const std::span<const float> weights = block_weights(eye);
+        const std::span<const Correction> corrections = block_corrections(eye);
+        if (corrections.empty()) return weights;
+        scratch.assign(columns, 1.f);
+        std::copy_n(weights.begin(), std::min(weights.size(), columns), scratch.begin());
+        for (const Correction& c : corrections) {
+            float& weight = scratch[c.column];
+            weight = (get_bit(visible, c.column) ? weight : 0.f) + c.weight;
+            weight != 0 ? set_bit(visible, c.column) : clear_bit(visible, c.column);
+        }
+        return scratch;
+    }
 
 protected:
     /// Call this every few milliseconds of work.

@@ -7,13 +7,26 @@
 
 namespace viscache {
 
+namespace {
+
+/// Few of the queries of one eye point are drawn, so that packets of one light would be nearly empty.
+std::optional<PacketOrder> order_for(double share) {
+    constexpr double kDense = 0.25;
+    return share >= kDense ? std::nullopt : std::optional(PacketOrder::kByPixel);
+}
+
+}  // namespace
+
 ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
-                               double share, uint64_t seed, bool weighted)
+                               const ResidualSettings& s)
     : inner_(std::move(inner)),
-      exact_(caster, extent),
-      seed_(seed),
-      threshold_(uint64_t(std::clamp(std::floor(share * 0x1p32), 1.0, 0x1p32))),
-      inverse_share_(weighted ? float(0x1p32 / double(threshold_)) : 1.f) {}
+      exact_(caster, extent, order_for(s.share.value_or(0))),
+      share_(s.share),
+      seed_(s.seed),
+      weighted_(s.weighted),
+      threshold_(uint64_t(
+          std::clamp(std::floor(s.share.value_or(ResidualSettings::kPlainShare) * 0x1p32), 1.0, 0x1p32))),
+      inverse_share_(float(0x1p32 / double(threshold_))) {}
 
 void ResidualOracle::watch(const Control& control) {
     VisibilityOracle::watch(control);
@@ -36,57 +49,80 @@ bool ResidualOracle::is_drawn(uint64_t key, uint64_t number) const {
     return (mix64(key + number * 0x9E3779B97F4A7C15ull) >> 32) < threshold_;
 }
 
-void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
-                           BitMatrix& visible, Counters& counters) {
-    inner_->block(eyes, lights, wanted, visible, counters);
+/// Chooses the queries whose rays are traced.
+void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted) {
     drawn_.reset(wanted.rows(), lights.count);
-    seen_.reset(wanted.rows(), lights.count);
+    halvings_.clear();
+    if (by_contribution()) bands_.reset(kContributionBands.size(), lights.count);
     for (size_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
         const uint64_t key = eye_key(eyes, i, lights.group);
-        for_each_bit(wanted.row_span(i), [&](size_t k) {
-            if (is_drawn(key, k)) drawn_.set(i, k);
-        });
+        if (by_contribution()) {
+            draw_by_contribution(uint32_t(i), key, wanted);
+        } else {
+            for_each_bit(wanted.row_span(i), [&](size_t k) {
+                if (is_drawn(key, k)) drawn_.set(i, k);
+            });
+        }
     }
+}
+
+/// Draws 64 queries at once: each bound that lies above a query's contribution clears it with probability
+/// one half.
+void ResidualOracle::draw_by_contribution(uint32_t eye, uint64_t key, const BitMatrix& wanted) {
+    constexpr size_t kBands = kContributionBands.size();
+    std::array<Word*, kBands> below;
+    for (size_t b = 0; b < kBands; ++b) below[b] = bands_.row(b);
+    contributions_->at_most(eye, kContributionBands, below);
+    Word* drawn = drawn_.row(eye);
+    for (size_t w = 0; w < words_for(wanted.columns()); ++w) {
+        Word left = wanted.row(eye)[w];
+        if (!left) continue;
+        for (size_t b = 0; b < kBands; ++b)
+            left &= ~below[b][w] | mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull);
+        drawn[w] = left;
+    }
+    for_each_bit(drawn_.row_span(eye), [&](size_t k) {
+        uint8_t h = 0;
+        for (size_t b = 0; b < kBands; ++b) h += get_bit(below[b], k);
+        halvings_.push_back(h);
+    });
+}
+
+void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                           BitMatrix& visible, Counters& counters) {
+    corrections_.clear();
+    correction_begin_.clear();
+    replaces_ = false;
+    inner_->block(eyes, lights, wanted, visible, counters);
+    if (inner_->is_exact(lights)) return;
+    draw(eyes, lights, wanted);
+    seen_.reset(wanted.rows(), lights.count);
     Counters traced;
     exact_.block(eyes, lights, drawn_, seen_, traced);
     counters.group(lights.group).rays += traced.rays();
     counters.corrections += traced.rays();
 
-    columns_ = lights.x.size();
-    corrections_.clear();
-    correction_begin_.assign(1, 0);
+    correction_begin_.push_back(0);
+    replaces_ = !by_contribution() && inverse_share_ == 1;
+    size_t number = 0;
     for (size_t i = 0; i < wanted.rows(); ++i) {
-        const std::span<const float> inner = inner_->block_weights(uint32_t(i));
+        const std::span<const float> inner = block_weights(uint32_t(i));
         for_each_bit(drawn_.row_span(i), [&](size_t k) {
+            const unsigned halvings = by_contribution() ? halvings_[number++] : 0;
             const bool answer = visible.get(i, k), truth = seen_.get(i, k);
             counters.contradicted += answer != truth;
             const float value = !answer ? 0.f : inner.empty() ? 1.f : inner[k];
-            const float weight = corrected(value, truth);
-            // Without weights the bit is the full answer: a share of 1 gives the exact bits
-            if (weight == 0) {
-                clear_bit(visible.row(i), k);
-            } else {
-                visible.set(i, k);
-                if (weight != 1 || !inner.empty()) corrections_.push_back({uint32_t(k), weight});
-            }
+            const float change = correction(value, truth, halvings);
+            if (change == 0) return;
+            // Without weights, a change by 1 is one of the bit: a share of 1 gives the exact frame
+            if (inner.empty() && std::fabs(change) == 1)
+                truth ? set_bit(visible.row(i), k) : clear_bit(visible.row(i), k);
+            else
+                corrections_.push_back({uint32_t(k), change});
         });
         correction_begin_.push_back(uint32_t(corrections_.size()));
     }
-}
-
-std::span<const float> ResidualOracle::block_weights(uint32_t eye) const {
-    const std::span<const float> inner = inner_->block_weights(eye);
-    const std::span<const Correction> own(corrections_.data() + correction_begin_[eye],
-                                          correction_begin_[eye + 1] - correction_begin_[eye]);
-    if (own.empty()) return inner;
-    std::vector<float>& row = row_[next_row_++ % 2];
-    if (inner.empty())
-        row.assign(columns_, 1.f);
-    else
-        row.assign(inner.begin(), inner.end());
-    for (const Correction& c : own) row[c.column] = c.weight;
-    return row;
 }
 
 void ResidualOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries,
@@ -98,6 +134,11 @@ void ResidualOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> qu
 void ResidualOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                              Counters& counters) {
     inner_->samples(eyes, samples, visible, counters);
+    if (inner_->is_exact_own(samples.group)) {
+        const std::span<const float> inner = inner_->pair_weights();
+        pair_weights_.assign(inner.begin(), inner.end());
+        return;
+    }
     std::vector<ShadowQuery> queries;
     queries.reserve(samples.size());
     for_each_sample(samples, [&](uint32_t eye, size_t i) { queries.push_back(samples.query(eye, i)); });
@@ -110,7 +151,8 @@ void ResidualOracle::correct(const EyeBlock& eyes, std::span<const ShadowQuery> 
     std::vector<ShadowQuery> drawn;
     for (uint32_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        if (!is_drawn(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0)) continue;
+        if (inner_->is_exact_own(q.group) || !is_drawn(mix_point(eye_key(eyes, q.eye, q.group), q.far), 0))
+            continue;
         number.push_back(i);
         drawn.push_back(q);
     }
@@ -128,7 +170,11 @@ void ResidualOracle::correct(const EyeBlock& eyes, std::span<const ShadowQuery> 
         const uint32_t i = number[d];
         const bool answer = get_bit(visible.data(), i), truth = get_bit(seen.data(), d);
         counters.contradicted += answer != truth;
-        const float weight = corrected(answer ? pair_weights_[i] : 0.f, truth);
+        const float value = answer ? pair_weights_[i] : 0.f;
+        // At q = 1 this is the true visibility without rounding
+        const float weight = inverse_share_ == 1
+                                 ? float(truth)
+                                 : value + (float(truth) - value) * (weighted_ ? inverse_share_ : 1.f);
         pair_weights_[i] = weight;
         weight == 0 ? clear_bit(visible.data(), i) : set_bit(visible.data(), i);
     }

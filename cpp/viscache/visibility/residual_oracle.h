@@ -2,32 +2,65 @@
 // Any oracle as a control variate: V~ + (V - V~)/q for a random share q of the queries.
 //
 // The inner oracle answers all queries, with weights if it has them. A share q of the queries is also traced.
-// If the ray contradicts the answer, the weight of the answer is corrected. So the frame is unbiased for any
-// inner oracle whose answers do not depend on the random choice.
+// If the ray contradicts the answer, its weight is corrected. So the frame is unbiased for any inner oracle
+// whose answers do not depend on the random choice. Lights that the inner oracle answers exactly need no
+// correction and get none.
+//
+// q is the same for all queries, or follows the unoccluded contribution c of a connection. By contribution, q
+// is 1 above kTopBand means of the eye point and halves with each halving of c, down to kFloor. Then no
+// correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
+#include <array>
 #include <memory>
+#include <optional>
 
 #include "viscache/visibility/exact.h"
 
 namespace viscache {
 
+/// Bounds of the bands of contributions, in means of the eye point. A connection below h of them is drawn
+/// with q = 2^−h.
+inline constexpr std::array<float, 8> kContributionBands{64, 32, 16, 8, 4, 2, 1, 0.5f};
+
+struct ResidualSettings {
+    /// q in (0, 1]; empty: by contribution. Connections without known contributions are then drawn with
+    /// kPlainShare.
+    std::optional<double> share;
+    uint64_t seed = 0;
+    /// Without weights, a corrected answer counts as if q were 1. This is biased on purpose, for tests that
+    /// must detect it.
+    bool weighted = true;
+    static constexpr double kPlainShare = 0.1;
+};
+
 class ResidualOracle final : public VisibilityOracle {
 public:
-    /// `share` is in (0, 1]. Without `weighted`, a corrected answer counts as if q were 1. This is biased on
-    /// purpose, for tests that must detect it.
     ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
-                   double share, uint64_t seed, bool weighted = true);
+                   const ResidualSettings& settings);
 
     VisibilityOracle& inner() { return *inner_; }
 
     void watch(const Control& control) override;
-    void weigh(const Contributions* contributions) override { inner_->weigh(contributions); }
+    void weigh(const Contributions* contributions) override {
+        contributions_ = contributions;
+        inner_->weigh(contributions);
+    }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
     PairOrder pair_order(const EyeBlock& eyes) override { return inner_->pair_order(eyes); }
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters) override;
-    std::span<const float> block_weights(uint32_t eye) const override;
+    std::span<const float> block_weights(uint32_t eye) const override {
+        if (replaces_) return {};
+        return inner_->block_weights(eye);
+    }
+    std::span<const Correction> block_corrections(uint32_t eye) const override {
+        if (correction_begin_.empty()) return {};
+        return std::span(corrections_)
+            .subspan(correction_begin_[eye], correction_begin_[eye + 1] - correction_begin_[eye]);
+    }
+    bool is_exact(const FarEnds& lights) const override { return inner_->is_exact(lights); }
+    bool is_exact_own(int group) const override { return inner_->is_exact_own(group); }
     std::span<const float> pair_weights() const override { return pair_weights_; }
     PairOrder sample_order(const EyeBlock& eyes, int group) override {
         return inner_->sample_order(eyes, group);
@@ -36,33 +69,33 @@ public:
                  Counters& counters) override;
 
 private:
+    bool by_contribution() const { return !share_ && contributions_; }
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
-    /// The weight of an answer: the value of the inner oracle, moved towards the true visibility by 1/q. For
-    /// q = 1 this is the true visibility without rounding.
-    float corrected(float value, bool truth) const {
-        return inverse_share_ == 1 ? float(truth) : value + (float(truth) - value) * inverse_share_;
+    void draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted);
+    void draw_by_contribution(uint32_t eye, uint64_t key, const BitMatrix& wanted);
+    /// What to add to an answer of `value` if the truth is `truth`.
+    float correction(float value, bool truth, unsigned halvings) const {
+        const float inverse = by_contribution() ? std::ldexp(1.f, int(halvings)) : inverse_share_;
+        return (float(truth) - value) * (weighted_ ? inverse : 1.f);
     }
     void correct(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                  Counters& counters);
 
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
+    std::optional<double> share_;
     uint64_t seed_;
+    bool weighted_;
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
     float inverse_share_;
-    // For `block`: answers that the ray contradicts or whose weight changes
-    struct Correction {
-        uint32_t column;
-        float weight;
-    };
-    BitMatrix drawn_, seen_;
-    std::vector<uint32_t> correction_begin_;
+    const Contributions* contributions_ = nullptr;
+    // For `block`
+    bool replaces_ = false;  ///< every answer is replaced by the truth, so that none has a weight
+    BitMatrix drawn_, seen_, bands_;
+    std::vector<uint8_t> halvings_;           ///< by contribution: h of each drawn query, in their order
+    std::vector<uint32_t> correction_begin_;  ///< by eye point
     std::vector<Correction> corrections_;
-    /// Buffers for rows of weights. Consecutive rows have different addresses.
-    mutable std::vector<float> row_[2];
-    mutable unsigned next_row_ = 0;
-    size_t columns_ = 0;
     // For `pairs` and `samples`
     std::vector<float> pair_weights_;
 };

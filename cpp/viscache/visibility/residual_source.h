@@ -11,20 +11,15 @@ namespace viscache {
 class ResidualSource final : public OracleSource {
 public:
     /// `inner` must outlive the source and belong to it alone.
-    ResidualSource(const Scene& scene, const RayCaster& caster, OracleSource& inner, double share,
-                   uint64_t seed, bool weighted = true)
-        : caster_(caster),
-          extent_(scene.offset_extent()),
-          inner_(inner),
-          share_(share),
-          seed_(seed),
-          weighted_(weighted) {
-        if (!(share > 0 && share <= 1))
-            throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(share));
+    ResidualSource(const Scene& scene, const RayCaster& caster, OracleSource& inner,
+                   const ResidualSettings& settings)
+        : caster_(caster), extent_(scene.offset_extent()), inner_(inner), settings_(settings) {
+        if (settings.share && !(*settings.share > 0 && *settings.share <= 1))
+            throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(*settings.share));
     }
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override {
-        return std::make_unique<ResidualOracle>(inner_.make(), caster_, extent_, share_, seed_, weighted_);
+        return std::make_unique<ResidualOracle>(inner_.make(), caster_, extent_, settings_);
     }
     int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
     void begin_round(size_t items) override { inner_.begin_round(items); }
@@ -42,9 +37,7 @@ private:
     const RayCaster& caster_;
     float extent_;
     OracleSource& inner_;
-    double share_;
-    uint64_t seed_;
-    bool weighted_;
+    ResidualSettings settings_;
 };
 
 }  // namespace viscache

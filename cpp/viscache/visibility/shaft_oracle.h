@@ -52,6 +52,8 @@ public:
 
     void watch(const Control& control) override;
     void log(QueryLog* log) override;
+    bool is_exact(const FarEnds&) const override { return true; }
+    bool is_exact_own(int) const override { return true; }
     void begin_tile(const EyeBlock& eyes) override;
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;

@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcRows', 'AqvcRowsSource', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -418,6 +418,12 @@ class FrameSettings:
     def __init__(self) -> None:
         ...
     @property
+    def first_sample(self) -> int:
+        ...
+    @first_sample.setter
+    def first_sample(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def height(self) -> int:
         ...
     @height.setter
@@ -584,6 +590,36 @@ class ShadowMapSettings:
     @slope_bias.setter
     def slope_bias(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class AqvcRows:
+    """
+    See viscache.AqvcRows.
+    """
+    def __init__(self, max_bytes: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def begin_restore(self, tiles: typing.SupportsInt | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def clear(self) -> None:
+        ...
+    def commit(self) -> None:
+        ...
+    def restore(self, tile: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex, digest: typing.SupportsInt | typing.SupportsIndex, row_words: typing.SupportsInt | typing.SupportsIndex, cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int64], rows: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64]) -> None:
+        ...
+    def state(self, tile: typing.SupportsInt | typing.SupportsIndex, group: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+        """
+        (digest, row_words, cells, rows) of finished frames.
+        """
+    @property
+    def bytes(self) -> int:
+        ...
+    @property
+    def cells(self) -> int:
+        ...
+    @property
+    def frames(self) -> int:
+        ...
+    @property
+    def tiles(self) -> int:
+        ...
 class KeptTable:
     """
     See viscache.AqvcTable.
@@ -739,6 +775,12 @@ class KeptTableSource(OracleSource):
     """
     def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, table: KeptTable, *, spp: typing.SupportsInt | typing.SupportsIndex, check: typing.SupportsFloat | typing.SupportsIndex, repair: bool) -> None:
         ...
+class AqvcRowsSource(OracleSource):
+    """
+    See viscache.AqvcRows.
+    """
+    def __init__(self, scene: Scene, caster: RayCaster, parameters: aqvc.AqvcParameters, rows: AqvcRows, *, spp: typing.SupportsInt | typing.SupportsIndex, exact: OracleSource | None = None) -> None:
+        ...
 class ShadowMapSource(OracleSource):
     """
     See viscache.ShadowMap.
@@ -755,7 +797,7 @@ class ResidualSource(OracleSource):
     """
     See viscache.Correct.
     """
-    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex | None, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
         ...
 class ShaftScene:
     """

@@ -13,6 +13,7 @@ class AqvcParameters:
     Parameters of the quantized cache; see viscache.Aqvc.
     """
     batch: typing.Any
+    bright: typing.Any
     by_contribution: bool
     c_e: typing.Any
     c_finest: typing.Any

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
-from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure
+from viscache.bench.aligned import opened
+from viscache.bench.common import Outcome, Sample, interleave, ratio_figure
 from viscache.frame import Frame
 from viscache.render import render_part
-from viscache.scene import Scene, load_scene
+from viscache.scene import Scene
 from viscache.settings.integrators import Whitted
 from viscache.settings.visibility import Exact
 
@@ -52,7 +51,7 @@ def shafts(quick: bool = False) -> Outcome:
     """CPU seconds of visibility in some tiles, one thread; frames must have equal bytes."""
     outcome = Outcome()
     for case in QUICK if quick else CASES:
-        scene = _scene_of(case)
+        scene = opened(case.scene)
         if scene is None:
             outcome.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
@@ -91,13 +90,6 @@ def measure(outcome: Outcome, case: Case, scene: Scene, repeats: int) -> None:
         )
         differ = float(frame.sha256 != packets.sha256)
         outcome.check(f"{case.name}: {engine}, frames with other bytes", differ, 0)
-
-
-def _scene_of(case: Case) -> Scene | None:
-    if "/" not in case.scene:
-        return build_scene(case.scene)
-    path = Path(os.environ.get("VISCACHE_SCENES", "")) / case.scene
-    return load_scene(path) if path.is_file() else None
 
 
 def _run(

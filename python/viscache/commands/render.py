@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import viscache as vc
 from viscache.commands.shared import (
@@ -58,6 +59,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--spp", type=at_least_one, default=1, help="samples per pixel")
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels; the camera's by default")
+    parser.add_argument(
+        "--passes",
+        type=at_least_one,
+        metavar="N",
+        help="N passes of --spp new samples each; what a cache traced is kept (vc.Progressive)",
+    )
+    parser.add_argument(
+        "--state",
+        metavar="FILE.npz",
+        help="with --passes: go on from this file if it exists, and save to it",
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
     parser.add_argument("--env", metavar="FILE", help="environment light; a number: constant")
@@ -83,21 +95,26 @@ def run(arguments: argparse.Namespace) -> int:
     known = [camera.name for camera in scene.cameras]
     wish: str | None = arguments.camera
     index = wish is not None and wish not in known and wish.isdecimal()
-    options = {} if arguments.size is None else {"size": arguments.size}
-    frame = vc.render(
-        scene,
-        chosen["integrator"],
-        rays=chosen["rays"],
-        visibility=chosen["visibility"],
-        camera=int(wish) if wish and index else wish,
-        env=_environment(arguments.env),
-        use=arguments.use,
-        spp=arguments.spp,
-        seed=arguments.seed,
-        threads=arguments.threads,
-        progress=sys.stderr.isatty(),
-        **options,
+    require(
+        arguments.passes is not None or arguments.state is None,
+        "--state must come with --passes",
+        arguments.state,
     )
+    options: dict[str, Any] = {
+        "rays": chosen["rays"],
+        "visibility": chosen["visibility"],
+        "camera": int(wish) if wish and index else wish,
+        "env": _environment(arguments.env),
+        "use": arguments.use,
+        "size": arguments.size,
+        "spp": arguments.spp,
+        "seed": arguments.seed,
+        "threads": arguments.threads,
+    }
+    if arguments.passes is None:
+        frame = vc.render(scene, chosen["integrator"], progress=sys.stderr.isatty(), **options)
+    else:
+        frame = _in_passes(vc.Progressive(scene, chosen["integrator"], **options), arguments)
     frame.save(target, exposure=arguments.exposure)
     if arguments.json:
         print_json(frame.summary())
@@ -118,6 +135,18 @@ def run(arguments: argparse.Namespace) -> int:
     for warning in frame.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return 0
+
+
+def _in_passes(picture: vc.Progressive, arguments: argparse.Namespace) -> vc.Frame:
+    """Render passes; with a state file, also after an interrupt nothing finished is lost."""
+    state = None if arguments.state is None else Path(arguments.state)
+    if state is not None and state.exists():
+        picture.load(state)
+    try:
+        return picture.passes(arguments.passes, progress=sys.stderr.isatty())
+    finally:
+        if state is not None:
+            picture.save(state)
 
 
 def _environment(text: str | None) -> str | float | None:

@@ -19,7 +19,7 @@ from viscache.figures.vlf_tracers import write_csv
 from viscache.frame import Frame
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct
-from viscache.settings.visibility import Aqvc
+from viscache.settings.visibility import Aqvc, PaperForm
 
 C_E = 16.0
 SIZE, QUICK_SIZE = (640, 400), (240, 150)
@@ -94,7 +94,7 @@ def figure4(
     for order in ORDERS:
         for grid in range(QUICK_GRIDS if quick else GRIDS):
             for refinement in ("off", "on"):
-                base = Aqvc(preset="paper", c_e=C_E, grid_seed=grid)
+                base = Aqvc(preset="paper", c_e=C_E, paper=PaperForm(grid_seed=grid))
                 chosen = {"order": order, "refinement": refinement, "storage": "exact"}
                 settings = replaced(base, chosen, "visibility")
                 trade = Trade(frame=shot.frame(settings), exact=exact)

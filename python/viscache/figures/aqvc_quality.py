@@ -19,7 +19,7 @@ from viscache.figures.registry import figure
 from viscache.figures.vlf_tracers import write_csv
 from viscache.settings.by_name import replaced
 from viscache.settings.integrators import Direct, Whitted
-from viscache.settings.visibility import Aqvc
+from viscache.settings.visibility import Aqvc, PaperForm
 
 Size = tuple[int, int] | None
 
@@ -101,7 +101,7 @@ def mean_trade(shot: Shot, quick: bool, **given: Any) -> dict[str, float]:
     exact = shot.frame()
     found = []
     for grid in range(1, 1 + (QUICK_GRIDS if quick else GRIDS)):
-        cache = Aqvc(c_e=C_E, grid_seed=grid, exact_groups=())
+        cache = Aqvc(c_e=C_E, exact_groups=(), paper=PaperForm(grid_seed=grid))
         settings = replaced(cache, given, "visibility")
         trade = Trade(frame=shot.frame(settings), exact=exact)
         found.append(

@@ -19,19 +19,24 @@ class Correct:
     The cache answers every query. Rays check a random share q of the answers, and weights correct
     the wrong ones. So the frame is right in expectation for any cache, with noise where the cache
     is wrong. At q = 1 it is the exact frame, byte for byte. `frame.counters` has "corrections", the
-    checked answers, and "contradicted", the wrong ones among them. Their ratio is an unbiased
-    estimate of the share of wrong answers.
+    checked answers, and "contradicted", the wrong ones among them. With a number as share, their
+    ratio is an unbiased estimate of the share of wrong answers. Lights that the cache answers
+    exactly (`Aqvc(exact_groups=...)`) need no corrections and get none.
 
     Parameters
     ----------
-    share : float in (0, 1]
-        q, the same for all queries. The draw depends on the frame's seed and on the positions of
-        both ends.
+    share : float in (0, 1], optional
+        q, the same for all queries. By default q follows the unoccluded contribution c of a
+        connection with shared lights: 1 above 64 means of its eye point, and half as much with each
+        halving of c, down to 1/256. Then few rays remove most of the error, because its square
+        counts c². Samples of single eye points and connections of `Bdpt` have q = 0.1.
+
+        The draw depends on the frame's seed and first sample, and on the positions of both ends.
 
     Examples
     --------
     >>> import viscache as vc
-    >>> scene, cache = vc.scenes.cube_on_plane(), vc.Aqvc(c_e=16)
+    >>> scene, cache = vc.scenes.cube_on_plane(), vc.Aqvc(c_e=16, exact_groups=())
     >>> exact = vc.render(scene, vc.Direct(), size=(32, 20))
     >>> frame = vc.render(
     ...     scene, vc.Direct(), visibility=cache, use=vc.Correct(share=1), size=(32, 20)
@@ -40,11 +45,12 @@ class Correct:
     True
     """
 
-    share: float = 0.1
+    share: float | None = None
 
     def __post_init__(self) -> None:
         check_types(self)
-        require(0 < self.share <= 1, "share must be in (0, 1]", self.share)
+        fits = self.share is None or 0 < self.share <= 1
+        require(fits, "share must be in (0, 1]", self.share)
 
 
 def in_words(use: Any) -> Any:

@@ -118,6 +118,7 @@ class PaperForm:
     batch: int = _default("batch")
     queue: int = _default("queue")
     scale_free: bool = _default("scale_free")
+    grid_seed: int = _default("grid_seed")
     c_w: int = _default("c_w")
     order: Literal["hm", "scanline", "random"] = _default("order")
     c_pg: float = _default("c_pg")
@@ -170,13 +171,13 @@ class Aqvc:
     c_n: int = _default("c_n")
     c_z: float = _default("c_z")
     c_r: float = _default("c_r")
-    grid_seed: int = _default("grid_seed")
     refinement: Literal["auto", "on", "off"] = _default("refinement")
     refinement_groups: Mapping[str, str] = field(default_factory=dict, hash=False)
     exact_groups: Collection[str] | Literal["auto"] = _default("exact_groups")
     level_step: float = _default("level_step")
     c_finest: float = _default("c_finest")
     by_contribution: bool = _default("by_contribution")
+    bright: float = _default("bright")
     table_bytes: int = _default("table_bytes")
     paper: PaperForm = PaperForm()
 
@@ -234,6 +235,10 @@ class Aqvc:
         if context.shafts is not None:
             packets = _core.ExactSource(scene, caster)
             exact = _core.ShaftSource(scene, caster, context.shafts, packets, choose=True)
+        if context.rows is not None:
+            return _core.AqvcRowsSource(
+                scene, caster, self.core(), context.rows, spp=spp, exact=exact
+            )
         return _core.AqvcSource(scene, caster, self.core(), spp=spp, exact=exact)
 
     def for_frame_table(self) -> Aqvc:

@@ -30,6 +30,8 @@ class SourceContext:
         The scene's triangles for `Exact(engine=…)`.
     kept : (KeptTable, check, repair), optional
         The table that is kept from frame to frame.
+    rows : AqvcRows, optional
+        The rows that are kept from frame to frame.
     """
 
     scene: _core.Scene
@@ -40,6 +42,7 @@ class SourceContext:
     batch: _core.vlf.AlignedBatch | None = None
     shafts: _core.ShaftScene | None = None
     kept: tuple[_core.KeptTable, float, bool] | None = None
+    rows: _core.AqvcRows | None = None
 
 
 class MakesOracles(Protocol):

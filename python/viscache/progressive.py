@@ -1,0 +1,386 @@
+"""Pictures that converge: passes of new eye samples, whose caches go on from pass to pass."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache import _core, progressive_state, sources
+from viscache.aqvc_rows import AqvcRows
+from viscache.emitted_light import light_on_surfaces
+from viscache.frame import Frame
+from viscache.frame_html import frame_html
+from viscache.oracles.correct import Correct
+from viscache.progress import Progress, progress_bar
+from viscache.render import render
+from viscache.scene import Env, Scene
+from viscache.settings import by_name
+from viscache.settings.checks import is_whole, require
+from viscache.settings.integrators import Bdpt, Direct, Integrator, Whitted
+from viscache.settings.rays import Rays
+from viscache.settings.spelling import spelled
+from viscache.settings.visibility import Aqvc, Exact, Visibility
+
+__all__ = ["Progressive"]
+
+#: E|x| of a normal variable of standard deviation 1.
+MEAN_DEVIATION = math.sqrt(2 / math.pi)
+#: An estimate of noise needs some passes.
+LEAST_PASSES = 4
+#: Seconds between two pictures of a live view.
+SHOW_EVERY_S = 1.0
+
+
+@spelled
+class Progressive:
+    """A picture that gets better pass by pass.
+
+    Every pass has new eye samples. The virtual lights and shared directions stay the same, or are
+    renewed every `renew` passes. The quantized cache keeps its rows: later passes trace only cells
+    and lights that none before had. With `use="correct"`, the default for a cache, rays for a small
+    share of the queries correct its errors, so the picture converges to that of exact visibility.
+
+    The bytes of n passes do not depend on the number of threads, on interrupts, nor on how many
+    calls or saved states they took.
+
+    Parameters
+    ----------
+    scene : Scene, path or str
+    integrator : Direct, Whitted, AmbientOcclusion, Bdpt or str
+        `Bdpt` has new light paths in every pass, and keeps nothing.
+    visibility : Exact, Aqvc, ... or str
+        As for `vc.render`. What is kept from pass to pass: the rows of `Aqvc` in the form "waves".
+    use : {"replace", "correct"} or Correct, optional
+        "correct" unless visibility is exact. "replace": faster passes whose mean keeps the cache's
+        error.
+    size, spp, seed, threads, camera, env, rays
+        As for `vc.render`; `spp` is that of one pass.
+    renew : int >= 1, optional
+        Passes with the same lights. Always the same by default: then the picture converges to that
+        of these lights.
+    first_pass : int >= 0
+        Number of the first pass. A pass is keyed by (seed, number), lights by the seed alone. So
+        pictures of one seed converge to the same picture, and those of other passes are
+        independent of each other.
+    max_bytes : int in [2^20, 2^44]
+        Room for the rows (`AqvcRows`).
+
+    Examples
+    --------
+    >>> import viscache as vc
+    >>> picture = vc.Progressive(
+    ...     "room?triangles=3000", vc.Whitted(n_vpls=64), visibility="aqvc", size=(64, 40)
+    ... )
+    >>> frame = picture.passes(8)
+    >>> picture.n_passes, frame.layers["variance"].shape
+    (8, (40, 64, 3))
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | os.PathLike[str],
+        integrator: Integrator | str,
+        *,
+        visibility: Visibility | Any | str = "aqvc",
+        use: Literal["replace", "correct"] | Correct | None = None,
+        rays: Rays | str | None = None,
+        size: tuple[int, int] | None = None,
+        spp: int = 1,
+        seed: int = 0,
+        threads: int | None = None,
+        camera: str | int | _core.Camera | None = None,
+        env: Env | None = None,
+        renew: int | None = None,
+        first_pass: int = 0,
+        max_bytes: int = 1 << 30,
+    ) -> None:
+        require(
+            is_whole(first_pass) and 0 <= first_pass < 1 << 30,
+            "first_pass must be a whole number in [0, 2^30)",
+            first_pass,
+        )
+        require(
+            renew is None or (is_whole(renew) and renew >= 1),
+            "renew must be a whole number >= 1",
+            renew,
+        )
+        self.scene = sources.opened(scene)
+        self.integrator = by_name.setting("integrator", integrator)
+        self.visibility = by_name.setting("visibility", visibility, "exact")
+        exact = isinstance(self.visibility, Exact)
+        self.use = use if use is not None or exact else "correct"
+        self.renew = renew
+        self._next = first_pass
+        self._seed, self._spp = seed, spp
+        self._options: dict[str, Any] = {
+            "rays": rays,
+            "size": size,
+            "spp": spp,
+            "threads": threads,
+            "camera": camera,
+            "env": env,
+        }
+        keeps = (
+            isinstance(self.visibility, Aqvc)
+            and self.visibility.paper.form == "waves"
+            and isinstance(self.integrator, Direct | Whitted)
+        )
+        self.rows = AqvcRows(max_bytes=max_bytes) if keeps else None
+        self._sums = progressive_state.Sums()
+
+    @property
+    def n_passes(self) -> int:
+        """Number of finished passes."""
+        return self._sums.n
+
+    @property
+    def is_unbiased(self) -> bool:
+        """Whether more passes remove all error but that of lights that stay the same."""
+        return self.use not in (None, "replace") or isinstance(self.visibility, Exact)
+
+    def passes(self, n: int, *, show: bool = False, progress: Progress = False) -> Frame:
+        """Render n more passes.
+
+        Parameters
+        ----------
+        n : int >= 0
+        show : bool
+            In a notebook, show the picture while it gets better.
+        progress : bool or callable
+            True shows a bar; a callable gets (done, total) in passes.
+
+        Returns
+        -------
+        Frame
+            `frame` after the last pass.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Finished passes are kept; `passes` goes on with the pass that was interrupted.
+        """
+        require(is_whole(n) and n >= 0, "n must be a whole number >= 0", n)
+        with progress_bar(progress, unit="pass") as report:
+            view = _View() if show else None
+            for i in range(n):
+                self._pass()
+                if report:
+                    report(i + 1, n)
+                if view:
+                    view.update(self, last=i + 1 == n)
+        return self.frame
+
+    def until(
+        self,
+        *,
+        rel_l1: float | None = None,
+        seconds: float | None = None,
+        passes: int = 1 << 20,
+        show: bool = False,
+    ) -> Frame:
+        """Render passes until the estimated error, the time or their number is reached.
+
+        Parameters
+        ----------
+        rel_l1 : float > 0, optional
+            `error()`, at the earliest after four passes. Not with `use="replace"`, whose error
+            passes cannot tell.
+        seconds : float > 0, optional
+            Wall seconds of this call. The last pass may exceed it, and one pass is made in any
+            case.
+        passes : int >= 0
+            At most so many more passes.
+        show : bool
+            In a notebook, show the picture while it gets better.
+
+        Returns
+        -------
+        Frame
+            `frame` after the last pass.
+
+        Raises
+        ------
+        ValueError
+            Neither `rel_l1` nor `seconds` is given, or a value is out of range.
+        """
+        require(
+            rel_l1 is not None or seconds is not None,
+            "rel_l1 or seconds must be given",
+            {"rel_l1": rel_l1, "seconds": seconds},
+        )
+        for name, value in (("rel_l1", rel_l1), ("seconds", seconds)):
+            fits = value is None or (value > 0 and math.isfinite(value))
+            require(fits, f"{name} must be > 0 and finite", value)
+        require(is_whole(passes) and passes >= 0, "passes must be a whole number >= 0", passes)
+        require(
+            rel_l1 is None or self.is_unbiased,
+            'use must be "correct" for rel_l1, as passes do not tell the error of a cache',
+            self.use,
+        )
+        start, view = time.perf_counter(), _View() if show else None
+        for _ in range(passes):
+            reached = (
+                rel_l1 is not None and self.n_passes >= LEAST_PASSES and self.error() <= rel_l1
+            )
+            out_of_time = seconds is not None and time.perf_counter() - start >= seconds
+            if self.n_passes and (reached or out_of_time):
+                break
+            self._pass()
+            if view:
+                view.update(self, last=False)
+        if view:
+            view.update(self, last=True)
+        return self.frame
+
+    @property
+    def frame(self) -> Frame:
+        """The mean of all passes.
+
+        Its layers are those of `vc.render`, and "variance" (H, W, 3) from the second pass on: the
+        variance of the mean's "color" between passes. Passes are not independent where one sequence
+        of samples goes through a pixel, so the variance errs towards more. Counters of rays and
+        queries and all timings are sums over passes.
+
+        Raises
+        ------
+        ValueError
+            There is no pass.
+        """
+        require(self.n_passes > 0, "there must be a pass", self.n_passes)
+        layers = {name: layer.astype(np.float32) for name, layer in self._means().items()}
+        if self.n_passes > 1:
+            layers["variance"] = self._variance().astype(np.float32)
+        return Frame(
+            layers=layers,
+            counters=dict(self._sums.counters),
+            timings=dict(self._sums.timings),
+            parameters=self._sums.parameters | {"passes": self.n_passes, "renew": self.renew},
+            warnings=list(self._sums.warnings),
+        )
+
+    def error(self) -> float:
+        """The estimated `rel_l1_reflected` of the mean, from the noise between passes.
+
+        Noise of eye samples and corrections, not the noise of lights that stay the same, nor the
+        error of a cache that is not corrected. At least two passes are needed.
+        """
+        require(self.n_passes >= 2, "there must be two passes", self.n_passes)
+        light = light_on_surfaces(self.frame)
+        assert light is not None
+        total = float(np.abs(light).sum())
+        deviation = MEAN_DEVIATION * float(np.sqrt(self._variance()).sum())
+        return deviation / total if total > 0 else 0.0
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the state: sums of all passes, and what caches keep. Complete or absent."""
+        progressive_state.save(path, self._identity(), self._sums, self._next, self.rows)
+
+    def merge(self, other: Progressive) -> None:
+        """Add the passes of another picture, for example one of another machine.
+
+        The bytes of the mean depend on what was merged in which order.
+
+        Raises
+        ------
+        ValueError
+            The other picture has another scene or other settings, or passes that this one has too.
+        """
+        require(isinstance(other, Progressive), "other must be vc.Progressive(...)", other)
+        mine, given = self._identity(), other._identity()
+        for name, value in mine.items():
+            require(given[name] == value, f"{name} must be {value!r} in both", given[name])
+        self._sums.merge(other._sums)
+
+    def load(self, path: str | os.PathLike[str]) -> None:
+        """Go on from a saved state, which replaces all passes.
+
+        Raises
+        ------
+        ValueError
+            The state belongs to another scene, other settings or another version, or the file is
+            damaged. Nothing changes.
+        FileNotFoundError
+            There is no such file.
+        """
+        self._sums, self._next = progressive_state.load(path, self._identity(), self.rows)
+
+    def _pass(self) -> None:
+        n = self._next
+        epoch = n // self.renew if self.renew else 0
+        alone = isinstance(self.integrator, Bdpt)
+        frame = render(
+            self.scene,
+            self.integrator,
+            visibility=self.visibility,
+            use=self.use,
+            seed=self._seed + (n if alone else epoch),
+            first_sample=0 if alone else n * self._spp,
+            keep=self.rows,
+            **self._options,
+        )
+        self._sums.add(frame, n)
+        self._next = n + 1
+
+    def _means(self) -> dict[str, npt.NDArray[np.float64]]:
+        n, sums = self._sums.n, self._sums.layers
+        hits = sums.get("coverage", np.zeros(0))
+        return {
+            name: np.divide(total, hits, out=np.zeros_like(total), where=hits > 0)
+            if name in progressive_state.BY_HITS
+            else total / n
+            for name, total in sums.items()
+        }
+
+    def _variance(self) -> npt.NDArray[np.float64]:
+        n = self._sums.n
+        return self._sums.squares / (n * (n - 1))
+
+    def _identity(self) -> dict[str, Any]:
+        """What a saved state must agree with."""
+        view = self._options
+        return {
+            "scene": self.scene.content_hash,
+            "integrator": repr(self.integrator),
+            "visibility": repr(self.visibility),
+            "use": repr(self.use),
+            "rays": repr(view["rays"]),
+            "size": repr(view["size"]),
+            "camera": repr(view["camera"]),
+            "env": repr(view["env"]) if not isinstance(view["env"], np.ndarray) else "array",
+            "spp": self._spp,
+            "seed": self._seed,
+            "renew": self.renew,
+        }
+
+    def _repr_html_(self) -> str:
+        if not self.n_passes:
+            return f"<p>{self!r}</p>"
+        frame = self.frame
+        return frame_html(frame.image, frame.timings, frame.counters)
+
+    def __repr__(self) -> str:
+        return f"Progressive({self.scene.name!r}, {self.n_passes} passes)"
+
+
+class _View:
+    """A picture in a notebook that is replaced from time to time."""
+
+    def __init__(self) -> None:
+        from IPython import display
+
+        api: Any = display
+        self._html = api.HTML
+        self._handle = api.display(api.HTML(""), display_id=True)
+        self._shown = -math.inf
+
+    def update(self, picture: Progressive, *, last: bool) -> None:
+        now = time.perf_counter()
+        if self._handle is None or not (last or now - self._shown >= SHOW_EVERY_S):
+            return
+        self._shown = now
+        self._handle.update(self._html(picture._repr_html_()))

@@ -1,0 +1,209 @@
+"""Sums over the passes of a picture, and their file."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.aqvc_rows import AqvcRows
+from viscache.files import whole_file
+from viscache.frame import Frame
+from viscache.provenance import VERSION
+
+__all__ = ["Sums", "load", "save"]
+
+Array = npt.NDArray[np.float64]
+
+#: Counters that do not add up over passes.
+OF_ONE_PASS = ("sha256", "audit", "vpls", "lost_throughput", "kept_cells", "kept_bytes")
+#: First hits are summed over the samples that hit.
+BY_HITS = ("depth", "normal", "albedo")
+
+
+@dataclass
+class Sums:
+    """Sums over passes, and the sum of squared deviations of the colour (Welford).
+
+    Attributes
+    ----------
+    n : int
+    numbers : list of [first, end]
+        Numbers of the passes, as ranges in ascending order.
+    layers : dict of str to (H, W, C) float64
+        Layers of the first hit are weighted by their coverage.
+    squares : (H, W, 3) float64
+    counters, timings : dict
+    parameters : dict
+        Of the last pass.
+    warnings : list of str
+        Of all passes, each once.
+    """
+
+    n: int = 0
+    numbers: list[list[int]] = field(default_factory=list)
+    layers: dict[str, Array] = field(default_factory=dict)
+    squares: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    counters: dict[str, Any] = field(default_factory=dict)
+    timings: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def add(self, frame: Frame, number: int) -> None:
+        """Add one pass."""
+        self.numbers = _joined([*self.numbers, [number, number + 1]])
+        color = frame.layers["color"].astype(np.float64)
+        if self.n == 0:
+            self.layers = {n: np.zeros(p.shape) for n, p in frame.layers.items()}
+            self.squares = np.zeros_like(color)
+        else:
+            deviation = color - self.layers["color"] / self.n
+            self.squares += deviation**2 * (self.n / (self.n + 1))
+        hits = frame.layers["coverage"].astype(np.float64) if "coverage" in frame.layers else 1.0
+        for name, pixels in frame.layers.items():
+            self.layers[name] += pixels * (hits if name in BY_HITS else 1.0)
+        self.n += 1
+        self.counters = _added(self.counters, frame.counters)
+        if self.counters.get("rays"):
+            self.counters["ray_reduction"] = self.counters["queries"] / self.counters["rays"]
+        for name, seconds in frame.timings.items():
+            self.timings[name] = self.timings.get(name, 0.0) + seconds
+        self.parameters = frame.parameters
+        self.warnings += [w for w in frame.warnings if w not in self.warnings]
+
+    def merge(self, other: Sums) -> None:
+        """Add the passes of other sums (Chan, Golub, LeVeque 1979)."""
+        numbers = _joined([*self.numbers, *other.numbers])
+        if other.n and self.n:
+            deviation = self.layers["color"] / self.n - other.layers["color"] / other.n
+            between = deviation**2 * (self.n * other.n / (self.n + other.n))
+            self.squares = self.squares + other.squares + between
+            self.layers = {name: p + other.layers[name] for name, p in self.layers.items()}
+        elif other.n:
+            self.squares = other.squares.copy()
+            self.layers = {name: p.copy() for name, p in other.layers.items()}
+            self.parameters = other.parameters
+        self.n, self.numbers = self.n + other.n, numbers
+        self.counters = _added(self.counters, other.counters)
+        for name, seconds in other.timings.items():
+            self.timings[name] = self.timings.get(name, 0.0) + seconds
+        self.warnings += [w for w in other.warnings if w not in self.warnings]
+
+
+def _joined(ranges: list[list[int]]) -> list[list[int]]:
+    """Ranges in ascending order, neighbours joined."""
+    out: list[list[int]] = []
+    for first, end in sorted(ranges):
+        if out and first < out[-1][1]:
+            raise ValueError(f"passes must be counted once, got pass {first} twice")
+        if out and first == out[-1][1]:
+            out[-1] = [out[-1][0], end]
+        else:
+            out.append([first, end])
+    return out
+
+
+def _added(sums: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
+    """Sums of whole numbers, by name; other values are those of the last pass."""
+    out = dict(sums)
+    for name, value in more.items():
+        before = sums.get(name)
+        if isinstance(value, dict) and name not in OF_ONE_PASS:
+            out[name] = _added(before or {}, value)
+        elif isinstance(value, int) and not isinstance(value, bool) and name not in OF_ONE_PASS:
+            out[name] = (before or 0) + value
+        else:
+            out[name] = value
+    return out
+
+
+def save(
+    path: str | os.PathLike[str],
+    identity: dict[str, Any],
+    sums: Sums,
+    next_pass: int,
+    rows: AqvcRows | None,
+) -> None:
+    """Write an uncompressed `.npz` of the sums and rows."""
+    records: dict[str, Any] = {
+        "identity": identity,
+        "version": VERSION,
+        "n": sums.n,
+        "numbers": sums.numbers,
+        "next_pass": next_pass,
+        "counters": sums.counters,
+        "timings": sums.timings,
+        "parameters": sums.parameters,
+        "warnings": sums.warnings,
+        "layers": list(sums.layers),
+        "rows": [],
+    }
+    arrays: dict[str, Any] = {"squares": sums.squares}
+    arrays |= {f"layer {name}": pixels for name, pixels in sums.layers.items()}
+    if rows is not None:
+        records["row_tiles"], records["row_frames"] = rows._core.tiles, rows.frames
+        for tile, group, (digest, row_words, cells, bits) in rows._state():
+            records["rows"].append([tile, group, str(digest), row_words])
+            arrays[f"cells {tile} {group}"] = cells
+            arrays[f"rows {tile} {group}"] = bits
+    text = json.dumps(records).encode()
+    with whole_file(Path(path)) as partial, partial.open("wb") as file:
+        np.savez(file, records=np.frombuffer(text, np.uint8), **arrays)
+
+
+def load(
+    path: str | os.PathLike[str], identity: dict[str, Any], rows: AqvcRows | None
+) -> tuple[Sums, int]:
+    """The sums of a file whose identity is this one, and its next pass; its rows go to `rows`."""
+    source = Path(path)
+    if not source.is_file():
+        raise FileNotFoundError(f"no such file: {source}")
+    try:
+        with source.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        records = json.loads(arrays["records"].tobytes())
+        found, version = records["identity"], records["version"]
+    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile) as error:
+        raise ValueError(f"{source} must be a saved state of vc.Progressive: {error}") from error
+    if version != VERSION:
+        raise ValueError(f"{source} must be of viscache {VERSION}, got {version}")
+    for name, value in json.loads(json.dumps(identity)).items():
+        if found.get(name) != value:
+            raise ValueError(f"{name} must be {found.get(name)!r} as in {source}, got {value!r}")
+    try:
+        layers = {name: arrays[f"layer {name}"] for name in records["layers"]}
+        kept = [
+            (
+                tile,
+                group,
+                (
+                    int(digest),
+                    words,
+                    arrays[f"cells {tile} {group}"],
+                    arrays[f"rows {tile} {group}"],
+                ),
+            )
+            for tile, group, digest, words in records["rows"]
+        ]
+        sums = Sums(
+            n=records["n"],
+            numbers=records["numbers"],
+            layers=layers,
+            squares=arrays["squares"],
+            counters=records["counters"],
+            timings=records["timings"],
+            parameters=records["parameters"],
+            warnings=records["warnings"],
+        )
+        next_pass = int(records["next_pass"])
+        if rows is not None:
+            rows._restore(records["row_tiles"], records["row_frames"], kept)
+    except (KeyError, IndexError, TypeError) as error:
+        raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
+    return sums, next_pass

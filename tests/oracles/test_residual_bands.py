@@ -1,0 +1,104 @@
+"""Correction by contribution: who is drawn, and with which weight."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+
+#: Contributions of the lights of one eye point, and their shares. Most are dim; the mean is near 2.
+BANDS = np.array([0.3, 0.7, 1.5, 3, 6, 12, 24, 48, 100, 200, 400], np.float32)
+SHARES = [0.5, 0.25, 0.12, 0.06, 0.04, 0.015, 0.008, 0.004, 0.0015, 0.001, 0.0005]
+BOUNDS = np.array([64, 32, 16, 8, 4, 2, 1, 0.5])
+
+
+@pytest.fixture(scope="module")
+def wall() -> vc.Scene:
+    """A large plane between all eye points (below) and all lights (above)."""
+    corners = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0]]
+    scene: vc.Scene = vc.Scene.from_arrays(
+        np.array(corners, np.float32), np.array([[0, 1, 2], [0, 2, 3]])
+    )
+    return scene
+
+
+def weights_of(
+    scene: vc.Scene, contributions: npt.NDArray[np.float32], seed: int
+) -> npt.NDArray[np.float32]:
+    """Weights of answers that are all wrong: 1, or 1 - 1/q where a query was drawn."""
+    rng = np.random.default_rng(seed)
+    n, m = contributions.shape
+    points = np.column_stack([rng.uniform(-1, 1, (n, 2)), np.full(n, -1)]).astype(np.float32)
+    eyes = vc.EyePoints(points, np.tile(np.float32([0, 0, 1]), (n, 1)))
+    lamps = vc.FarEnds.points(
+        np.column_stack([rng.uniform(-1, 1, (m, 2)), np.full(m, 1)]).astype(np.float32)
+    )
+    oracle = scene.oracle(vc.Unoccluded(), use="correct", seed=seed)
+    answer = oracle.block(eyes, lamps, contributions=contributions)
+    assert answer.weights is not None
+    return np.where(answer.visible, answer.weights, 0)
+
+
+def lights(n: int, seed: int) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int64]]:
+    """Contributions (n, 1024) and h of each, from the definition."""
+    rng = np.random.default_rng(seed)
+    c = rng.choice(BANDS, (n, 1024), p=SHARES)
+    # Exact in any order of summation: small multiples of 1/10, scaled to whole numbers
+    c = np.round(c * 10).astype(np.float32)
+    relative = c / c.mean(axis=1, keepdims=True, dtype=np.float64)
+    return c, (relative[..., None] <= BOUNDS).sum(axis=-1)
+
+
+@pytest.mark.stat
+def test_each_band_is_drawn_with_its_share_and_weighted_by_it(wall: vc.Scene) -> None:
+    c, h = lights(8192, 1)
+    w = weights_of(wall, c, 3)
+    drawn = w != 1
+    assert set(np.unique(h)) == set(range(9))
+    for band in range(9):
+        mine = h == band
+        q, n = 0.5**band, int(mine.sum())
+        np.testing.assert_array_equal(w[mine & drawn], np.float32(1 - 2**band))
+        spread = np.sqrt(max(q * (1 - q) / n, 1e-30))
+        assert abs(drawn[mine].mean() - q) <= 4.5 * spread
+        # Negative control: the share of a neighbouring band is told apart
+        if band:
+            assert abs(drawn[mine].mean() - 2 * q) > 10 * spread
+    # So the expectation of every weight is the truth, 0
+    z = w.sum(dtype=np.float64) / np.sqrt(((2.0**h) - 1).sum())
+    assert abs(z) < 4.5
+
+
+@pytest.mark.stat
+def test_draws_of_neighbours_are_independent(wall: vc.Scene) -> None:
+    """Neighbouring bits of a word, the same bit of the next word, and the next eye point."""
+    n = 4096
+    c = np.full((n, 1024), 1, np.float32)  # all at the mean: h = 7
+    c[:, ::16] = 6  # mean 1.3: the others in the band of h = 7, these at h = 4
+    drawn = weights_of(wall, c, 5) != 1
+    q = drawn.mean(axis=0)
+    for first, second in (
+        (drawn[:, :-16], drawn[:, 16:]),
+        (drawn[:, :-64], drawn[:, 64:]),
+        (drawn[:-1], drawn[1:]),
+    ):
+        both = np.logical_and(first, second)[:, ::16].mean()
+        expected = float((q[::16] ** 2).mean())
+        spread = np.sqrt(expected / first[:, ::16].size)
+        assert abs(both - expected) < 5 * spread
+    other = weights_of(wall, c, 6) != 1
+    assert abs((drawn & other)[:, ::16].mean() - 2.0**-8) < 5 * np.sqrt(2.0**-8 / (n * 64))
+
+
+def test_without_contributions_a_tenth_is_drawn(wall: vc.Scene) -> None:
+    rng = np.random.default_rng(0)
+    points = np.column_stack([rng.uniform(-1, 1, (512, 2)), np.full(512, -1)]).astype(np.float32)
+    eyes = vc.EyePoints(points, np.tile(np.float32([0, 0, 1]), (512, 1)))
+    lamps = vc.FarEnds.points(points * np.float32([1, 1, -1]))
+    answer = wall.oracle(vc.Unoccluded(), use="correct").block(eyes, lamps)
+    assert answer.weights is not None
+    drawn = answer.weights != 1
+    assert abs(drawn.mean() - 0.1) < 5 * np.sqrt(0.09 / drawn.size)
+    np.testing.assert_allclose(answer.weights[drawn], -9, rtol=1e-6)

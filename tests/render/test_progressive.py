@@ -1,0 +1,246 @@
+"""vc.Progressive: passes of new eye samples, and what the quantized cache keeps between them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+
+SIZE = (48, 32)
+ROOM = "room?triangles=3000"
+LIGHTS = vc.Whitted(n_vpls=64)
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    scene: vc.Scene = vc.scenes.build(ROOM)
+    return scene
+
+
+def picture(scene: vc.Scene, **options: Any) -> vc.Progressive:
+    given: dict[str, Any] = {"visibility": vc.Aqvc(c_e=12), "size": SIZE} | options
+    return vc.Progressive(scene, LIGHTS, **given)
+
+
+def sha(frame: vc.Frame) -> str:
+    return frame.sha256
+
+
+def test_passes_of_exact_visibility_are_frames_of_more_samples(room: vc.Scene) -> None:
+    """The first samples of a pixel are the same in both."""
+    passes = picture(room, visibility="exact").passes(4)
+    whole = vc.render(room, LIGHTS, size=SIZE, spp=4)
+    np.testing.assert_allclose(passes.layers["coverage"], whole.layers["coverage"], atol=1e-6)
+    for layer in ("depth", "normal", "albedo"):
+        np.testing.assert_allclose(passes.layers[layer], whole.layers[layer], rtol=1e-4, atol=1e-5)
+    # Mirrors play roulette with other numbers, so the light is compared as a whole
+    assert passes.image.sum() == pytest.approx(whole.image.sum(), rel=0.01)
+
+
+def test_a_later_pass_traces_what_is_new(room: vc.Scene) -> None:
+    alone = [
+        vc.render(room, LIGHTS, visibility=vc.Aqvc(c_e=12), size=SIZE, first_sample=n).counters
+        for n in range(6)
+    ]
+    kept = picture(room, use="replace")
+    rays = [kept.passes(1).counters["rays"] for _ in range(6)]
+    per_pass = np.diff([0, *rays])
+    assert per_pass[0] == alone[0]["rays"]
+    assert per_pass[-1] < 0.4 * alone[-1]["rays"]
+    assert kept.rows is not None
+    assert kept.rows.frames == 6
+    assert kept.rows.bytes > 0
+
+
+def test_what_rows_answer_is_the_cache_of_all_passes(room: vc.Scene) -> None:
+    """A second frame of the same samples finds every bit, and repeats the first."""
+    rows, options = vc.AqvcRows(), {"visibility": vc.Aqvc(c_e=12), "size": SIZE}
+    first, second = (vc.render(room, LIGHTS, keep=rows, **options) for _ in range(2))
+    assert second.counters["rays"] == 0
+    assert first.counters["rays"] > 0
+    # What the first frame's finest cells learnt may settle cells that were unknown before
+    assert np.abs(second.image - first.image).sum() < 0.02 * first.image.sum()
+
+
+@pytest.mark.parametrize("use", ["correct", "replace"])
+def test_bytes_depend_on_neither_threads_nor_stops(
+    room: vc.Scene, tmp_path: Path, use: str
+) -> None:
+    whole = picture(room, use=use, threads=1)
+    want = sha(whole.passes(5))
+    parts = picture(room, use=use, threads=3)
+    parts.passes(2)
+    parts.save(tmp_path / "state.npz")
+    resumed = picture(room, use=use, threads=2)
+    resumed.load(tmp_path / "state.npz")
+    assert resumed.n_passes == 2
+    assert sha(resumed.passes(3)) == want
+    assert sha(parts.passes(3)) == want
+    np.testing.assert_array_equal(resumed.frame.layers["variance"], whole.frame.layers["variance"])
+
+
+def test_an_interrupted_pass_leaves_nothing(room: vc.Scene) -> None:
+    stopped, calls = picture(room, size=(96, 64)), 0
+    want = sha(picture(room, size=(96, 64)).passes(3))
+    stopped.passes(1)
+
+    def interrupt(done: int, total: int) -> None:
+        nonlocal calls
+        calls += 1
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vc.render(
+            room,
+            LIGHTS,
+            visibility=vc.Aqvc(c_e=12),
+            use="correct",
+            size=(96, 64),
+            first_sample=1,
+            keep=stopped.rows,
+            progress=interrupt,
+        )
+    assert calls
+    assert stopped.n_passes == 1
+    assert sha(stopped.passes(2)) == want
+
+
+def test_parts_of_two_machines_merge(room: vc.Scene) -> None:
+    exact = {"visibility": "exact"}
+    whole = picture(room, **exact).passes(6)
+    first, second = picture(room, **exact), picture(room, first_pass=4, **exact)
+    first.passes(4)
+    second.passes(2)
+    first.merge(second)
+    assert first.n_passes == 6
+    np.testing.assert_allclose(first.frame.image, whole.image, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(
+        first.frame.layers["variance"], whole.layers["variance"], rtol=1e-4, atol=1e-9
+    )
+    assert first.frame.counters["queries"] == whole.counters["queries"]
+    with pytest.raises(ValueError, match="passes must be counted once"):
+        first.merge(second)
+    with pytest.raises(ValueError, match="seed must be 0 in both"):
+        first.merge(picture(room, seed=1, **exact))
+
+
+def test_lights_are_renewed(room: vc.Scene) -> None:
+    renewed = picture(room, renew=2, use="replace")
+    rays = np.diff([0, *(renewed.passes(1).counters["rays"] for _ in range(4))])
+    assert rays[1] < 0.9 * rays[0]
+    assert rays[2] > 1.5 * rays[1]
+
+
+def test_little_room_keeps_fewer_cells_and_nothing_else(room: vc.Scene) -> None:
+    size = (256, 160)
+    small = picture(room, max_bytes=1 << 20, size=size, use="replace", visibility=vc.Aqvc(c_e=4))
+    frame = small.passes(2)
+    assert small.rows is not None
+    assert frame.counters["cells_not_kept"] > 0
+    assert small.rows.bytes <= 1 << 20
+
+
+@pytest.mark.stat
+def test_corrected_passes_converge_to_exact_visibility(room: vc.Scene) -> None:
+    """Energy by Student t over passes; the cache alone and half a correction fail it."""
+    n, exact = 48, []
+    for i in range(n):
+        exact.append(vc.render(room, LIGHTS, size=SIZE, first_sample=i).image.sum())
+    found = {}
+    for name, use in (("correct", "correct"), ("replace", "replace")):
+        kept = vc.AqvcRows()
+        sums = [
+            vc.render(
+                room,
+                LIGHTS,
+                size=SIZE,
+                visibility=vc.Aqvc(c_e=24),
+                use=use,
+                keep=kept,
+                first_sample=i,
+            ).image.sum()
+            for i in range(n)
+        ]
+        d = np.array(sums) / np.array(exact) - 1
+        found[name] = (d.mean() / (d.std(ddof=1) / np.sqrt(n)), d.mean(), d.std(ddof=1))
+    z, _, spread = found["correct"]
+    assert abs(z) < 3.5
+    # Power: one percent of the light would show, and so does the cache's own bias
+    assert 0.01 * np.sqrt(n) / spread > 5
+    assert abs(found["replace"][0]) > 5
+
+
+def test_the_error_is_estimated_from_the_passes(room: vc.Scene) -> None:
+    options: dict[str, Any] = {"visibility": "exact"}
+    truth = picture(room, first_pass=1000, **options).passes(96).image
+    short = picture(room, **options)
+    frame = short.passes(8)
+    error = float(np.abs(frame.image - truth).sum() / truth.sum())
+    # Samples of one sequence are better spread than independent ones, so the estimate is high
+    assert 0.8 * error < short.error() < 3 * error
+    done = picture(room, **options).until(rel_l1=1.1 * short.error(), passes=50)
+    assert done.parameters["passes"] <= 8
+
+
+def test_until_stops_by_seconds_or_passes(room: vc.Scene) -> None:
+    quick = picture(room)
+    quick.until(seconds=1e-9)
+    assert quick.n_passes == 1
+    quick.until(seconds=1e9, passes=2)
+    assert quick.n_passes == 3
+
+
+def test_bdpt_has_new_paths_in_every_pass() -> None:
+    p = vc.Progressive("cornell_box", vc.Bdpt(max_depth=3), visibility="exact", size=(16, 16))
+    frame = p.passes(3)
+    assert p.rows is None
+    assert (frame.layers["variance"] > 0).any()
+
+
+def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:
+    p = picture(room)
+    with pytest.raises(ValueError, match="there must be a pass"):
+        _ = p.frame
+    with pytest.raises(ValueError, match="rel_l1 or seconds must be given"):
+        p.until()
+    with pytest.raises(ValueError, match="rel_l1 must be > 0"):
+        p.until(rel_l1=-1)
+    with pytest.raises(ValueError, match='use must be "correct" for rel_l1'):
+        picture(room, use="replace").until(rel_l1=0.01)
+    with pytest.raises(ValueError, match="n must be a whole number"):
+        p.passes(-1)
+    for option, value in (("renew", 0), ("first_pass", -1), ("max_bytes", 3)):
+        with pytest.raises(ValueError, match=f"{option} must be a whole number"):
+            picture(room, **{option: value})
+    with pytest.raises(ValueError, match="first_sample must be a multiple of spp"):
+        vc.render(room, LIGHTS, size=SIZE, spp=2, first_sample=1)
+    with pytest.raises(ValueError, match="first_sample must be 0 with Bdpt"):
+        vc.render(room, vc.Bdpt(), size=SIZE, first_sample=1)
+    pairs = vc.Aqvc(preset="paper")
+    with pytest.raises(ValueError, match='form must be "waves"'):
+        vc.render(room, LIGHTS, size=SIZE, visibility=pairs, keep=vc.AqvcRows())
+
+
+def test_states_of_something_else_are_refused(room: vc.Scene, tmp_path: Path) -> None:
+    file = tmp_path / "state.npz"
+    p = picture(room)
+    p.passes(1)
+    p.save(file)
+    with pytest.raises(FileNotFoundError):
+        p.load(tmp_path / "absent.npz")
+    for other in (picture(room, seed=3), picture(room, visibility="exact")):
+        with pytest.raises(ValueError, match=r"must be .* as in"):
+            other.load(file)
+    another: vc.Scene = vc.scenes.cube_on_plane()
+    with pytest.raises(ValueError, match="scene must be"):
+        picture(another).load(file)
+    whole = file.read_bytes()
+    for damaged in (whole[: len(whole) // 2], b"", b"PK\x03\x04" + whole[4:200]):
+        file.write_bytes(damaged)
+        with pytest.raises(ValueError, match="must be a saved state"):
+            p.load(file)
+    assert p.n_passes == 1
