@@ -78,12 +78,12 @@ void bind_sources(py::module_& m) {
              KeepScene(), KeepCaster());
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
         .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
-                         uint64_t seed, bool weighted) {
+                         double certain, uint64_t seed, bool weighted) {
                  return std::make_unique<ResidualSource>(s, c, inner,
-                                                         ResidualSettings{share, seed, weighted});
+                                                         ResidualSettings{share, certain, seed, weighted});
              }),
-             scene, caster, py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("seed"),
-             py::arg("weighted") = true, KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
+             scene, caster, py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("certain") = 64.0,
+             py::arg("seed"), py::arg("weighted") = true, KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
 }
 
 }  // namespace viscache::bindings

@@ -104,7 +104,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
         for n in (1, 3)
     ]
     assert frames[0].sha256 == frames[1].sha256
-    assert frames[0].parameters["use"] == {"name": "correct", "share": 0.2}
+    assert frames[0].parameters["use"] == {"name": "correct", "share": 0.2, "certain": 64.0}
     counters = frames[0].counters
     conn = vc.connections(scene, light, size=SIZE, rays=vc.Bsp())
     cached, exact = conn.answers(vc.Aqvc(c_e=12)), conn.answers(vc.Exact())
@@ -131,6 +131,8 @@ def test_what_does_not_combine_is_refused() -> None:
     for share in (0, -0.1, 1.1, float("nan")):
         with pytest.raises(ValueError, match="share must be"):
             vc.Correct(share=share)
+    with pytest.raises(ValueError, match="certain must be > 0 and finite, got 0"):
+        vc.Correct(certain=0)
     product = vc.Direct(environment="product")
     for integrator, options, match in (
         (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "unless visibility is"),

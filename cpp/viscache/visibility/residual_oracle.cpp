@@ -26,7 +26,9 @@ ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const Ra
       weighted_(s.weighted),
       threshold_(uint64_t(
           std::clamp(std::floor(s.share.value_or(ResidualSettings::kPlainShare) * 0x1p32), 1.0, 0x1p32))),
-      inverse_share_(float(0x1p32 / double(threshold_))) {}
+      inverse_share_(float(0x1p32 / double(threshold_))) {
+    for (size_t b = 0; b < bands_below_.size(); ++b) bands_below_[b] = float(std::ldexp(s.certain, -int(b)));
+}
 
 void ResidualOracle::watch(const Control& control) {
     VisibilityOracle::watch(control);
@@ -53,7 +55,7 @@ bool ResidualOracle::is_drawn(uint64_t key, uint64_t number) const {
 void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted) {
     drawn_.reset(wanted.rows(), lights.count);
     halvings_.clear();
-    if (by_contribution()) bands_.reset(kContributionBands.size(), lights.count);
+    if (by_contribution()) bands_.reset(ResidualSettings::kHalvings, lights.count);
     for (size_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
         const uint64_t key = eye_key(eyes, i, lights.group);
@@ -70,10 +72,10 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
 /// Draws 64 queries at once: each bound that lies above a query's contribution clears it with probability
 /// one half.
 void ResidualOracle::draw_by_contribution(uint32_t eye, uint64_t key, const BitMatrix& wanted) {
-    constexpr size_t kBands = kContributionBands.size();
+    constexpr size_t kBands = ResidualSettings::kHalvings;
     std::array<Word*, kBands> below;
     for (size_t b = 0; b < kBands; ++b) below[b] = bands_.row(b);
-    contributions_->at_most(eye, kContributionBands, below);
+    contributions_->at_most(eye, bands_below_, below);
     Word* drawn = drawn_.row(eye);
     for (size_t w = 0; w < words_for(wanted.columns()); ++w) {
         Word left = wanted.row(eye)[w];

@@ -7,8 +7,8 @@
 // correction and get none.
 //
 // q is the same for all queries, or follows the unoccluded contribution c of a connection. By contribution, q
-// is 1 above kTopBand means of the eye point and halves with each halving of c, down to kFloor. Then no
-// correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
+// is 1 above `certain` means of the eye point and halves with each halving of c, at most kHalvings times.
+// Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
 #include <array>
 #include <memory>
 #include <optional>
@@ -17,19 +17,18 @@
 
 namespace viscache {
 
-/// Bounds of the bands of contributions, in means of the eye point. A connection below h of them is drawn
-/// with q = 2^−h.
-inline constexpr std::array<float, 8> kContributionBands{64, 32, 16, 8, 4, 2, 1, 0.5f};
-
 struct ResidualSettings {
     /// q in (0, 1]; empty: by contribution. Connections without known contributions are then drawn with
     /// kPlainShare.
     std::optional<double> share;
+    /// By contribution: above this many means of the eye point, q is 1.
+    double certain = 64;
     uint64_t seed = 0;
     /// Without weights, a corrected answer counts as if q were 1. This is biased on purpose, for tests that
     /// must detect it.
     bool weighted = true;
     static constexpr double kPlainShare = 0.1;
+    static constexpr size_t kHalvings = 8;
 };
 
 class ResidualOracle final : public VisibilityOracle {
@@ -85,6 +84,8 @@ private:
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
     std::optional<double> share_;
+    /// Bounds of contributions. A connection below h of them is drawn with q = 2^−h.
+    std::array<float, ResidualSettings::kHalvings> bands_below_;
     uint64_t seed_;
     bool weighted_;
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this

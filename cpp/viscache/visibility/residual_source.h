@@ -16,6 +16,8 @@ public:
         : caster_(caster), extent_(scene.offset_extent()), inner_(inner), settings_(settings) {
         if (settings.share && !(*settings.share > 0 && *settings.share <= 1))
             throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(*settings.share));
+        if (!(settings.certain > 0))
+            throw std::invalid_argument("certain must be > 0, got " + std::to_string(settings.certain));
     }
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override {

@@ -27,11 +27,15 @@ class Correct:
     ----------
     share : float in (0, 1], optional
         q, the same for all queries. By default q follows the unoccluded contribution c of a
-        connection with shared lights: 1 above 64 means of its eye point, and half as much with each
-        halving of c, down to 1/256. Then few rays remove most of the error, because its square
-        counts c². Samples of single eye points and connections of `Bdpt` have q = 0.1.
+        connection with shared lights: 1 above `certain` means of its eye point, and half as much
+        with each halving of c, down to 1/256. Then few rays remove most of the error, because its
+        square counts c². Samples of single eye points and connections of `Bdpt` have q = 0.1.
 
         The draw depends on the frame's seed and first sample, and on the positions of both ends.
+
+    certain : float > 0
+        Without a share: where q reaches 1, in means of the eye point. Half as much draws up to
+        twice as many rays, and halves the noise of corrections.
 
     Examples
     --------
@@ -46,11 +50,14 @@ class Correct:
     """
 
     share: float | None = None
+    certain: float = 64.0
 
     def __post_init__(self) -> None:
         check_types(self)
         fits = self.share is None or 0 < self.share <= 1
         require(fits, "share must be in (0, 1]", self.share)
+        fits = 0 < self.certain < float("inf")
+        require(fits, "certain must be > 0 and finite", self.certain)
 
 
 def in_words(use: Any) -> Any:

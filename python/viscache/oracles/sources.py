@@ -24,7 +24,12 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
         return source
     correct = use if isinstance(use, Correct) else Correct()
     return _core.ResidualSource(
-        context.scene, context.caster, source, share=correct.share, seed=context.seed
+        context.scene,
+        context.caster,
+        source,
+        share=correct.share,
+        certain=correct.certain,
+        seed=context.seed,
     )
 
 
