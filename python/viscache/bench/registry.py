@@ -18,6 +18,7 @@ from viscache.bench.memory import memory
 from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
+from viscache.bench.picks import picks
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
 from viscache.bench.sweep import sweep
@@ -64,6 +65,10 @@ BENCHES: dict[str, BenchInfo] = {
     "shafts": BenchInfo(
         description="exact visibility of virtual point lights by shafts against packets of rays",
         function=shafts,
+    ),
+    "picks": BenchInfo(
+        description="error over time: exact, cached, or a few lights picked by each eye point",
+        function=picks,
     ),
     "oracle": BenchInfo(
         description="caches asked with arrays, and oracles written in Python, beside frames",
