@@ -43,12 +43,12 @@ class Case:
 
     name: str
     scene: str
-    size: tuple[int, int] = (256, 160)
+    size: tuple[int, int] = (192, 120)
     spp: int = 1
     integrator: Direct | Whitted
     picks: tuple[int, ...] = (8, 16, 64)
-    seeds: int = 16
-    references: int = 48
+    seeds: int = 12
+    references: int = 24
     goals: Mapping[int, float]
     """Least gain by number of picks."""
 
