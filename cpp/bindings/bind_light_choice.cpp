@@ -1,4 +1,4 @@
-// The choice among area lights, for tests.
+// The choice among area lights and the picks of shared lights, for tests.
 #include <pybind11/stl.h>
 
 #include <tuple>
@@ -6,6 +6,7 @@
 #include "checked_rows.h"
 #include "viscache/render/emitter_rays.h"
 #include "viscache/render/light_choice.h"
+#include "viscache/render/light_pick.h"
 
 namespace viscache::bindings {
 
@@ -88,6 +89,20 @@ std::tuple<py::array_t<int64_t>, py::array_t<float>> nearest(const Scene& scene,
     return {light, from_vec3s(points)};
 }
 
+py::array_t<float> picked(const FloatArray& contributions, size_t most, const DoubleArray& u) {
+    const std::span<const float> c(contributions.data(), size_t(contributions.size()));
+    py::array_t<float> weights({u.size(), contributions.size()});
+    std::fill_n(weights.mutable_data(), weights.size(), 0.f);
+    std::vector<PickedLight> picks;
+    for (py::ssize_t i = 0; i < u.size(); ++i) {
+        float* row = weights.mutable_data(i, 0);
+        picks.clear();
+        if (!pick_columns(c, most, u.data()[i], picks)) std::fill_n(row, c.size(), 1.f);
+        for (const PickedLight& p : picks) row[p.column] += p.weight;
+    }
+    return weights;
+}
+
 }  // namespace
 
 void bind_light_choice(py::module_& m) {
@@ -98,6 +113,9 @@ void bind_light_choice(py::module_& m) {
           "Lights are counted over triangles, then spheres; -1: none contributes.");
     t.def("light_probabilities", &probabilities, py::arg("scene"), py::arg("way"), py::arg("positions"),
           py::arg("normals"), "Probabilities (N, lights) of the choice at points with shading normals.");
+    t.def("pick_columns", &picked, py::arg("contributions"), py::arg("most"), py::arg("u"),
+          "Weights (N, M) of the columns that are picked with the offsets u (N,); 0: not picked. All 1 where "
+          "every column counts.");
     t.def("nearest_emitter", &nearest, py::arg("scene"), py::arg("origins"), py::arg("directions"),
           "Lights (N,) that rays find among the lights alone, -1 for none, and the points (N, 3).");
 }

@@ -105,7 +105,7 @@ class Connections:
         }
 
     def wanted(self, group: str) -> npt.NDArray[np.uint64]:
-        """Rows of bits (N, ⌈M/64⌉): connections whose contribution is not zero."""
+        """Rows of bits (N, ⌈M/64⌉): connections that have a contribution, or the picked ones."""
         return self._taps.wanted(self._number(group))
 
     def contributions(self, group: str, rows: slice | None = None) -> npt.NDArray[np.float32]:
@@ -121,7 +121,8 @@ class Connections:
         Returns
         -------
         (rows, M, 3) float32
-            Linear RGB. The sum over visible connections is the light of the eye point.
+            Linear RGB. The sum over visible connections is the light of the eye point. With
+            `pick`, contributions have the weight of the pick, and all others are 0.
         """
         self._number(group)
         begin, end, step = (rows or slice(None)).indices(len(self.eyes))

@@ -22,6 +22,7 @@ SMALL = (
     "aqvc-lookup",
     "shafts",
     "progressive",
+    "picks",
     "oracle",
     "memory",
     "loading",
@@ -206,7 +207,7 @@ def test_peers_that_are_missing_are_named(monkeypatch):
 @pytest.mark.parametrize("name", SMALL)
 def test_every_bench_runs_quickly_and_finds_right_answers(name):
     done = subprocess.run(
-        [sys.executable, "-m", "viscache.bench", name, "--quick", "--json"],
+        [sys.executable, "-m", "viscache", "bench", name, "--quick", "--json"],
         capture_output=True,
         text=True,
     )

@@ -66,6 +66,7 @@ def test_a_changed_parameter_reaches_its_field_and_no_other() -> None:
         "n_area": 2,
         "n_environment": 4,
         "n_brdf": 6,
+        "pick": 8,
         "cosmin": 0.25,
     }
     plain = values(core_settings(vc.Whitted()))

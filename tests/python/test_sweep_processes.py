@@ -108,6 +108,34 @@ def test_processes_at_one_directory_share_the_work(tmp_path: Path) -> None:
     assert len(rows_of(directory)) == 40
 
 
+@pytest.mark.parametrize("threads", [0, 2])
+def test_a_frame_finished_between_look_up_and_claim_is_not_rendered_again(
+    threads: int, fake_vc: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process finishes every frame just before this one claims it."""
+    mine, other = tmp_path / "mine", tmp_path / "other"
+    over = {"c_e": [4, 8]}
+    sweep("room", "whitted", over=over, directory=other, **SMALL)
+    fake_vc.CALLS.clear()
+    claim, overtaken = Store.claim, []
+
+    def late(self: Store, key: str) -> bool:
+        if self.directory == mine and not key.startswith("turn") and key not in overtaken:
+            with Store(mine) as rival, Store(other) as finished:
+                assert claim(rival, key) and rival.adopt(key, finished)
+            overtaken.append(key)
+        return claim(self, key)
+
+    monkeypatch.setattr(Store, "claim", late)
+    with ThreadPoolExecutor(2) as pool:
+        executor = pool if threads else None
+        ds = sweep("room", "whitted", over=over, directory=mine, executor=executor, **SMALL)
+    assert len(overtaken) == 3 and not fake_vc.CALLS
+    np.testing.assert_allclose(ds.rel_l1[:, 0], [0.04, 0.08], rtol=1e-5)
+    with Store(mine) as store:  # no claim is left behind
+        assert all(claim(store, key) for key in overtaken)
+
+
 def side_by_side(log: Path) -> int:
     """The most frames that were under way at once."""
     now = most = 0

@@ -21,6 +21,7 @@ public:
             if (answers_exactly(parameters, lights->group, lights->count, shared)) lights_.push_back(lights);
     }
     std::span<const FarEnds* const> lights() const override { return lights_; }
+    size_t lights_per_point() const override { return frame_.lights_per_point(); }
     uint64_t eye_points() const override { return frame_.eye_points(); }
     int threads() const override { return frame_.threads(); }
     Counters ask_small(size_t pixels, OracleSource& source, Control& control) override {

@@ -108,7 +108,8 @@ struct FrameContext {
 /// Unoccluded contributions of a group of shared lights to the eye points of a tile.
 class TileContributions : public Contributions {
 public:
-    TileContributions(const SharedLights& lights, const EyeTile& eyes) : lights_(lights), eyes_(eyes) {}
+    TileContributions(const SharedLights& lights, const EyeTile& eyes, const TilePicks& picks)
+        : lights_(lights), eyes_(eyes), picks_(picks) {}
     void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
         const ShadingPoint& sp = eyes_.shading[eye];
         at_most_rows(lights_, {eyes_.block.position[eye], sp.ng, sp.ns}, shares, rows, scratch_);
@@ -128,11 +129,22 @@ public:
             columns[k] = eyes_.throughput[eye] * value;
             clear_bit(one.data(), k);
         });
+        keep_picked(picks_.of(eye), columns);
     }
 
 private:
+    /// Weights what the eye point picked, and clears the rest.
+    static void keep_picked(std::span<const PickedLight> picked, std::span<Rgb> columns) {
+        if (picked.empty()) return;
+        std::vector<Rgb> kept(columns.size());
+        for (const PickedLight& p : picked)
+            if (p.column < columns.size()) kept[p.column] = columns[p.column] * p.weight;
+        std::copy(kept.begin(), kept.end(), columns.begin());
+    }
+
     const SharedLights& lights_;
     const EyeTile& eyes_;
+    const TilePicks& picks_;
     mutable std::vector<float> scratch_;
 };
 
@@ -140,7 +152,10 @@ private:
 class TileWorker {
 public:
     TileWorker(const FrameContext& context, OracleSource& source, const Control& control)
-        : c_(context), oracle_(source.make()), audit_(context.frame, source, control) {
+        : c_(context),
+          oracle_(source.make()),
+          audit_(context.frame, source, control),
+          picks_(size_t(context.integrator.pick), context.frame.seed) {
         oracle_->watch(control);
         if (c_.product) product_.emplace(*c_.product);
     }
@@ -176,25 +191,27 @@ private:
                     const Control& control) {
         wanted_.reset(eyes_.size(), lights.ends.count);
         visible_.reset(eyes_.size(), lights.ends.count);
+        picks_.begin(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
             if (!is_black(eyes_.shading[i]))
                 counters.non_finite += wanted_row(lights, shade(i), wanted_.row(i));
+            picks_.add(shade(i), eyes_.shading[i], eyes_.stream[i], wanted_.row(i));
         }
         clock.lap(stages.contributions);
-        const TileContributions contributions(lights, eyes_);
+        const TileContributions contributions(lights, eyes_, picks_);
         oracle_->weigh(&contributions);
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
+        WeightedLights weighted(lights);
         audit_.block(lights.ends, wanted_, visible_, [&](size_t i, const Word* row) {
-            return eyes_.throughput[i] * reflected(lights, i, row);
+            return eyes_.throughput[i] * reflected(weighted.with(picks_.of(i), {}), i, row);
         });
         clock.lap(stages.visibility);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
-        WeightedLights weighted(lights);
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
-            const SharedLights& counted = weighted.with(oracle_->block_weights(uint32_t(i)));
+            const SharedLights& counted = weighted.with(picks_.of(i), oracle_->block_weights(uint32_t(i)));
             sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, visible_.row(i));
             for (const Correction& c : oracle_->block_corrections(uint32_t(i))) {
                 one_.assign(visible_.row_words(), 0);
@@ -326,6 +343,7 @@ private:
     const FrameContext& c_;
     std::unique_ptr<VisibilityOracle> oracle_;
     TileAudit audit_;
+    TilePicks picks_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
     std::vector<Word> one_;  ///< a row with one bit
@@ -402,7 +420,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     const auto render = [&](const FrameSettings& small, OracleSource& asked, Control& c) {
         return render_frame(scene, caster, camera, integrator, small, asked, c);
     };
-    RenderedStart begin(frame, std::move(groups), out, render);
+    RenderedStart begin(frame, std::move(groups), out, render, integrator.pick);
     const double preparing = wall_seconds();
     source.prepare(begin, control);
     out.prepare_s = wall_seconds() - preparing;

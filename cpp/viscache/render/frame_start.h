@@ -12,10 +12,14 @@ public:
     /// Renders the same view with other frame settings and another source.
     using Render = std::function<FrameResult(const FrameSettings&, OracleSource&, Control&)>;
     /// The rays and the time of small frames are added to `out`.
+    /// `pick`: lights of a group that each eye point picks; 0: all.
     RenderedStart(const FrameSettings& frame, std::vector<const FarEnds*> lights, FrameResult& out,
-                  Render render)
-        : frame_(frame), lights_(std::move(lights)), out_(out), render_(std::move(render)) {}
+                  Render render, int pick = 0)
+        : frame_(frame), lights_(std::move(lights)), out_(out), render_(std::move(render)), pick_(pick) {}
     std::span<const FarEnds* const> lights() const override { return lights_; }
+    size_t lights_per_point() const override {
+        return pick_ > 0 ? size_t(pick_) : FrameStart::lights_per_point();
+    }
     int threads() const override { return frame_.threads; }
     uint64_t eye_points() const override {
         return uint64_t(frame_.width) * uint64_t(frame_.height) * uint64_t(frame_.spp);
@@ -42,6 +46,7 @@ private:
     std::vector<const FarEnds*> lights_;
     FrameResult& out_;
     Render render_;
+    int pick_;
 };
 
 }  // namespace viscache

@@ -1,12 +1,15 @@
 #include "viscache/render/glossy_sums.h"
 
+#include <optional>
+
 #include "viscache/math/isa_variants.h"
 #include "viscache/scene/lobes.h"
 
 namespace viscache {
 namespace {
 
-#define VISCACHE_INLINE inline __attribute__((always_inline))
+#define VISCACHE_INLINED __attribute__((always_inline))
+#define VISCACHE_INLINE inline VISCACHE_INLINED
 
 /// Unit directions to the sixteen columns from k on, and the factor of f·cos.
 template <Semantic kSemantic>
@@ -35,10 +38,11 @@ VISCACHE_INLINE void aim(const SharedLights& s, Vec3 p, size_t k, float* x, floa
     }
 }
 
-template <Semantic kSemantic>
-VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
-                           const Word* row) {
-    alignas(64) float x[16], y[16], z[16], scale[16], r[16] = {}, g[16] = {}, b[16] = {};
+/// Visits blocks of sixteen columns with set bits: first column, bits, f·cos and its factor per column.
+template <Semantic kSemantic, class Visit>
+VISCACHE_INLINE void for_each_block(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                    const Word* row, Visit visit) {
+    alignas(64) float x[16], y[16], z[16], scale[16];
     RgbBlock f;
     const float* const cone = cone_row(s, eye.position);
     for (size_t w = 0; w < row_words_for(s.ends.count); ++w)
@@ -50,16 +54,26 @@ VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const Lob
             if (cone)
                 for (size_t i = 0; i < 16; ++i) scale[i] *= cone[k + i];
             glossy16(lobe, x, y, z, f);
-            for (uint32_t i = 0; i < 16; ++i) {
-                // Columns whose bit is not set may hold any value
-                const bool seen = mask >> i & 1;
-                const float fr = seen ? f.r[i] * scale[i] : 0.f, fg = seen ? f.g[i] * scale[i] : 0.f,
-                            fb = seen ? f.b[i] * scale[i] : 0.f;
-                r[i] += fr * s.r[k + i];
-                g[i] += fg * s.g[k + i];
-                b[i] += fb * s.b[k + i];
-            }
+            visit(k, mask, f, scale);
         }
+}
+
+template <Semantic kSemantic>
+VISCACHE_INLINE Rgb sum_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                           const Word* row) {
+    alignas(64) float r[16] = {}, g[16] = {}, b[16] = {};
+    const auto add = [&](size_t k, uint32_t mask, const RgbBlock& f, const float* scale) VISCACHE_INLINED {
+        for (uint32_t i = 0; i < 16; ++i) {
+            // Columns whose bit is not set may hold any value
+            const bool seen = mask >> i & 1;
+            const float fr = seen ? f.r[i] * scale[i] : 0.f, fg = seen ? f.g[i] * scale[i] : 0.f,
+                        fb = seen ? f.b[i] * scale[i] : 0.f;
+            r[i] += fr * s.r[k + i];
+            g[i] += fg * s.g[k + i];
+            b[i] += fb * s.b[k + i];
+        }
+    };
+    for_each_block<kSemantic>(s, eye, lobe, row, add);
     for (size_t step = 8; step; step /= 2)
         for (size_t i = 0; i < step; ++i) {
             r[i] += r[i + step];
@@ -80,17 +94,53 @@ VISCACHE_INLINE Rgb sum_body(const SharedLights& s, const EyeShade& eye, const L
     return {};
 }
 
+template <Semantic kSemantic>
+VISCACHE_INLINE void contributions_as(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                      const Word* row, float* c) {
+    const auto write = [&](size_t k, uint32_t mask, const RgbBlock& f, const float* scale) VISCACHE_INLINED {
+        for (uint32_t i = 0; i < 16; ++i) {
+            const float value = f.r[i] * s.r[k + i] + f.g[i] * s.g[k + i] + f.b[i] * s.b[k + i];
+            c[k + i] = mask >> i & 1 ? value * scale[i] : 0.f;
+        }
+    };
+    for_each_block<kSemantic>(s, eye, lobe, row, write);
+}
+
+VISCACHE_INLINE void contributions_body(const SharedLights& s, const EyeShade& eye, const LobeConstants& lobe,
+                                        const Word* row, float* c) {
+    switch (s.ends.semantic) {
+        case Semantic::kPoint: return contributions_as<Semantic::kPoint>(s, eye, lobe, row, c);
+        case Semantic::kDirection:
+        case Semantic::kSolidAngle: return contributions_as<Semantic::kDirection>(s, eye, lobe, row, c);
+        case Semantic::kSurface: return contributions_as<Semantic::kSurface>(s, eye, lobe, row, c);
+    }
+}
+
 #undef VISCACHE_INLINE
+#undef VISCACHE_INLINED
+
+/// The lobe; nothing if it reflects no light.
+std::optional<LobeConstants> lobe_of(const SharedLights& s, const ShadingPoint& brdf) {
+    LobeConstants lobe = lobe_constants(brdf);
+    if (lobe.black) return {};
+    // A mirror reflects no light without an extent
+    if (s.punctual && brdf.mirror) lobe.f0 = {};
+    return lobe;
+}
 
 }  // namespace
 
 Rgb sum_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf, const Word* row,
                    Isa isa) {
-    LobeConstants lobe = lobe_constants(brdf);
-    if (lobe.black) return {};
-    // A mirror reflects no light without an extent
-    if (s.punctual && brdf.mirror) lobe.f0 = {};
-    return variant_of<sum_body>(isa)(s, eye, lobe, row);
+    const auto lobe = lobe_of(s, brdf);
+    return lobe ? variant_of<sum_body>(isa)(s, eye, *lobe, row) : Rgb{};
+}
+
+void contribution_row_glossy(const SharedLights& s, const EyeShade& eye, const ShadingPoint& brdf,
+                             const Word* row, std::vector<float>& contributions, Isa isa) {
+    contributions.assign(s.ends.x.size(), 0.f);
+    if (const auto lobe = lobe_of(s, brdf))
+        variant_of<contributions_body>(isa)(s, eye, *lobe, row, contributions.data());
 }
 
 }  // namespace viscache

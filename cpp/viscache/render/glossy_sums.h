@@ -10,4 +10,9 @@ namespace viscache {
 Rgb sum_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf, const Word* row,
                    Isa isa = active_isa());
 
+/// Unoccluded contribution f·g·value of the columns of the set bits, summed over the channels; padded. 0 for
+/// the other columns.
+void contribution_row_glossy(const SharedLights& lights, const EyeShade& eye, const ShadingPoint& brdf,
+                             const Word* row, std::vector<float>& contributions, Isa isa = active_isa());
+
 }  // namespace viscache

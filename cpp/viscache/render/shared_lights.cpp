@@ -96,6 +96,23 @@ void at_most_rows(const SharedLights& s, const EyeShade& eye, std::span<const fl
     }
 }
 
+void contribution_row(const SharedLights& s, const EyeShade& eye, std::vector<float>& row) {
+    row.resize(s.ends.x.size());
+    switch (active_isa()) {
+#if VISCACHE_X86
+        case Isa::kAvx512:
+            avx512::contributions_any(s.ends.semantic, columns_of<avx512::Columns>(s, eye), eye, row.data());
+            return;
+        case Isa::kAvx2:
+            avx2::contributions_any(s.ends.semantic, columns_of<avx2::Columns>(s, eye), eye, row.data());
+            return;
+#endif
+        default:
+            portable::contributions_any(s.ends.semantic, columns_of<portable::Columns>(s, eye), eye,
+                                        row.data());
+    }
+}
+
 Rgb sum_row(const SharedLights& s, const EyeShade& eye, const Word* row) {
     switch (active_isa()) {
 #if VISCACHE_X86

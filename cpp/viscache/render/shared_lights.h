@@ -49,6 +49,9 @@ uint64_t wanted_row(const SharedLights& lights, const EyeShade& eye, Word* row);
 void at_most_rows(const SharedLights& lights, const EyeShade& eye, std::span<const float> shares,
                   std::span<Word* const> rows, std::vector<float>& scratch);
 
+/// Unoccluded contribution g·(r + g + b) of every column, padded; 0 where it is infinite.
+void contribution_row(const SharedLights& lights, const EyeShade& eye, std::vector<float>& row);
+
 /// Σ g_k · value_k over the set bits.
 Rgb sum_row(const SharedLights& lights, const EyeShade& eye, const Word* row);
 

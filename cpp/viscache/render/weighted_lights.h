@@ -2,7 +2,7 @@
 // A light group with weights, for oracles that skip connections and weight the others.
 #include <optional>
 
-#include "viscache/render/shared_lights.h"
+#include "viscache/render/light_pick.h"
 
 namespace viscache {
 
@@ -22,6 +22,20 @@ public:
             scaled_->r[k] = lights_.r[k] * weights[k];
             scaled_->g[k] = lights_.g[k] * weights[k];
             scaled_->b[k] = lights_.b[k] * weights[k];
+        }
+        return *scaled_;
+    }
+
+    /// The same where the eye point picked lights; the other columns may hold any finite values.
+    const SharedLights& with(std::span<const PickedLight> picked, std::span<const float> weights) {
+        if (picked.empty()) return with(weights);
+        if (!scaled_) scaled_ = lights_;
+        last_ = nullptr;
+        for (const PickedLight& p : picked) {
+            const float weight = weights.empty() ? p.weight : p.weight * weights[p.column];
+            scaled_->r[p.column] = lights_.r[p.column] * weight;
+            scaled_->g[p.column] = lights_.g[p.column] * weight;
+            scaled_->b[p.column] = lights_.b[p.column] * weight;
         }
         return *scaled_;
     }

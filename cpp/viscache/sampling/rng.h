@@ -27,7 +27,8 @@ enum class Purpose : uint32_t {
     kLightSubpath,
     kRoulette,
     kResidual,
-    kAreaBrdf
+    kAreaBrdf,
+    kLightPick
 };
 
 /// Bijective 64-bit mixer (variant 13 of Stafford's murmur finalisers).

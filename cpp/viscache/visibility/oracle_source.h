@@ -4,6 +4,7 @@
 // A source is made for one frame. The frame calls `prepare` (which can trace shadow maps or learn
 // visibilities), takes one oracle per thread, and reports its progress. What oracles learn is merged between
 // rounds in the order of the items, so that answers do not depend on the number of threads.
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +26,8 @@ public:
     virtual ~FrameStart() = default;
     /// The light groups that all eye points share. They do not change during the frame.
     virtual std::span<const FarEnds* const> lights() const = 0;
+    /// Largest number of lights of a group that an eye point asks for.
+    virtual size_t lights_per_point() const { return std::numeric_limits<size_t>::max(); }
     /// Runs the queries of a small version of the frame, with about `pixels` eye samples, through the oracles
     /// of another source. Returns its counters; the frame adds these rays to its own.
     virtual Counters ask_small(size_t pixels, OracleSource& source, Control& control) = 0;

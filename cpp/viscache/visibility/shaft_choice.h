@@ -12,6 +12,9 @@ namespace viscache {
 constexpr uint64_t kLeastQueriesPerTriangle = 256;
 /// Points ask for at least so many lights each, on average; else preparing them costs more than shafts save.
 constexpr uint64_t kLeastLightsPerPoint = 12;
+/// At least so many queries per packet and light, on average; else shafts answer mostly for points that do
+/// not ask, as where points pick a few of many lights.
+constexpr uint64_t kLeastQueriesPerPacket = 1;
 /// Lights of the first 64 that shafts answer for a trial.
 constexpr Word kTrialLights = 0x0101010101010101;
 /// Largest share of packets with a ray that shafts leave to be traced. A packet costs as much with one ray.

@@ -122,7 +122,9 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
     if (is_direction(lights.semantic)) return exact_->block(eyes, lights, wanted, visible, counters);
     const uint64_t queries = count_bits(wanted);
     const bool is_few = options_.choose && !is_sorted(eyes) && queries < kLeastLightsPerPoint * eyes.size();
-    if (queries == 0 || is_few || is_logging_ || !fits(eyes, lights)) {
+    const bool is_sparse =
+        options_.choose && queries * kShaftLanes < kLeastQueriesPerPacket * eyes.size() * lights.count;
+    if (queries == 0 || is_few || is_sparse || is_logging_ || !fits(eyes, lights)) {
         totals_.add({0, queries, {}});
         return exact_->block(eyes, lights, wanted, visible, counters);
     }

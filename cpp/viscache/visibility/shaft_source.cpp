@@ -10,7 +10,7 @@ namespace viscache {
 std::string ShaftSource::reason_against(const FrameStart& frame) const {
     uint64_t points = 0;
     for (const FarEnds* lights : frame.lights())
-        if (!is_direction(lights->semantic)) points += lights->count;
+        if (!is_direction(lights->semantic)) points += std::min(lights->count, frame.lights_per_point());
     if (points == 0) return "no light is a point that all eye points share";
     if (!shafts_.refusal().empty()) return shafts_.refusal();
     const uint64_t queries = points * frame.eye_points();

@@ -19,6 +19,7 @@ from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
 from viscache.bench.progressive import progressive
+from viscache.bench.picks import picks
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
 from viscache.bench.sweep import sweep
@@ -69,6 +70,9 @@ BENCHES: dict[str, BenchInfo] = {
     "progressive": BenchInfo(
         description="error times time of passes: exact, plain and corrected",
         function=progressive,
+    "picks": BenchInfo(
+        description="error over time: exact, cached, or a few lights picked by each eye point",
+        function=picks,
     ),
     "oracle": BenchInfo(
         description="caches asked with arrays, and oracles written in Python, beside frames",

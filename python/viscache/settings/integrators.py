@@ -60,6 +60,12 @@ class Direct:
     centred : bool
         Primary rays go through the centres of pixels instead of random positions. There is no
         antialiasing; for comparisons of variance.
+    pick : int >= 0
+        Lights that each eye point picks from each group that all eye points share: point and spot
+        lights, directional lights, shared directions. Only these are asked for. They are picked by
+        their contribution without shadows (systematic sampling), and weighted by the inverse of
+        their probability, so the expectation is the sum over all lights. 0: all lights, and also
+        where at most `pick` lights contribute.
     p_mode : {"last_vertex", "footprint"}
         Density of eye points: unfolded camera density, or ray differentials (AQVC Sec. 3.4).
     cosmin : float in (0, 1]
@@ -74,6 +80,7 @@ class Direct:
     passes: int = 1
     points: Literal["even", "independent"] = "even"
     centred: bool = False
+    pick: int = 0
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
@@ -113,6 +120,9 @@ class Whitted:
         Virtual point lights of your own; `n_vpls` and the parameters of tracing are not used.
     environment : {"mis", "shared"}
         As in `Direct`.
+    pick : int >= 0
+        As in `Direct`. Virtual point lights are a group of their own: with `pick=16`, an eye point
+        asks for 16 of the `n_vpls`.
     n_area, light_choice, n_environment, n_brdf, p_mode, cosmin
         As in `Direct`.
     """
@@ -129,6 +139,7 @@ class Whitted:
     n_environment: int = 16
     n_brdf: int = 16
     environment: Literal["mis", "shared"] = "mis"
+    pick: int = 0
     p_mode: PMode = "last_vertex"
     cosmin: float = 0.05
 
@@ -271,6 +282,7 @@ def _check_samples(s: Direct | Whitted) -> None:
     for name in ("n_area", "n_environment", "n_brdf"):
         value = getattr(s, name)
         require(0 <= value <= 1 << 16, f"{name} must be in [0, 65536]", value)
+    require(0 <= s.pick <= 1 << 20, "pick must be in [0, 2^20]", s.pick)
     _check_density(s)
 
 

@@ -110,9 +110,11 @@ def make_plan(
         for (role, name), value in zip(owners, values, strict=True):
             changed[role] = by_name.replaced(changed[role], {name: value}, role)
         reference = {**changed, "visibility": exact}
-        last = (
-            _add(plan, scene, reference, common, seed=second[0], spp=second[1]) if second else None
-        )
+        last = None
+        if second:
+            last = _add(
+                plan, scene, _of_all_lights(reference), common, seed=second[0], spp=second[1]
+            )
         for repeat in range(repeats):
             paired = _add(plan, scene, reference, common, seed=seed + repeat)
             key = _add(plan, scene, changed, common, seed=seed + repeat)
@@ -129,6 +131,14 @@ def make_plan(
                 )
             )
     return plan
+
+
+def _of_all_lights(chosen: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The settings without picks, which would only add noise to a converged reference."""
+    if not getattr(chosen["integrator"], "pick", 0):
+        return chosen
+    whole = by_name.replaced(chosen["integrator"], {"pick": 0}, "integrator")
+    return {**chosen, "integrator": whole}
 
 
 def _grid(

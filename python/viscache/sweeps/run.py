@@ -99,24 +99,34 @@ class Run:
         foreign = 0
         while self.todo:
             key = self.todo.popleft()
-            if self.store.get(key) is not None:
-                self.finished(key)
-                foreign = 0
-            elif self.store.claim(key):
-                try:
-                    with self._alone():
-                        began = time.perf_counter()
-                        frame = render_task(self.plan.tasks[key], self.scene)
-                        self.seconds["frames"] += time.perf_counter() - began
-                    self.keep(key, frame, alone=self.apart)
-                finally:
-                    self.store.release(key)
-                foreign = 0
-            else:  # another process renders it
+            if not self.store.claim(key):  # another process renders it
                 self.todo.append(key)
                 foreign += 1
                 if foreign >= len(self.todo):
                     time.sleep(4 * POLL_S)
+                continue
+            foreign = 0
+            try:
+                if self._finished_elsewhere(key):
+                    continue
+                with self._alone():
+                    began = time.perf_counter()
+                    frame = render_task(self.plan.tasks[key], self.scene)
+                    self.seconds["frames"] += time.perf_counter() - began
+                self.keep(key, frame, alone=self.apart)
+            finally:
+                self.store.release(key)
+
+    def _finished_elsewhere(self, key: str) -> bool:
+        """Take over a claimed frame that another process finished before the claim.
+
+        The look-up follows the claim: a frame that is absent while it is claimed is rendered once.
+        """
+        if self.store.get(key) is None:
+            return False
+        self.store.release(key)
+        self.finished(key)
+        return True
 
     def parallel(self, executor: Executor) -> None:
         scene = self.scene if isinstance(executor, ThreadPoolExecutor) else None
@@ -128,12 +138,10 @@ class Run:
                     if len(flying) >= limit:
                         break
                     key = self.todo.popleft()
-                    if self.store.get(key) is not None:
-                        self.finished(key)
-                    elif self.store.claim(key):
-                        flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
-                    else:
+                    if not self.store.claim(key):
                         self.todo.append(key)
+                    elif not self._finished_elsewhere(key):
+                        flying[executor.submit(render_task, self.plan.tasks[key], scene)] = key
                 self._gather(flying)
                 if not flying and self.todo:
                     time.sleep(4 * POLL_S)

@@ -86,7 +86,7 @@ def sweep(
     spp : int
         Samples per pixel.
     converged : {"spp": ..., "seed": ...}, optional
-        Renders the second reference.
+        Renders the second reference, of all lights also where the integrator picks some.
     metrics : iterable of str
         Names of `viscache.metrics.METRICS`.
     directory : path, optional

@@ -1,0 +1,84 @@
+#include "viscache/render/light_pick.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "viscache/render/glossy_sums.h"
+#include "viscache/sampling/rng.h"
+
+namespace viscache {
+
+namespace {
+
+constexpr size_t kBlock = 32;  // columns whose sum tells whether a point lies among them
+
+/// Sum of a block in four running sums.
+double block_sum(const float* c, size_t size) {
+    double lanes[4] = {};
+    size_t i = 0;
+    for (; i + 4 <= size; i += 4)
+        for (size_t j = 0; j < 4; ++j) lanes[j] += double(c[i + j]);
+    for (; i < size; ++i) lanes[0] += double(c[i]);
+    return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+}
+
+}  // namespace
+
+bool pick_columns(std::span<const float> contributions, size_t most, double u,
+                  std::vector<PickedLight>& out) {
+    const size_t n = contributions.size();
+    const float* c = contributions.data();
+    const size_t positive = size_t(std::count_if(c, c + n, [](float v) { return v > 0; }));
+    double total = 0;
+    for (size_t k = 0; k < n; k += kBlock) total += block_sum(c + k, std::min(kBlock, n - k));
+    if (positive <= most || !std::isfinite(total)) return false;
+    const double distance = total / double(most);
+    double before = 0;
+    size_t points = 0;  // passed so far
+    const auto next_lies_before = [&](double sum) {
+        return points < most && (double(points) + u) * distance < sum;
+    };
+    for (size_t first = 0; first < n; first += kBlock) {
+        const size_t size = std::min(kBlock, n - first);
+        const double after = before + block_sum(c + first, size);
+        double sum = before;
+        for (size_t k = first; k < first + size && next_lies_before(after); ++k) {
+            sum += double(c[k]);
+            if (!next_lies_before(sum)) continue;
+            out.push_back({uint32_t(k), float(std::max(1.0, distance / double(c[k])))});
+            while (next_lies_before(sum)) ++points;
+        }
+        before = after;
+    }
+    return true;
+}
+
+void TilePicks::begin(const SharedLights& lights) {
+    lights_ = &lights;
+    picked_.clear();
+    end_.clear();
+}
+
+void TilePicks::add(const EyeShade& eye, const ShadingPoint& brdf, uint64_t stream, Word* wanted) {
+    // At most `most_` lights never need a choice
+    if (most_ == 0 || lights_->ends.count <= most_) return;
+    if (is_black(brdf)) {
+        end_.push_back(picked_.size());
+        return;
+    }
+    if (brdf.kind == MaterialKind::kGlossy)
+        contribution_row_glossy(*lights_, eye, brdf, wanted, contributions_);
+    else
+        contribution_row(*lights_, eye, contributions_);
+    Rng rng(seed_, Purpose::kLightPick, stream, uint64_t(lights_->ends.group));
+    const uint64_t bits = uint64_t(rng.next_u32()) << 32 | rng.next_u32();
+    const size_t before = picked_.size();
+    const std::span<const float> columns(contributions_.data(), lights_->ends.count);
+    if (pick_columns(columns, most_, double(bits >> 11) * 0x1p-53, picked_)) {
+        std::fill_n(wanted, row_words_for(lights_->ends.count), Word{0});
+        for (size_t p = before; p < picked_.size(); ++p) set_bit(wanted, picked_[p].column);
+    }
+    end_.push_back(picked_.size());
+}
+
+}  // namespace viscache

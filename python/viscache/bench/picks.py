@@ -1,0 +1,224 @@
+"""`viscache bench picks`: error over time where each eye point picks some of the shared lights.
+
+All frames have lights and eye samples of their own. The converged picture is the mean of exact
+frames of other seeds, so it has other lights, too. All ways but the cache are unbiased: the error
+of the mean of k frames is the k-th part, and gains hold for any number of passes. For the cache
+they hold for one frame alone.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from viscache.bench.common import Outcome, build_scene, figure
+from viscache.render import render
+from viscache.scene import Scene, load_scene
+from viscache.settings.integrators import Direct, Whitted
+from viscache.settings.visibility import Aqvc, Exact
+
+__all__ = ["picks"]
+
+Array = npt.NDArray[Any]
+
+#: The largest |z| of the energy of picks against exact frames of the same seeds.
+MOST_Z = 4.0
+#: Floor of the relative error, as a share of the picture's mean.
+DARK = 0.05
+#: Seeds of frames of the converged picture start here.
+FIRST_REFERENCE = 1000
+BOOTSTRAP = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A picture. A scene is a spec, or a folder of $VISCACHE_SCENES and a file in it."""
+
+    name: str
+    scene: str
+    size: tuple[int, int] = (192, 120)
+    spp: int = 1
+    integrator: Direct | Whitted
+    picks: tuple[int, ...] = (8, 16, 64)
+    seeds: int = 12
+    references: int = 24
+    goals: Mapping[int, float]
+    """Least gain by number of picks."""
+
+
+VPLS, LAMPS = Whitted(n_vpls=1024), Direct()
+CASES = (
+    Case(name="room", scene="room?triangles=200000", integrator=VPLS, goals={8: 3, 16: 3, 64: 2}),
+    Case(name="apartment", scene="apartment", integrator=VPLS, goals={16: 3}),
+    Case(name="conference", scene="conference", integrator=VPLS, goals={16: 3}),
+    Case(name="living-room", scene="living-room/scene.xml", integrator=VPLS, goals={16: 1}),
+    Case(name="sponza", scene="sponza-dabrovic/scene.xml", integrator=VPLS, goals={16: 1}),
+    Case(
+        name="room, 24 lamps",
+        scene="room?triangles=200000",
+        spp=4,
+        integrator=LAMPS,
+        picks=(2, 4, 8),
+        goals={4: 1},
+    ),
+)
+QUICK = (
+    Case(
+        name="room, 48×32",
+        scene="room?triangles=3000",
+        size=(48, 32),
+        integrator=replace(VPLS, n_vpls=100),
+        picks=(8,),
+        seeds=8,
+        references=8,
+        goals={},
+    ),
+    Case(
+        name="room, 24 lamps, 48×32",
+        scene="room?triangles=3000",
+        size=(48, 32),
+        integrator=LAMPS,
+        picks=(4,),
+        seeds=8,
+        references=8,
+        goals={},
+    ),
+)
+
+
+def picks(quick: bool = False) -> Outcome:
+    """MSE · CPU time of exact frames over that of frames with picks, and of cached frames."""
+    outcome = Outcome()
+    for case in QUICK if quick else CASES:
+        scene = _scene_of(case)
+        if scene is None:
+            outcome.skip(case.name, "VISCACHE_SCENES has no such file")
+        else:
+            measure(outcome, case, scene)
+    outcome.notes.append(
+        "Ratios: mean squared error times CPU seconds, exact over the other, with the 95 % interval"
+        " of a bootstrap over seeds. Values: the same of the other, relative to the squared mean."
+        " rel_gain: by squared errors relative to each pixel, floor 5 % of the mean."
+    )
+    return outcome
+
+
+def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
+    """Let all ways take turns, seed by seed."""
+    scene.caster()
+    converged = np.stack([_render(case, scene, s)[0] for s in _reference_seeds(case)])
+    errors = Errors(converged)
+    ways: dict[str, dict[str, Any]] = {
+        "exact": {},
+        "cache": {"visibility": Aqvc()},
+        **{f"{n} picks": {"pick": n} for n in case.picks},
+    }
+    images: dict[str, list[Array]] = {way: [] for way in ways}
+    seconds: dict[str, list[float]] = {way: [] for way in ways}
+    for options in ways.values():
+        _render(case, scene, 0, **options)
+    for seed in range(case.seeds):
+        for way in ways if seed % 2 else reversed(ways):
+            image, spent = _render(case, scene, seed, **ways[way])
+            images[way].append(image)
+            seconds[way].append(spent)
+    found = {way: errors.of(np.stack(stack)) for way, stack in images.items()}
+    for way, options in ways.items():
+        if way == "exact":
+            continue
+        gain, low, high = _gain(found, seconds, way, 0)
+        relative = _gain(found, seconds, way, 1)
+        outcome.figures.append(
+            figure(
+                f"{case.name}: {way} vs exact",
+                float(found[way][0].mean() * np.mean(seconds[way])),
+                "nMSE·s",
+                baseline=float(found["exact"][0].mean() * np.mean(seconds["exact"])),
+                ratios=sorted([low, gain, high]),
+                goal=case.goals.get(options.get("pick", 0)),
+                rel_gain=relative[0],
+                rel_low=relative[1],
+                rel_high=relative[2],
+                nmse=float(found[way][0].mean()),
+                exact_nmse=float(found["exact"][0].mean()),
+                seconds=float(np.mean(seconds[way])),
+                exact_seconds=float(np.mean(seconds["exact"])),
+            )
+        )
+        if "pick" in options:
+            z = energy_z(np.stack(images[way]), np.stack(images["exact"]))
+            outcome.check(f"{case.name}: {way}, |z| of the energy", abs(z), MOST_Z)
+
+
+class Errors:
+    """Squared errors of frames against the mean of other frames, whose own noise is taken out."""
+
+    def __init__(self, converged: Array) -> None:
+        self.picture = converged.mean(axis=0)
+        self.noise = converged.var(axis=0, ddof=1) / len(converged)
+        self.mean = float(self.picture.mean())
+
+    def of(self, images: Array) -> tuple[Array, Array]:
+        """Relative to the squared mean of the picture, and to each pixel; one value per frame."""
+        square = np.square(images - self.picture) - self.noise
+        floor = (DARK * self.mean) ** 2
+        relative = square / (np.square(self.picture) + floor)
+        return square.mean(axis=(1, 2, 3)) / self.mean**2, relative.mean(axis=(1, 2, 3))
+
+
+def energy_z(ours: Array, exact: Array) -> float:
+    """Student's t of the difference of the frames' means, paired by seeds."""
+    differences = (ours - exact).mean(axis=(1, 2, 3))
+    noise = float(differences.std(ddof=1)) / math.sqrt(len(differences))
+    return float(differences.mean()) / max(noise, 1e-30)
+
+
+def _gain(
+    found: Mapping[str, tuple[Array, Array]],
+    seconds: Mapping[str, list[float]],
+    way: str,
+    number: int,
+) -> tuple[float, float, float]:
+    """Exact over the other way, of error times seconds, with its interval."""
+    rows = np.stack(
+        [found["exact"][number], seconds["exact"], found[way][number], seconds[way]], axis=1
+    )
+    chosen = np.random.default_rng(0).integers(0, len(rows), (BOOTSTRAP, len(rows)))
+    means = np.concatenate([rows.mean(axis=0, keepdims=True), rows[chosen].mean(axis=1)])
+    gains = means[:, 0] * means[:, 1] / np.maximum(means[:, 2] * means[:, 3], 1e-30)
+    low, high = np.quantile(gains[1:], [0.025, 0.975])
+    return float(gains[0]), float(low), float(high)
+
+
+def _reference_seeds(case: Case) -> range:
+    return range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
+
+
+def _scene_of(case: Case) -> Scene | None:
+    if "/" not in case.scene:
+        return build_scene(case.scene)
+    path = Path(os.environ.get("VISCACHE_SCENES", "")) / case.scene
+    return load_scene(path) if path.is_file() else None
+
+
+def _render(
+    case: Case, scene: Scene, seed: int, *, pick: int = 0, visibility: Any = None
+) -> tuple[Array, float]:
+    """The picture, and CPU seconds of the whole frame."""
+    frame = render(
+        scene,
+        replace(case.integrator, pick=pick),
+        visibility=visibility or Exact(),
+        size=case.size,
+        spp=case.spp,
+        seed=seed,
+        threads=1,
+    )
+    return frame.image.astype(np.float64), float(frame.timings["cpu_s"])

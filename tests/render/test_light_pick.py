@@ -1,0 +1,318 @@
+"""render/light_pick.h: eye points pick some of the shared lights, and the mean stays the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import viscache as vc
+from reference.every_isa import ISAS, printed_by
+from render.mitsuba_scene import Look, Model, ball, box
+from viscache import audited, cli
+from viscache._core import _testing
+from viscache.oracles.points import unpack
+from viscache.render import render_part
+from viscache.sweeps.store import Store
+
+Array = npt.NDArray[Any]
+
+OFFSETS = (np.arange(4096) + 0.5) / 4096
+
+
+def weights(contributions: Any, most: int, u: Any = OFFSETS) -> Array:
+    """Weights (offsets, lights)."""
+    c = np.asarray(contributions, np.float32)
+    return np.asarray(_testing.pick_columns(c, most, np.atleast_1d(u)), np.float64)
+
+
+MANY = st.lists(st.floats(0, 1e4, width=32, allow_subnormal=False), min_size=1, max_size=150)
+
+
+@given(contributions=MANY, most=st.integers(1, 40))
+def test_the_mean_over_all_offsets_is_every_light_once(contributions: Any, most: int) -> None:
+    c = np.asarray(contributions, np.float64)
+    w = weights(c, most)
+    assert ((w > 0).sum(axis=1) <= most).all() or (w == 1).all()
+    # A light covers an interval of offsets: their number is off by 2 at most
+    inverse = np.where(c > 0, w.max(axis=0), 1)
+    error = np.abs(w.mean(axis=0) - 1)[(c > 0) & (w.max(axis=0) > 0)]
+    assert (error <= 2.01 / len(OFFSETS) * inverse[(c > 0) & (w.max(axis=0) > 0)]).all()
+    # Only what is almost never picked is not picked at all
+    never = (c > 0) & (w.max(axis=0) == 0)
+    assert (c[never] * most <= 1.01 / len(OFFSETS) * c.sum()).all()
+
+
+@given(contributions=MANY, most=st.integers(1, 40), u=st.floats(0, 1, exclude_max=True))
+def test_the_weights_are_inverse_probabilities(contributions: Any, most: int, u: float) -> None:
+    c = np.asarray(contributions, np.float64)
+    (w,) = weights(c, most, u)
+    if (c > 0).sum() <= most:
+        assert (w == 1).all()
+        return
+    distance = c.sum() / most
+    assert (w[c > distance * (1 + 1e-9)] == 1).all()
+    assert (w[c == 0] == 0).all()
+    chosen = w > 0
+    np.testing.assert_allclose(w[chosen], np.maximum(1, distance / c[chosen]), rtol=1e-6)
+    if (c < distance * (1 - 1e-9)).all() and 1e-9 < u < 1 - 1e-9:
+        assert chosen.sum() == most
+        np.testing.assert_allclose((w * c).sum(), c.sum(), rtol=1e-5)
+
+
+def test_weights_without_the_certain_ones_are_wrong() -> None:
+    """The sum over one light that is longer than the distance, and ten short ones."""
+    c = np.array([5.0] + [0.1] * 10)
+    w = weights(c, 4)
+    assert (w @ c).mean() == pytest.approx(c.sum(), rel=1e-3)
+    alike = np.where(w > 0, c.sum() / 4 / c, 0)
+    assert (alike @ c).mean() < 0.5 * c.sum()
+
+
+def test_sums_that_are_not_finite_pick_nothing() -> None:
+    for bad in (np.inf, np.nan):
+        assert (weights([bad, 1, 1, 1], 2) == 1).all()
+    assert (weights([3e38] * 8, 2).sum(axis=1) == 8).all()  # the sum is above the range of float
+
+
+# Frames
+
+GREY = Look(base_color=(0.6, 0.5, 0.4))
+SHINY = Look(kind="glossy", base_color=(0.2, 0.3, 0.2), specular=(0.4, 0.4, 0.4), roughness=0.3)
+MIRROR = Look(kind="mirror", specular=(0.9, 0.9, 0.9))
+
+
+def lamps(count: int) -> Model:
+    """Point lights, spots and suns of many powers over a floor, a block and a mirror."""
+    random = np.random.default_rng(count)
+    places = random.uniform((-2, 0.4, -2), (2, 2.6, 2), (2 * count, 3))
+    power = 0.3 * 30 ** random.random((3 * count, 1)) * random.uniform(0.2, 1, (3 * count, 3))
+    suns = random.normal((0, 2, 0), 1, (count, 3))
+    suns /= np.linalg.norm(suns, axis=1, keepdims=True)
+
+    def row(a: Array) -> Any:
+        return tuple(map(float, a))
+
+    return Model(
+        (
+            box((-2.5, 0, -2.5), (2.5, 3, 2.5), look=GREY).reversed(),
+            box((-0.9, 0, -0.5), (-0.3, 0.9, 0.2), look=SHINY),
+            ball((0.6, 0.5, 0.2), 0.5, look=MIRROR),
+            box((0.3, 0, -1.6), (1.4, 1.2, -1.2), look=SHINY),
+        ),
+        points=tuple((row(p), row(i)) for p, i in zip(places[:count], power, strict=False)),
+        spots=tuple(
+            (row(p), row(5 * i), (0.1, -1.0, 0.1), (20.0, 60.0))
+            for p, i in zip(places[count:], power[count:], strict=False)
+        ),
+        directions=tuple((row(w), row(0.02 * i)) for w, i in zip(suns, power, strict=False)),
+        env=(0.2, 0.3, 0.4),
+        origin=(0, 1.4, 2.2),
+    )
+
+
+@pytest.fixture(scope="module")
+def scene() -> vc.Scene:
+    return lamps(14).to_viscache()
+
+
+DIRECT: dict[str, Any] = {"n_area": 0, "environment": "shared", "n_environment": 24}
+
+
+def direct(pick: int) -> vc.Direct:
+    return vc.Direct(pick=pick, **DIRECT)
+
+
+def whitted(pick: int) -> vc.Whitted:
+    return vc.Whitted(pick=pick, n_vpls=64, **DIRECT)
+
+
+def stack(scene: vc.Scene, integrator: Any, seeds: int = 20, **options: Any) -> Array:
+    options = {"size": (64, 64), **options}
+    frames = [vc.render(scene, integrator, seed=s, **options) for s in range(seeds)]
+    return np.stack([f.image for f in frames]).astype(np.float64)
+
+
+def largest_t(a: Array, b: Array) -> float:
+    """Of the picture's energy and of blocks of 32² pixels, paired by seeds."""
+    n, h, w, c = a.shape
+    blocks = (a - b).reshape(n, h // 32, 32, w // 32, 32, c).mean(axis=(2, 4)).reshape(n, -1)
+    cells = np.column_stack([blocks, blocks.mean(axis=1)])
+    noise = cells.std(axis=0, ddof=1) / np.sqrt(n)
+    return float((np.abs(cells.mean(axis=0)) / np.maximum(noise, 1e-9)).max())
+
+
+#: Of 13 cells and 15 degrees of freedom, above this once in 500 sound comparisons.
+LIMIT = 5.0
+
+
+@pytest.mark.parametrize("make", [direct, whitted])
+def test_a_frame_of_picks_has_the_mean_of_the_exact_frame(make: Any, scene: vc.Scene) -> None:
+    exact = stack(scene, make(0))
+    picks = stack(scene, make(3))
+    assert (picks != exact).any()
+    assert largest_t(picks, exact) < LIMIT
+    assert largest_t(0.98 * picks, exact) > LIMIT
+
+
+def test_weights_of_a_uniform_choice_are_found_wrong(scene: vc.Scene) -> None:
+    """The same picks with weight M/n each: the blocks of the picture tell."""
+    exact, good, wrong = [], [], []
+    for seed in range(16):
+        options: dict[str, Any] = {"size": (64, 64), "seed": seed}
+        all_lights = vc.connections(scene, direct(0), **options)
+        picks = vc.connections(scene, direct(3), **options)
+        answers: dict[str, Any] = picks.answers(vc.Exact())
+        good.append(picks.frame(answers).image)
+        exact.append(vc.render(scene, direct(0), **options).image)
+        for group, ends in picks.groups.items():
+            lights = len(ends)
+            full = all_lights.contributions(group).sum(axis=2)
+            weighted = picks.contributions(group).sum(axis=2)
+            weight = np.divide(weighted, full, where=weighted > 0, out=np.ones_like(full))
+            wanted = unpack(all_lights.wanted(group), lights).sum(axis=1, keepdims=True)
+            other = np.where(wanted > 3, wanted / 3 / weight, 1)
+            answers[group] = (unpack(answers[group].bits, lights), other)
+        wrong.append(picks.frame(answers).image)
+    a, b, c = (np.stack(x).astype(np.float64) for x in (exact, good, wrong))
+    assert largest_t(b, a) < LIMIT < largest_t(c, a)
+
+
+@pytest.mark.parametrize("make", [direct, whitted])
+def test_as_many_picks_as_lights_give_the_same_bytes(make: Any, scene: vc.Scene) -> None:
+    frames = [vc.render(scene, make(n), size=(48, 32), spp=2) for n in (0, 64, 1000)]
+    assert len({f.sha256 for f in frames}) == 1
+    assert frames[1].counters["groups"] == frames[0].counters["groups"]
+    fewer = vc.render(scene, make(5), size=(48, 32), spp=2)
+    assert fewer.sha256 != frames[0].sha256
+    # Mirrors have several eye points per sample
+    points = len(vc.connections(scene, make(5), size=(48, 32), spp=2).eyes)
+    for name, group in fewer.counters["groups"].items():
+        assert 0 < group["queries"] <= 5 * points, name
+        assert group["queries"] < frames[0].counters["groups"][name]["queries"]
+
+
+def test_any_number_of_threads_and_parts_gives_the_same_bytes(scene: vc.Scene) -> None:
+    options: dict[str, Any] = {"size": (100, 70), "spp": 16, "seed": 3}
+    frames = [vc.render(scene, whitted(4), threads=n, **options) for n in (1, 2, 5)]
+    assert len({f.sha256 for f in frames}) == 1
+    assert len({str(f.counters["groups"]) for f in frames}) == 1
+    parts = [render_part(scene, whitted(4), (i, 3), **options).image for i in range(3)]
+    np.testing.assert_array_equal(np.sum(parts, axis=0), frames[0].image)
+    assert vc.render(scene, whitted(4), **{**options, "seed": 4}).sha256 != frames[0].sha256
+
+
+def digest() -> str:
+    made = vc.render(lamps(14).to_viscache(), whitted(4), size=(40, 30), spp=4)
+    return f"{made.sha256} {made.counters['groups']}"
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_every_instruction_set_picks_the_same_lights(isa: str) -> None:
+    assert printed_by(isa, "render.test_light_pick", "digest()") == digest()
+
+
+def test_every_engine_of_exact_visibility_gives_the_same_bytes(scene: vc.Scene) -> None:
+    frames = [
+        vc.render(scene, whitted(6), size=(64, 48), spp=4, visibility=exact)
+        for exact in (
+            vc.Exact(),
+            vc.Exact(engine="packets", order="by_light"),
+            vc.Exact(engine="packets", order="by_pixel"),
+            vc.Exact(engine="shafts"),
+        )
+    ]
+    assert len({f.sha256 for f in frames}) == 1
+    assert len({str(f.counters["groups"]) for f in frames}) == 1
+
+
+def test_weights_of_an_oracle_multiply_those_of_the_picks(scene: vc.Scene) -> None:
+    """No shadows, corrected by rays for some of the picked connections."""
+    options: dict[str, Any] = {"visibility": vc.Unoccluded(), "use": vc.Correct(share=0.5)}
+    exact = stack(scene, direct(0))
+    corrected = stack(scene, direct(4), **options)
+    assert largest_t(corrected, exact) < LIMIT
+    assert largest_t(stack(scene, direct(4), visibility=vc.Unoccluded()), exact) > LIMIT
+    whole = vc.render(scene, direct(4), size=(64, 64), **{**options, "use": vc.Correct(share=1.0)})
+    assert whole.sha256 == vc.render(scene, direct(4), size=(64, 64)).sha256
+
+
+def test_connections_have_the_picks(scene: vc.Scene) -> None:
+    options: dict[str, Any] = {"size": (24, 16), "seed": 2}
+    found = vc.connections(scene, whitted(3), **options)
+    answers = found.answers(vc.Exact())
+    frame = vc.render(scene, whitted(3), **options)
+    assert found.frame(answers).sha256 == frame.sha256
+    for group, ends in found.groups.items():
+        contributions = found.contributions(group)
+        wanted = unpack(found.wanted(group), len(ends))
+        assert (wanted.sum(axis=1) <= 3).all() and (contributions[~wanted] == 0).all()
+        answer: Any = answers[group]
+        seen = unpack(answer.bits, len(ends))
+        light = np.where(seen[..., None], contributions, 0).sum(axis=(0, 1), dtype=np.float64)
+        layer = frame.layers[group].sum(axis=(0, 1), dtype=np.float64)
+        np.testing.assert_allclose(light, layer, rtol=1e-4)
+
+
+def test_the_audit_of_a_cache_counts_the_picks(scene: vc.Scene) -> None:
+    """Audited pixels stand for the difference to the exact frame of the same picks."""
+    options: dict[str, Any] = {"size": (256, 256)}
+    cache = vc.Aqvc(c_e=24, exact_groups=())
+    cached = vc.render(scene, direct(2), visibility=cache, **options)
+    exact = vc.render(scene, direct(2), **options)
+    surfaces = exact.image - exact.layers["emitted"]
+    error = np.abs(cached.image - exact.image).sum() / surfaces.sum()
+    told = audited.estimated_error(cached)
+    assert told is not None and told.low < error < told.high
+
+
+@pytest.mark.parametrize("cls", [vc.Direct, vc.Whitted])
+def test_bad_numbers_of_picks_are_refused(cls: Any) -> None:
+    for bad, message in (
+        (-1, r"pick must be in \[0, 2\^20\], got -1"),
+        (1.5, "pick must be a whole number, got 1.5"),
+        (None, "pick must be a whole number, got None"),
+        (True, "pick must be a whole number, got True"),
+        ("16", "pick must be a whole number, got '16'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            cls(pick=bad)
+
+
+def test_the_number_of_picks_is_in_the_parameters(scene: vc.Scene) -> None:
+    frame = vc.render(scene, "direct", size=(8, 8))
+    assert frame.parameters["integrator"]["pick"] == 0
+    frame = vc.render(scene, direct(7), size=(8, 8))
+    assert frame.parameters["integrator"]["pick"] == 7
+
+
+def test_sweeps_and_the_command_line_take_the_number_of_picks(
+    scene: vc.Scene, tmp_path: Path
+) -> None:
+    ds = vc.sweep(
+        scene,
+        whitted(0),
+        visibility="exact",
+        over={"integrator.pick": [0, 4, 1000]},
+        size=(24, 16),
+        converged={"spp": 4},
+        metrics=["rel_l1"],
+        directory=tmp_path / "sweep",
+    )
+    assert (ds.rel_l1 == 0).all()  # the paired reference has the same picks
+    all_lights, few, many = ds.converged_rel_l1.values.ravel()
+    assert few > all_lights == many > 0
+    with Store(tmp_path / "sweep") as store:
+        records = [store.get(key) for key in store.finished()]
+    picks = [r.parameters["integrator"]["pick"] for r in records if r and r.spec["spp"] == 4]
+    assert picks == [0]
+    out = tmp_path / "picks.exr"
+    words = ["render", "room?triangles=3000", "-o", str(out), "--size", "16x12"]
+    assert cli.main([*words, "--set", "n_vpls=32", "--set", "pick=3"]) == 0
+    made = vc.Frame.load(out).parameters["integrator"]
+    assert (made["n_vpls"], made["pick"]) == (32, 3)
