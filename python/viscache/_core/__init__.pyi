@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'shaft_matrix', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -907,6 +907,10 @@ def scene_sphere(scene: Scene) -> typing.Annotated[list[float], "FixedSize(4)"]:
     """
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
+def shaft_matrix(scene: ShaftScene, caster: RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, choose: bool = False, bounds: typing.SupportsFloat | typing.SupportsIndex = 1, isa: str | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
+    """
+    The bits of RayCaster.visible_matrix by shafts, and what they did.
+    """
 def sky_image(to_sun: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], turbidity: typing.SupportsFloat | typing.SupportsIndex, albedo: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], width: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Lat-long image (width / 2, width, 3) of the clear sky without its sun; y points up.
