@@ -21,6 +21,7 @@ SMALL = (
     "aqvc-apartment",
     "aqvc-lookup",
     "shafts",
+    "shafts-elsewhere",
     "oracle",
     "memory",
     "loading",
@@ -205,7 +206,7 @@ def test_peers_that_are_missing_are_named(monkeypatch):
 @pytest.mark.parametrize("name", SMALL)
 def test_every_bench_runs_quickly_and_finds_right_answers(name):
     done = subprocess.run(
-        [sys.executable, "-m", "viscache.bench", name, "--quick", "--json"],
+        [sys.executable, "-m", "viscache", "bench", name, "--quick", "--json"],
         capture_output=True,
         text=True,
     )

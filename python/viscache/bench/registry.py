@@ -20,6 +20,7 @@ from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
+from viscache.bench.shafts_elsewhere import shafts_elsewhere
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
@@ -64,6 +65,10 @@ BENCHES: dict[str, BenchInfo] = {
     "shafts": BenchInfo(
         description="exact visibility of virtual point lights by shafts against packets of rays",
         function=shafts,
+    ),
+    "shafts-elsewhere": BenchInfo(
+        description="visible_matrix and oracle.block by shafts against packets of rays",
+        function=shafts_elsewhere,
     ),
     "oracle": BenchInfo(
         description="caches asked with arrays, and oracles written in Python, beside frames",
