@@ -4,9 +4,11 @@
 #include "checked_rows.h"
 #include "interrupt.h"
 #include "isa_argument.h"
+#include "oracle_arrays.h"
 #include "viscache/correlation/spatial_groups.h"
 #include "viscache/correlation/surface_points.h"
 #include "viscache/scene/check.h"
+#include "viscache/visibility/point_rows.h"
 #include "viscache/visibility/ray_caster.h"
 #include "viscache/visibility/visibility_rows.h"
 #include "viscache/vlf/aligned_rows.h"
@@ -49,14 +51,20 @@ struct RowCall {
     RowInput input;
     py::array_t<uint64_t> bits;
 
-    RowCall(const FloatArray& positions, const FloatArray& normals, const FloatArray& directions, float t_max)
-        : input{usable(positions, "positions"), units(normals, "normals"), units(directions, "directions"),
-                t_max} {
-        if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
+    RowCall(const FloatArray& positions, const FloatArray& normals, size_t columns)
+        : input{.position = usable(positions, "positions"),
+                .normal = units(normals, "normals"),
+                .direction = {}} {
         if (input.normal.size() != input.position.size())
             throw py::value_error("positions and normals must have equal numbers of rows, got " +
                                   shape_text(positions) + " and " + shape_text(normals));
-        bits = py::array_t<uint64_t>({input.position.size(), row_words_for(input.direction.size())});
+        bits = py::array_t<uint64_t>({input.position.size(), row_words_for(columns)});
+    }
+    RowCall(const FloatArray& positions, const FloatArray& normals, const FloatArray& directions, float t_max)
+        : RowCall(positions, normals, units(directions, "directions").size()) {
+        input.direction = units(directions, "directions");
+        input.t_max = t_max;
+        if (!(t_max > 0)) throw py::value_error("t_max must be > 0, got " + std::to_string(t_max));
     }
     /// Runs work(rows, control) without the interpreter's lock.
     template <class Work>
@@ -103,6 +111,24 @@ py::tuple aligned_rows(const Scene& scene, const AlignedBatch& batch, const RayC
     return py::make_tuple(call.bits, found.rays, c.engine == AlignedEngine::kBatch, c.batch_ns, c.embree_ns);
 }
 
+/// (bits, rays, what the engines did)
+py::tuple point_rows(const Scene& scene, OracleSource& source, const FloatArray& positions,
+                     const FloatArray& normals, const py::dict& ends, int threads,
+                     const py::object& progress) {
+    const FarEnds far = far_ends_from(ends, scene.offset_extent());
+    RowCall call(positions, normals, far.count);
+    PointRows found;
+    call.run(
+        [&](std::span<Word> rows, Control& control) {
+            found =
+                viscache::point_rows(source, scene.offset_extent(), call.input, far, rows, threads, control);
+        },
+        progress);
+    py::dict engine;
+    for (const auto& [name, value] : found.report.engine) engine[py::str(name)] = value;
+    return py::make_tuple(call.bits, found.rays, engine);
+}
+
 }  // namespace
 
 void bind_correlation_rows(py::module_& m) {
@@ -121,6 +147,11 @@ void bind_correlation_rows(py::module_& m) {
           py::arg("normals"), py::arg("directions"), py::kw_only(), py::arg("t_max") = kInfinity,
           py::arg("order") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(),
           "Bit rows (N, words) uint64 and the number of rays.");
+    c.def("point_rows", &point_rows, py::arg("scene"), py::arg("source"), py::arg("positions"),
+          py::arg("normals"), py::arg("ends"), py::kw_only(), py::arg("threads") = 0,
+          py::arg("progress") = py::none(),
+          "Bit rows (N, words) uint64 of far ends that are points, the number of rays, and what the engines "
+          "did.");
     c.def("aligned_rows", &aligned_rows, py::arg("scene"), py::arg("batch"), py::arg("caster"),
           py::arg("positions"), py::arg("normals"), py::arg("directions"), py::kw_only(),
           py::arg("t_max") = kInfinity, py::arg("choose") = true, py::arg("threads") = 0,

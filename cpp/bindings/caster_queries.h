@@ -120,18 +120,30 @@ inline py::array_t<bool> visible_pairs(const RayCaster& caster, const FloatArray
     return result;
 }
 
-/// Visibility of every target from every point: (N, ceil(M / 64)) words.
+/// Checked points and targets, and their matrix of (N, ceil(M / 64)) words.
+struct MatrixCall {
+    std::span<const Vec3> from, to;
+    py::array_t<Word> bits;
+    std::span<Word> rows;
+
+    MatrixCall(const FloatArray& points, const FloatArray& targets) {
+        require_usable(points, "points");
+        require_usable(targets, "targets");
+        from = {rows3(points, "points"), size_t(points.shape(0))};
+        to = {rows3(targets, "targets"), size_t(targets.shape(0))};
+        bits = py::array_t<Word>({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
+        rows = {bits.mutable_data(), size_t(bits.size())};
+    }
+};
+
+/// Visibility of every target from every point.
 inline py::array_t<Word> visible_bits(const RayCaster& caster, const FloatArray& points,
                                       const FloatArray& targets, int threads, const py::object& progress) {
-    require_usable(points, "points");
-    require_usable(targets, "targets");
-    const std::span<const Vec3> from(rows3(points, "points"), size_t(points.shape(0)));
-    const std::span<const Vec3> to(rows3(targets, "targets"), size_t(targets.shape(0)));
-    py::array_t<Word> result({py::ssize_t(from.size()), py::ssize_t(words_for(to.size()))});
-    const std::span<Word> rows(result.mutable_data(), size_t(result.size()));
-    run_interruptible([&](Control& control) { visible_matrix(caster, from, to, rows, threads, control); },
-                      progress);
-    return result;
+    MatrixCall call(points, targets);
+    run_interruptible(
+        [&](Control& control) { visible_matrix(caster, call.from, call.to, call.rows, threads, control); },
+        progress);
+    return call.bits;
 }
 
 /// Nearest hits. Triangles have the numbers of `caster.scene()`.

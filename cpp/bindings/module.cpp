@@ -84,12 +84,12 @@ PYBIND11_MODULE(_core, m) {
     bind_vlf_directions(m);
     bind_vlf_field(m);
     bind_vlf_aligned(m);
-    bind_correlation_rows(m);
     bind_render_aligned(m);
     bind_vlf_dynamic(m);
     bind_vlf_parts(m);
     bind_sources(m);
     bind_shafts(m);
+    bind_correlation_rows(m);
     bind_frames(m);
     bind_ask(m);
     bind_taps(m);

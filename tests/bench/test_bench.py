@@ -23,6 +23,7 @@ SMALL = (
     "shafts",
     "progressive",
     "picks",
+    "shafts-elsewhere",
     "oracle",
     "memory",
     "loading",

@@ -8,6 +8,7 @@
 #include "check.h"
 #include "viscache/visibility/embree_caster.h"
 #include "viscache/visibility/point_order.h"
+#include "viscache/visibility/segment_packets.h"
 #include "viscache/visibility/shadow_ray.h"
 #include "viscache/visibility/shaft_kernels.h"
 #include "viscache/visibility/shaft_scene.h"
@@ -125,15 +126,29 @@ struct Tally {
     uint64_t rays = 0, doubtful = 0, wrong = 0, blocked = 0;
 };
 
+/// Shadow rays from points to a light in free space, or segments between points of any kind.
+enum class Rays { kShadow, kSegments };
+
+ShaftEnds ends_of(Rays rays, Vec3 light, float extent, const ShaftScene& shafts, const ShaftEyes& eyes) {
+    if (rays == Rays::kShadow) {
+        const float offset = spawn_offset(light, extent) * shafts.scale();
+        return {offset, offset};
+    }
+    const float share = kSegmentUlps * kUlp, size = max_abs(light) * shafts.scale();
+    return {share * size, share * std::max(size, eyes.magnitude()), share};
+}
+
 /// All points towards one light: sure answers against Embree's.
 void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& caster,
-             const std::vector<Vec3>& points, Vec3 light, float bounds, Isa isa, Tally& tally) {
+             const std::vector<Vec3>& points, Vec3 light, float bounds, Isa isa, Tally& tally,
+             Rays kind = Rays::kShadow) {
     const ShaftScene shafts(scene);
     const float scale = shafts.scale(), extent = scene->offset_extent();
     const std::vector<uint32_t> order = packet_order(points);
     const std::vector<Vec3> normals(points.size(), Vec3{0, 1, 0});
     ShaftEyes eyes;
-    eyes.build(points, normals, order, scale);
+    const bool shadow = kind == Rays::kShadow;
+    eyes.build(points, shadow ? std::span(normals) : std::span<const Vec3>(), order, scale);
     BitMatrix wanted(points.size(), 1);
     for (size_t i = 0; i < points.size(); ++i) wanted.set(i, 0);
     ShaftColumns columns;
@@ -146,7 +161,7 @@ void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& cast
                            columns,
                            0,
                            {at.x, at.y, at.z},
-                           spawn_offset(light, extent) * scale,
+                           ends_of(kind, light, extent, shafts, eyes),
                            4e-6f * 8,
                            bounds,
                            columns.wanted(0),
@@ -159,9 +174,11 @@ void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& cast
             continue;
         }
         RayPacket16 packet;
-        set_lane(packet, 0, segment_to_point(points[order[i]], light, extent));
+        const Vec3 from = points[order[i]];
+        set_lane(packet, 0, shadow ? segment_to_point(from, light, extent) : segment_between(from, light));
         pad_lanes(packet, 1);
-        const bool free = !(caster.occluded16(1, packet, Coherence::kCoherent) & 1);
+        const Coherence flag = shadow ? Coherence::kCoherent : Coherence::kIncoherent;
+        const bool free = !(caster.occluded16(1, packet, flag) & 1);
         tally.wrong += free != bool(columns.visible(0)[i / 16] >> (i % 16) & 1);
         tally.blocked += !free;
     }
@@ -192,7 +209,7 @@ std::vector<Isa> isas() {
     return all;
 }
 
-Tally hard_rays(float bounds, Isa isa) {
+Tally hard_rays(float bounds, Isa isa, Rays kind = Rays::kShadow) {
     random.seed(17);
     Tally tally;
     for (const auto& [triangles, size] :
@@ -202,20 +219,22 @@ Tally hard_rays(float bounds, Isa isa) {
             const EmbreeCaster caster(scene);
             for (int k = 0; k < 8; ++k) {
                 const Mesh& mesh = scene->meshes()[0];
-                // In the open, near a corner, in the plane of a triangle
+                // In the open, near a corner, in the plane of a triangle, on a triangle
                 const Vec3 corner = mesh.vertices[random() % mesh.vertices.size()];
+                const Vec3 on = (mesh.vertices[0] + mesh.vertices[1] * 2 + mesh.vertices[2]) / 4;
                 const Vec3 lights[] = {in_cube() * 2, corner + in_cube() * 1e-6f,
-                                       mesh.vertices[0] * 2 - mesh.vertices[1], in_cube()};
+                                       mesh.vertices[0] * 2 - mesh.vertices[1],
+                                       kind == Rays::kSegments ? on : in_cube()};
                 const Vec3 light = lights[k % 4];
-                compare(scene, caster, hard_points(*scene, light, 200), light, bounds, isa, tally);
+                compare(scene, caster, hard_points(*scene, light, 200), light, bounds, isa, tally, kind);
             }
         }
     return tally;
 }
 
-void sure_answers_are_those_of_embree() {
+void sure_answers_of(Rays kind) {
     for (const Isa isa : isas()) {
-        const Tally tally = hard_rays(1, isa);
+        const Tally tally = hard_rays(1, isa, kind);
         const std::string name(isa_name(isa));
         check_equal(tally.wrong, uint64_t{0}, "wrong sure answers with " + name);
         check(tally.rays > 40000 && tally.blocked > 1000, "rays of all kinds with " + name);
@@ -223,9 +242,34 @@ void sure_answers_are_those_of_embree() {
     }
 }
 
+void sure_answers_are_those_of_embree() { sure_answers_of(Rays::kShadow); }
+void sure_answers_of_segments_are_those_of_embree() { sure_answers_of(Rays::kSegments); }
+
 /// The negative control: without bounds, the same rays are answered differently.
 void without_bounds_answers_differ() {
-    for (const Isa isa : isas()) check(hard_rays(0, isa).wrong > 20, "hard rays need bounds");
+    for (const Isa isa : isas())
+        for (const Rays kind : {Rays::kShadow, Rays::kSegments})
+            check(hard_rays(0, isa, kind).wrong > 20, "hard rays need bounds");
+}
+
+/// Segments in lanes are the floats of single ones, also where two points are one.
+void segments_in_lanes_are_those_of_query() {
+    random.seed(8);
+    for (int turn = 0; turn < 100; ++turn) {
+        Vec3 from[16], to[16];
+        RayPacket16 packet;
+        for (int i = 0; i < 16; ++i) {
+            from[i] = i == 3 ? Vec3{} : in_cube() * std::pow(10.f, uniform(-6, 6));
+            to[i] = i == 3 || i == 5 ? from[i] : i == 7 ? from[i] * 1.000001f : in_cube();
+            set_lane(packet, i, {from[i], 0, to[i], 0});
+        }
+        segments16(packet);
+        for (int i = 0; i < 16; ++i) {
+            const Ray ray = segment_between(from[i], to[i]);
+            check(packet.t_min[i] == ray.t_min && packet.t_max[i] == ray.t_max, "ends of a segment");
+            check(Vec3{packet.dx[i], packet.dy[i], packet.dz[i]} == ray.d, "direction of a segment");
+        }
+    }
 }
 
 /// At random, few rays are in doubt.
@@ -248,6 +292,8 @@ const Suite suite{
     {"packets are compact, and rows return to their place", packets_are_compact},
     {"shaft trees hold every triangle in its boxes", trees_hold_every_triangle_in_its_boxes},
     {"sure answers of shafts are those of Embree", sure_answers_are_those_of_embree},
+    {"sure answers of shafts for segments are those of Embree", sure_answers_of_segments_are_those_of_embree},
+    {"segments in lanes are those of single ones", segments_in_lanes_are_those_of_query},
     {"without bounds the answers of shafts differ", without_bounds_answers_differ},
     {"random rays are sure", random_rays_are_sure},
 };

@@ -38,6 +38,14 @@ struct ShaftCounts {
     void merge(const ShaftCounts& b);
 };
 
+/// What rays leave out at their ends.
+struct ShaftEnds {
+    float least, most;  ///< before the light, as lengths along the rays: of all points
+    /// Not 0: at the point too. Then both ends leave out this, in units of the largest coordinate of point
+    /// and light.
+    float start = 0;
+};
+
 /// One light and the points that ask for it. Coordinates are those of the tree.
 struct ShaftLight {
     const ShaftTree& tree;
@@ -45,7 +53,7 @@ struct ShaftLight {
     const ShaftColumns& columns;
     size_t column;
     float light[3];
-    float offset;  ///< rays end this far before the light
+    ShaftEnds ends;
     float slack;   ///< shafts are grown by this
     float bounds;  ///< factor of the error bounds: 1, or less to show that tests notice it
     const uint16_t* wanted;

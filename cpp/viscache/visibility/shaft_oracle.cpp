@@ -10,11 +10,6 @@ namespace viscache {
 
 namespace {
 
-/// Points and lights farther from the origin, in units of the scene's size, are left to packets.
-constexpr float kFarthest = 1024;
-
-bool is_near(Vec3 p, float scale) { return max_abs(p) * scale <= kFarthest; }
-
 /// The rays of a tile towards one light, as the exact oracle aims them.
 class TileRays final : public ShaftRays {
 public:
@@ -98,14 +93,13 @@ void ShaftOracle::begin_tile(const EyeBlock& eyes) {
 
 /// True if no coordinate is so large that bounds leave the range of float.
 bool ShaftOracle::fits(const EyeBlock& eyes, const FarEnds& lights) {
-    const float scale = scene_.scale();
     if (!is_sorted(eyes)) {
         eyes_fit_ = true;
-        for (const Vec3 o : eyes.origin) eyes_fit_ = eyes_fit_ && is_near(o, scale);
+        for (const Vec3 o : eyes.origin) eyes_fit_ = eyes_fit_ && scene_.is_near(o);
     }
     if (!eyes_fit_) return false;
     for (size_t k = 0; k < lights.count; ++k)
-        if (!is_near({lights.tx[k], lights.ty[k], lights.tz[k]}, scale)) return false;
+        if (!scene_.is_near({lights.tx[k], lights.ty[k], lights.tz[k]})) return false;
     return true;
 }
 
@@ -165,12 +159,13 @@ void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const F
         TileRays rays(caster_, eyes, order_, end, extent_);
         // Covers the roundings of shafts, and how far outside of a triangle Embree may hit it
         const float size = std::max({tree.bounds.magnitude(), max_abs(at), eyes_.magnitude()});
+        const float offset = spawn_offset(end, extent_) * scale;
         const ShaftLight light{.tree = tree,
                                .eyes = eyes_,
                                .columns = columns_,
                                .column = j,
                                .light = {at.x, at.y, at.z},
-                               .offset = spawn_offset(end, extent_) * scale,
+                               .ends = {offset, offset},
                                .slack = 4e-6f * size,
                                .bounds = options_.bounds,
                                .wanted = columns_.wanted(j),

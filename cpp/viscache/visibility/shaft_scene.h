@@ -6,6 +6,7 @@
 #include <string>
 
 #include "viscache/scene/scene.h"
+#include "viscache/visibility/query.h"
 #include "viscache/visibility/shaft_tree.h"
 
 namespace viscache {
@@ -23,6 +24,8 @@ public:
     /// Coordinates of the tree are those of the scene times this power of two: the scene's size is then in
     /// [1, 2), and no bound leaves the range of float.
     float scale() const { return scale_; }
+    /// False for points so far from the origin, in units of the scene's size, that packets must answer.
+    bool is_near(Vec3 p) const { return max_abs(p) * scale_ <= 1024; }
     /// The tree; built at the first call, from any thread, and again after a cancelled build. Throws
     /// std::logic_error after a refusal.
     const ShaftTree& tree(const Control& control) const;

@@ -1,8 +1,7 @@
 #include "viscache/visibility/visibility_rows.h"
 
-#include <cstring>
-
-#include "viscache/math/morton.h"
+#include "viscache/visibility/row_blocks.h"
+#include "viscache/visibility/shadow_ray.h"
 
 namespace viscache {
 
@@ -11,18 +10,21 @@ namespace {
 constexpr size_t kPointsPerBlock = 256, kFewestPointsPerBlock = 4;
 constexpr size_t kTrialPeriod = 128;  // blocks between trials of packet orders
 
-/// Bits of the directions above the plane with normal n. Padding columns are zero vectors and never above
-/// it.
-void upper_hemisphere(const FarEnds& sky, Vec3 n, std::span<Word> row) {
-    for (size_t w = 0; w < row.size(); ++w) {
+/// Bits of the far ends above the plane through p with normal n; for directions, p is the origin.
+void upper_hemisphere(const FarEnds& ends, Vec3 p, Vec3 n, std::span<Word> row) {
+    for (size_t w = 0; w < words_for(ends.count); ++w) {
         uint8_t above[kWordBits];
         const size_t first = w * kWordBits;
         for (size_t j = 0; j < kWordBits; ++j)
-            above[j] = sky.x[first + j] * n.x + sky.y[first + j] * n.y + sky.z[first + j] * n.z > 0;
+            above[j] = (ends.x[first + j] - p.x) * n.x + (ends.y[first + j] - p.y) * n.y +
+                           (ends.z[first + j] - p.z) * n.z >
+                       0;
         Word bits = 0;
         for (size_t j = 0; j < kWordBits; ++j) bits |= Word{above[j]} << j;
         row[w] = bits;
     }
+    // Padding columns are zero vectors, which may lie above a plane
+    if (const size_t used = ends.count % kWordBits) row[ends.count / kWordBits] &= (Word{1} << used) - 1;
 }
 
 }  // namespace
@@ -46,16 +48,17 @@ FarEnds far_ends(std::span<const Vec3> directions, float t_max) {
     return sky;
 }
 
-void RowBlock::fill(const RowInput& input, const FarEnds& sky, std::span<const uint32_t> points,
+void RowBlock::fill(const RowInput& input, const FarEnds& ends, std::span<const uint32_t> points,
                     float extent) {
+    const bool along = is_direction(ends.semantic);
     eyes.clear();
-    wanted.reset(points.size(), sky.count);
+    wanted.reset(points.size(), ends.count);
     for (size_t i = 0; i < points.size(); ++i) {
         const Vec3 position = input.position[points[i]], normal = input.normal[points[i]];
         eyes.position.push_back(position);
         eyes.normal.push_back(normal);
         eyes.origin.push_back(spawn(position, normal, extent));
-        upper_hemisphere(sky, normal, wanted.row_span(i));
+        upper_hemisphere(ends, along ? Vec3{} : position, normal, wanted.row_span(i));
     }
 }
 
@@ -105,25 +108,17 @@ uint64_t visibility_rows(const RayCaster& caster, float extent, const RowInput& 
                          std::optional<PacketOrder> order, int threads, const Control& control,
                          std::atomic<uint64_t>* done) {
     const FarEnds sky = far_ends(input.direction, input.t_max);
-    const size_t words = row_words_for(sky.count), n = input.position.size();
-    // Spatial neighbours share packets, regardless of the order of the rows
-    const std::vector<uint32_t> along = morton_order(input.position);
+    const size_t n = input.position.size();
     threads = resolve_threads(threads);
     const size_t share = (n + size_t(threads) - 1) / size_t(threads);
     const size_t per_block = std::clamp(share, kFewestPointsPerBlock, kPointsPerBlock);
-    const size_t blocks = (n + per_block - 1) / per_block;
     std::vector<Worker> workers;
-    for (size_t t = 0; t < std::min(blocks, size_t(threads)); ++t)
+    for (size_t t = 0; t < std::min((n + per_block - 1) / per_block, size_t(threads)); ++t)
         workers.emplace_back(caster, extent, sky, order, control);
-    parallel_for(blocks, threads, [&](size_t block, int t) {
-        control.check();
-        const size_t first = block * per_block, count = std::min(per_block, n - first);
-        const auto points = std::span(along).subspan(first, count);
-        const BitMatrix& found = workers[size_t(t)].rows(input, points);
-        for (size_t i = 0; i < count; ++i)
-            std::memcpy(&rows[points[i] * words], found.row(i), words * sizeof(Word));
-        if (done) *done += count;
-    });
+    in_row_blocks(input.position, per_block, row_words_for(sky.count), rows, threads, control, done,
+                  [&](std::span<const uint32_t> points, int t) -> const BitMatrix& {
+                      return workers[size_t(t)].rows(input, points);
+                  });
     uint64_t rays = 0;
     for (const Worker& worker : workers) rays += worker.rays();
     return rays;

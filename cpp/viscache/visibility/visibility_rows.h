@@ -1,5 +1,5 @@
 #pragma once
-// Rows of bits: which of a fixed set of directions are free at each point.
+// Rows of bits: which of a fixed set of far ends, mostly directions, are free at each point.
 #include <optional>
 #include <span>
 
@@ -21,11 +21,11 @@ struct RowInput {
 /// The directions as the far ends of a block.
 FarEnds far_ends(std::span<const Vec3> directions, float t_max);
 
-/// Some points and the directions above their tangent planes, ready for an oracle.
+/// Some points and the far ends above their tangent planes, ready for an oracle.
 struct RowBlock {
     EyeBlock eyes;
     BitMatrix wanted;
-    void fill(const RowInput& input, const FarEnds& sky, std::span<const uint32_t> points, float extent);
+    void fill(const RowInput& input, const FarEnds& ends, std::span<const uint32_t> points, float extent);
 };
 
 /// [VisMap Eq. 7] V(x, ω) over the whole sphere: bit k of row i is 1 if direction k lies above the tangent

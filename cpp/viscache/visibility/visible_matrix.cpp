@@ -1,8 +1,10 @@
 #include "viscache/visibility/visible_matrix.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "viscache/math/morton.h"
+#include "viscache/visibility/segment_packets.h"
 
 namespace viscache {
 
@@ -10,40 +12,56 @@ namespace {
 
 constexpr size_t kPointsPerTile = 128, kLanes = 16;
 
-/// Traces 64 targets from neighbouring points. The lanes of a packet are points for one target. With fewer
-/// than 16 points, a packet also holds the next targets.
-void trace_tile(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> some,
-                std::span<const Vec3> targets, size_t word, size_t row_words, std::span<Word> rows) {
-    const size_t first = word * kWordBits, columns = std::min(kWordBits, targets.size() - first);
-    const size_t pairs = some.size() * columns;
-    for (uint32_t i : some) rows[i * row_words + word] = 0;
-    for (size_t begin = 0; begin < pairs; begin += kLanes) {
-        const size_t lanes = std::min(kLanes, pairs - begin);
-        RayPacket16 packet{};
-        for (size_t lane = 0; lane < lanes; ++lane) {
-            const size_t pair = begin + lane;
-            const Ray ray =
-                segment_between(points[some[pair % some.size()]], targets[first + pair / some.size()]);
-            packet.ox[lane] = ray.o.x;
-            packet.oy[lane] = ray.o.y;
-            packet.oz[lane] = ray.o.z;
-            packet.dx[lane] = ray.d.x;
-            packet.dy[lane] = ray.d.y;
-            packet.dz[lane] = ray.d.z;
-            packet.t_min[lane] = ray.t_min;
-            packet.t_max[lane] = ray.t_max;
-        }
-        const auto mask = uint16_t((1u << lanes) - 1u);
-        const uint16_t occluded = caster.occluded16(mask, packet, Coherence::kCoherent);
-        for (size_t lane = 0; lane < lanes; ++lane) {
-            const size_t pair = begin + lane;
-            const Word free = (occluded >> lane & 1u) ^ 1u;
-            rows[some[pair % some.size()] * row_words + word] |= free << (pair / some.size());
-        }
+/// The packet that is being filled: the lanes are points for one target. With fewer than 16 points, it also
+/// holds the next targets.
+class Filler {
+public:
+    Filler(const RayCaster& caster, std::span<Word> rows, size_t row_words, size_t word)
+        : caster_(caster), rows_(rows), row_words_(row_words), word_(word) {}
+
+    void add(uint32_t point, Vec3 from, int column, Vec3 to) {
+        packet_.ox[used_] = from.x;
+        packet_.oy[used_] = from.y;
+        packet_.oz[used_] = from.z;
+        packet_.dx[used_] = to.x;
+        packet_.dy[used_] = to.y;
+        packet_.dz[used_] = to.z;
+        point_[used_] = point;
+        column_[used_] = column;
+        if (++used_ == kLanes) flush();
     }
-}
+    void flush() {
+        if (used_ == 0) return;
+        const auto mask = uint16_t((1u << used_) - 1u);
+        const uint32_t free = mask & ~uint32_t(occluded_segments16(caster_, mask, packet_));
+        for (size_t i = 0; i < used_; ++i)
+            rows_[point_[i] * row_words_ + word_] |= Word{free >> i & 1u} << column_[i];
+        used_ = 0;
+        packet_ = {};
+    }
+
+private:
+    const RayCaster& caster_;
+    std::span<Word> rows_;
+    size_t row_words_, word_;
+    RayPacket16 packet_{};
+    uint32_t point_[kLanes];
+    int column_[kLanes];
+    size_t used_ = 0;
+};
 
 }  // namespace
+
+void trace_matrix_tile(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> some,
+                       std::span<const Vec3> targets, size_t word, Word wanted, std::span<Word> rows) {
+    Filler filler(caster, rows, words_for(targets.size()), word);
+    for (Word rest = wanted; rest; rest &= rest - 1) {
+        const int column = std::countr_zero(rest);
+        const Vec3 to = targets[word * kWordBits + size_t(column)];
+        for (const uint32_t i : some) filler.add(i, points[i], column, to);
+    }
+    filler.flush();
+}
 
 void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::span<const Vec3> targets,
                     std::span<Word> rows, int threads, Control& control) {
@@ -54,9 +72,10 @@ void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::
     // A work item is 128 points and one word of targets; its words belong to no other item
     parallel_for(tiles * row_words, threads, [&](size_t item, int) {
         control.check();
-        const size_t first = item / row_words * kPointsPerTile;
+        const size_t first = item / row_words * kPointsPerTile, word = item % row_words;
         const auto some = std::span(along).subspan(first, std::min(kPointsPerTile, points.size() - first));
-        trace_tile(caster, points, some, targets, item % row_words, row_words, rows);
+        for (const uint32_t i : some) rows[i * row_words + word] = 0;
+        trace_matrix_tile(caster, points, some, targets, word, targets_of_word(targets.size(), word), rows);
         ++control.done;
     });
 }

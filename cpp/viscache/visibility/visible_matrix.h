@@ -15,4 +15,15 @@ namespace viscache {
 void visible_matrix(const RayCaster& caster, std::span<const Vec3> points, std::span<const Vec3> targets,
                     std::span<Word> rows, int threads, Control& control);
 
+/// Traces some points × the targets `wanted` of word `word`, and sets the bits of the visible ones.
+/// Neighbouring points should be close together.
+void trace_matrix_tile(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> some,
+                       std::span<const Vec3> targets, size_t word, Word wanted, std::span<Word> rows);
+
+/// The targets of a word.
+inline Word targets_of_word(size_t targets, size_t word) {
+    const size_t left = targets - word * kWordBits;
+    return left >= kWordBits ? ~Word{0} : (Word{1} << left) - 1;
+}
+
 }  // namespace viscache

@@ -955,6 +955,10 @@ def scene_sphere(scene: Scene) -> typing.Annotated[list[float], "FixedSize(4)"]:
     """
 def scene_warnings(scene: Scene) -> list[tuple[str, str]]:
     ...
+def shaft_matrix(scene: ShaftScene, caster: RayCaster, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], *, choose: bool = False, bounds: typing.SupportsFloat | typing.SupportsIndex = 1, isa: str | None = None, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
+    """
+    The bits of RayCaster.visible_matrix by shafts, and what they did.
+    """
 def sky_image(to_sun: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], turbidity: typing.SupportsFloat | typing.SupportsIndex, albedo: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], width: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
     Lat-long image (width / 2, width, 3) of the clear sky without its sun; y points up.

@@ -9,7 +9,7 @@ import numpy.typing
 import typing
 import viscache._core
 import viscache._core.vlf
-__all__: list[str] = ['PairRows', 'aligned_rows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
+__all__: list[str] = ['PairRows', 'aligned_rows', 'and_popcount_add', 'area_points', 'camera_points', 'intersections', 'near_pairs', 'pair_statistics', 'point_rows', 'spatial_groups', 'spatial_map', 'tiles', 'total_intersections', 'visibility_rows']
 class PairRows:
     """
     Points, their bit rows, and the rules of the statistics.
@@ -43,6 +43,10 @@ def near_pairs(rows: PairRows, d_edges: collections.abc.Sequence[typing.Supports
 def pair_statistics(rows: PairRows, d_edges: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], theta_edges_deg: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], tiles: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] | None, tile: typing.SupportsInt | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 0, isa: str | None = None, skip_dead: bool = True, progress: typing.Any = None) -> dict:
     """
     Sums over the pairs of tiles; see viscache.correlation.pair_statistics.
+    """
+def point_rows(scene: viscache._core.Scene, source: viscache._core.OracleSource, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], ends: dict, *, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: typing.Any = None) -> tuple:
+    """
+    Bit rows (N, words) uint64 of far ends that are points, the number of rays, and what the engines did.
     """
 def spatial_groups(positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float32]) -> numpy.typing.NDArray[numpy.int32]:
     """

@@ -22,6 +22,7 @@ from viscache.bench.progressive import progressive
 from viscache.bench.picks import picks
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
+from viscache.bench.shafts_elsewhere import shafts_elsewhere
 from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
@@ -70,9 +71,14 @@ BENCHES: dict[str, BenchInfo] = {
     "progressive": BenchInfo(
         description="error times time of passes: exact, plain and corrected",
         function=progressive,
+    ),
     "picks": BenchInfo(
         description="error over time: exact, cached, or a few lights picked by each eye point",
         function=picks,
+    ),
+    "shafts-elsewhere": BenchInfo(
+        description="visible_matrix and oracle.block by shafts against packets of rays",
+        function=shafts_elsewhere,
     ),
     "oracle": BenchInfo(
         description="caches asked with arrays, and oracles written in Python, beside frames",

@@ -13,6 +13,7 @@ from viscache.correlation.derived import (
     predicted_variance_ratio,
 )
 from viscache.correlation.measure import correlate, measure, phi
+from viscache.correlation.point_rows import point_rows
 from viscache.correlation.rows import DirectionSet, surface_points, visibility_rows
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "measure",
     "phi",
     "plots",
+    "point_rows",
     "predicted_variance_ratio",
     "save_dataset",
     "surface_points",

@@ -65,18 +65,19 @@ class SurfacePoints:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class VisibilityRows(ArrayOutput):
-    """What N points see of a set of T directions; as an array, the bits."""
+    """What N points see of a set of T directions, or of T points; as an array, the bits."""
 
     bits: npt.NDArray[np.uint64]
     """(N, W), W a multiple of 8: bit k % 64 of word k // 64 is 1 if direction k is free; the
     lower hemisphere and the padding are 0."""
     n_directions: int
+    """T."""
     n_rays: int
-    """Number of traced rays: the directions above the tangent planes."""
+    """Number of queries: the directions, or points, above the tangent planes."""
     seconds: float
     """Wall time."""
-    engine: Literal["embree", "batch", "field"]
-    """The engine that traced the rays."""
+    engine: Literal["embree", "batch", "field", "shafts"]
+    """The engine that answered them."""
     reason: str
     """Why it was chosen."""
 

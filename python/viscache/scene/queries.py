@@ -8,11 +8,19 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from viscache import _core
 from viscache.progress import progress_bar
 from viscache.settings.checks import checked_points, checked_threads, require
 from viscache.settings.rays import Caster
 
-__all__ = ["Intersection", "intersect", "occluded", "visible", "visible_matrix"]
+__all__ = [
+    "Intersection",
+    "intersect",
+    "occluded",
+    "shaft_matrix",
+    "visible",
+    "visible_matrix",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float32]
 
@@ -89,10 +97,33 @@ def visible_matrix(
     threads: int | None,
     progress: bool | Callable[[int, int], None],
 ) -> npt.NDArray[np.uint64]:
-    """See `Scene.visible_matrix`."""
+    """See `Scene.visible_matrix`; by packets of rays."""
     ends = checked_points(points, "points"), checked_points(targets, "targets")
     with progress_bar(progress, unit="tile") as report:
         return caster.visible_matrix(*ends, checked_threads(threads), report)
+
+
+def shaft_matrix(
+    shafts: _core.ShaftScene,
+    caster: Caster,
+    points: npt.ArrayLike,
+    targets: npt.ArrayLike,
+    threads: int | None,
+    progress: bool | Callable[[int, int], None],
+    *,
+    choose: bool,
+) -> tuple[npt.NDArray[np.uint64], dict[str, Any]]:
+    """The same bits by shafts, and what shafts did; `choose`: only where they pay."""
+    ends = checked_points(points, "points"), checked_points(targets, "targets")
+    with progress_bar(progress, unit="tile") as report:
+        return _core.shaft_matrix(
+            shafts,
+            caster,
+            *ends,
+            choose=choose,
+            threads=checked_threads(threads),
+            progress=report,
+        )
 
 
 def together(

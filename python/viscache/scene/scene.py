@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import typing
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias, cast, overload
@@ -23,7 +24,7 @@ from viscache.scene.parts import Mesh, add_mesh, add_trimesh, checked_meshes
 from viscache.scene.queries import Intersection
 from viscache.scene.sky import Sky
 from viscache.settings.checks import checked_threads, require
-from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays
+from viscache.settings.rays import Bsp, Caster, Embree, Rays, Vlf, check_rays, is_robust
 from viscache.settings.spelling import spelled
 from viscache.settings.visibility import Visibility
 
@@ -32,6 +33,8 @@ __all__ = ["Intersection", "Scene", "SceneError"]
 Env: TypeAlias = (
     "Sky | str | os.PathLike[str] | float | Sequence[float] | npt.NDArray[np.floating[Any]]"
 )
+
+MatrixEngine: TypeAlias = Literal["auto", "packets", "shafts"]
 
 
 @spelled
@@ -339,6 +342,7 @@ class Scene:
         targets: npt.ArrayLike,
         *,
         rays: Rays | str | None = None,
+        engine: MatrixEngine = "auto",
         threads: int | None = None,
         progress: bool | Callable[[int, int], None] = False,
     ) -> npt.NDArray[np.uint64]:
@@ -346,6 +350,9 @@ class Scene:
 
         The answers equal `visible(points[:, None], targets[None])`. Rays are generated tile by
         tile, which takes 1/512 of its memory.
+
+        Where points lie more densely than triangles, shafts answer many of them at once, with the
+        same bits.
 
         Parameters
         ----------
@@ -355,6 +362,9 @@ class Scene:
         rays : Embree, Bsp or Vlf, optional
             As in `visible`. With `Embree(robust=False)`, answers of rays through an edge may differ
             from those of `visible`.
+        engine : {"auto", "packets", "shafts"}
+            As in `Exact`, for targets instead of lights. "auto": shafts with `Embree()` where they
+            pay, and packets of 16 rays elsewhere.
         threads : int, optional
             All cores by default; the bits do not depend on it.
         progress : bool or callable
@@ -368,7 +378,8 @@ class Scene:
         Raises
         ------
         ValueError
-            Shapes are wrong, or coordinates are not finite or above 1e16.
+            Shapes are wrong, coordinates are not finite or above 1e16, or the engine is shafts with
+            other rays than `Embree()`.
         KeyboardInterrupt
             Within half a second of Ctrl-C.
 
@@ -381,8 +392,18 @@ class Scene:
         >>> np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little", count=2).shape
         (4, 2)
         """
+        known = engine in typing.get_args(MatrixEngine)
+        require(known, 'engine must be "auto", "packets" or "shafts"', engine)
+        rays = check_rays(rays)
+        robust = is_robust(rays)
+        require(engine != "shafts" or robust, 'rays must be vc.Embree() with engine="shafts"', rays)
         caster = self.caster(rays, threads=threads)
-        return queries.visible_matrix(caster, points, targets, threads, progress)
+        if engine == "packets" or not robust:
+            return queries.visible_matrix(caster, points, targets, threads, progress)
+        choose = engine == "auto"
+        return queries.shaft_matrix(
+            self.shafts(), caster, points, targets, threads, progress, choose=choose
+        )[0]
 
     def occluded(
         self,
