@@ -9,18 +9,17 @@ they hold for one frame alone.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.bench.common import Outcome, build_scene, figure
+from viscache.bench.aligned import opened
+from viscache.bench.common import Outcome, figure
 from viscache.render import render
-from viscache.scene import Scene, load_scene
+from viscache.scene import Scene
 from viscache.settings.integrators import Direct, Whitted
 from viscache.settings.visibility import Aqvc, Exact
 
@@ -97,7 +96,7 @@ def picks(quick: bool = False) -> Outcome:
     """MSE · CPU time of exact frames over that of frames with picks, and of cached frames."""
     outcome = Outcome()
     for case in QUICK if quick else CASES:
-        scene = _scene_of(case)
+        scene = opened(case.scene)
         if scene is None:
             outcome.skip(case.name, "VISCACHE_SCENES has no such file")
         else:
@@ -199,13 +198,6 @@ def _gain(
 
 def _reference_seeds(case: Case) -> range:
     return range(FIRST_REFERENCE, FIRST_REFERENCE + case.references)
-
-
-def _scene_of(case: Case) -> Scene | None:
-    if "/" not in case.scene:
-        return build_scene(case.scene)
-    path = Path(os.environ.get("VISCACHE_SCENES", "")) / case.scene
-    return load_scene(path) if path.is_file() else None
 
 
 def _render(

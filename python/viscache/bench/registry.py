@@ -18,8 +18,8 @@ from viscache.bench.memory import memory
 from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
-from viscache.bench.progressive import progressive
 from viscache.bench.picks import picks
+from viscache.bench.progressive import progressive
 from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
 from viscache.bench.shafts_elsewhere import shafts_elsewhere

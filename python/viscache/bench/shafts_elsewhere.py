@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from viscache.bench.common import Outcome, Sample, build_scene, interleave, ratio_figure, timed
+from viscache.bench.aligned import opened
+from viscache.bench.common import Outcome, Sample, interleave, ratio_figure, timed
 from viscache.correlation.rows import SurfacePoints, surface_points
 from viscache.oracles.points import EyePoints, FarEnds
-from viscache.scene import Scene, load_scene
+from viscache.scene import Scene
 from viscache.scene.queries import shaft_matrix, visible_matrix
 from viscache.settings.visibility import Exact
 
@@ -86,7 +85,7 @@ def shafts_elsewhere(quick: bool = False) -> Outcome:
     scenes: dict[str, Scene | None] = {}
     for case in QUICK if quick else CASES:
         if case.scene not in scenes:
-            scenes = {case.scene: _scene_of(case.scene)}  # one at a time
+            scenes = {case.scene: opened(case.scene)}  # one at a time
         scene = scenes[case.scene]
         if scene is None:
             outcome.skip(case.name, "VISCACHE_SCENES has no such file")
@@ -190,10 +189,3 @@ class Asked:
 def _run(found: dict[Engine, Answer], engine: Engine, asked: Asked) -> Sample:
     sample, found[engine] = timed(partial(asked.answer, engine))
     return sample
-
-
-def _scene_of(spec: str) -> Scene | None:
-    if "/" not in spec:
-        return build_scene(spec)
-    path = Path(os.environ.get("VISCACHE_SCENES", "")) / spec
-    return load_scene(path) if path.is_file() else None
