@@ -35,10 +35,10 @@ class Case:
     scene: str
     goal: float | None = None
     rel_goal: float | None = None
-    size: tuple[int, int] = (256, 256)
+    size: tuple[int, int] = (192, 192)
     n_vpls: int = 1024
     passes: int = 16
-    reference: int = 48
+    reference: int = 32
 
 
 CASES = (
