@@ -131,7 +131,7 @@ private:
     }
     /// One target, column j.
     void answer(const Tile& tile, size_t j, Vec3 target) {
-        const ShaftTree& tree = q_.scene.tree(control_);
+        const ShaftTree& tree = q_.scene.tree(1, control_);
         const Vec3 at = target * q_.scene.scale();
         constexpr float kShare = kSegmentUlps * kUlp;
         const float least = max_abs(at), most = std::max(least, tile.eyes.magnitude());
@@ -185,7 +185,7 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
     }
     if (!scene.has_tree()) {
         const double start = wall_seconds();
-        scene.tree(control);
+        scene.tree(threads, control);
         work.tree_s = wall_seconds() - start;
     }
     threads = resolve_threads(threads);
