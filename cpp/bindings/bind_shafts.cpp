@@ -47,8 +47,13 @@ void bind_shafts(py::module_& m) {
         .def_property_readonly("refusal", &ShaftScene::refusal,
                                "Why packets answer everything; empty if shafts can be used.")
         .def(
-            "memory_bytes", [](const ShaftScene& s) { return s.tree(Control{}).bytes(); },
-            "Bytes of the tree, which is built if it does not exist.");
+            "memory_bytes",
+            [](const ShaftScene& s, int threads) {
+                uint64_t bytes = 0;
+                run_interruptible([&](Control& control) { bytes = s.tree(threads, control).bytes(); });
+                return bytes;
+            },
+            py::arg("threads") = 0, "Bytes of the tree, which is built if it does not exist.");
     m.def("shaft_matrix", &shaft_bits, py::arg("scene"), py::arg("caster"), py::arg("points"),
           py::arg("targets"), py::kw_only(), py::arg("choose") = false, py::arg("bounds") = 1,
           py::arg("isa") = py::none(), py::arg("threads") = 0, py::arg("progress") = py::none(),

@@ -1,5 +1,6 @@
 // Shafts: the order of packets, the trees, and sure answers against Embree's robust rays for rays through
 // edges, corners and ends.
+#include <cstddef>
 #include <cstring>
 #include <functional>
 #include <random>
@@ -96,7 +97,7 @@ void trees_hold_every_triangle_in_its_boxes() {
         const ShaftScene shafts(scene);
         size_t found = 0, outside = 0;
         std::set<std::array<float, 9>> distinct;
-        for_each_triangle(shafts.tree(Control{}), 0, [&](const ShaftBlock& b, int i, bool in) {
+        for_each_triangle(shafts.tree(1, Control{}), 0, [&](const ShaftBlock& b, int i, bool in) {
             ++found;
             outside += !in;
             std::array<float, 9> corners;
@@ -106,9 +107,50 @@ void trees_hold_every_triangle_in_its_boxes() {
         check_equal(found, size_t(n), "triangles of the tree");
         check_equal(distinct.size(), size_t(n), "distinct triangles of the tree");
         check_equal(outside, size_t{0}, "triangles outside of a box");
-        check(shafts.tree(Control{}).bytes() <= most_shaft_bytes(uint64_t(n)),
+        check(shafts.tree(1, Control{}).bytes() <= most_shaft_bytes(uint64_t(n)),
               "the bound of the memory holds");
     }
+}
+
+template <class Record>
+bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b, size_t used) {
+    bool same = a.size() == b.size();
+    for (size_t i = 0; same && i < a.size(); ++i) same = std::memcmp(&a[i], &b[i], used) == 0;
+    return same;
+}
+
+/// More triangles than one thread splits alone, half of them in one place.
+void trees_are_the_same_for_any_number_of_threads() {
+    random.seed(6);
+    std::vector<ShaftTriangle> triangles;
+    for (int i = 0; i < 60000; ++i) {
+        const Vec3 p = i % 2 ? in_cube() : Vec3{0.1f, 0.2f, 0.3f};
+        triangles.push_back({{p, p + in_cube() * 0.02f, p + in_cube() * 0.02f}, i % 5 != 0});
+    }
+    const ShaftTree alone = build_shaft_tree(triangles, 1, Control{});
+    size_t found = 0, outside = 0;
+    for_each_triangle(alone, 0, [&](const ShaftBlock&, int, bool in) {
+        ++found;
+        outside += !in;
+    });
+    check_equal(found, triangles.size(), "triangles of the tree");
+    check_equal(outside, size_t{0}, "triangles outside of a box");
+    for (const int threads : {2, 3, 8}) {
+        const ShaftTree tree = build_shaft_tree(triangles, threads, Control{});
+        check(same_bytes(tree.nodes, alone.nodes, offsetof(ShaftNode, leaves) + sizeof(uint32_t)), "nodes");
+        check(same_bytes(tree.blocks, alone.blocks, offsetof(ShaftBlock, holed) + sizeof(uint32_t)),
+              "blocks");
+        check(tree.bounds.lo == alone.bounds.lo && tree.bounds.hi == alone.bounds.hi, "bounds");
+    }
+    Control cancelled;
+    cancelled.cancel = true;
+    bool stopped = false;
+    try {
+        build_shaft_tree(triangles, 2, cancelled);
+    } catch (const Cancelled&) {
+        stopped = true;
+    }
+    check(stopped, "a build can be cancelled");
 }
 
 /// Keeps what is in doubt instead of tracing it.
@@ -156,7 +198,7 @@ void compare(const std::shared_ptr<const Scene>& scene, const EmbreeCaster& cast
     ShaftMemory memory;
     Doubts doubts(eyes.packets());
     const Vec3 at = light * scale;
-    const ShaftLight asked{shafts.tree(Control{}),
+    const ShaftLight asked{shafts.tree(1, Control{}),
                            eyes,
                            columns,
                            0,
@@ -291,6 +333,7 @@ void random_rays_are_sure() {
 const Suite suite{
     {"packets are compact, and rows return to their place", packets_are_compact},
     {"shaft trees hold every triangle in its boxes", trees_hold_every_triangle_in_its_boxes},
+    {"shaft trees are the same for any number of threads", trees_are_the_same_for_any_number_of_threads},
     {"sure answers of shafts are those of Embree", sure_answers_are_those_of_embree},
     {"sure answers of shafts for segments are those of Embree", sure_answers_of_segments_are_those_of_embree},
     {"segments in lanes are those of single ones", segments_in_lanes_are_those_of_query},

@@ -150,6 +150,31 @@ def instanced() -> vc.Scene:
     return vc.Scene.from_description(d)
 
 
+def test_packets_of_turned_instances_answer_as_single_rays() -> None:
+    """Faces of their boxes lie along axes of their own."""
+    d = vc.SceneDescription()
+    places = np.concatenate([grid_places(9, 0.0), grid_places(9, 1.0)])
+    corners = (places.astype(float) - 4).reshape(2, 9, 9, 3)
+    a, b, c = corners[:, :-1, :-1], corners[:, 1:, :-1], corners[:, :-1, 1:]
+    triangles = np.stack([a, b, c], axis=3).reshape(-1, 3)
+    mesh = d.add_mesh(
+        triangles,
+        np.arange(len(triangles)).reshape(-1, 3),
+        material=d.add_material(),
+        in_world=False,
+    )
+    turn = np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
+    to_world = np.eye(4)
+    to_world[:3, :3] = turn
+    d.add_instance([mesh], to_world)
+    scene = vc.Scene.from_description(d)
+    x = (corners.reshape(-1, 3) @ turn.T).astype(np.float32)
+    bits = scene.visible_matrix(x, x)
+    one_by_one = np.stack([scene.visible(p, x) for p in x])
+    found = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little")[:, : len(x)]
+    np.testing.assert_array_equal(found.astype(bool), one_by_one)
+
+
 def test_packets_answer_where_shafts_cannot_or_do_not_pay(room: vc.Scene) -> None:
     x, y = on_surfaces(room, 300), in_space(room, 20)
     own = vc.scenes.build("room?triangles=3000")

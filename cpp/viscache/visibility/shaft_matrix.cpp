@@ -23,7 +23,7 @@ class TileSegments final : public ShaftRays {
 public:
     TileSegments(const RayCaster& caster, std::span<const Vec3> points, std::span<const uint32_t> order,
                  Vec3 target)
-        : caster_(caster), points_(points), order_(order), target_(target) {}
+        : segments_(caster), points_(points), order_(order), target_(target) {}
 
     uint32_t occluded(size_t packet, uint32_t mask) override {
         RayPacket16 rays;
@@ -36,11 +36,11 @@ public:
             rays.dy[i] = target_.y;
             rays.dz[i] = target_.z;
         }
-        return occluded_segments16(caster_, uint16_t(mask), rays);
+        return segments_.occluded(uint16_t(mask), rays);
     }
 
 private:
-    const RayCaster& caster_;
+    SegmentPackets segments_;
     std::span<const Vec3> points_;
     std::span<const uint32_t> order_;
     Vec3 target_;
@@ -131,7 +131,7 @@ private:
     }
     /// One target, column j.
     void answer(const Tile& tile, size_t j, Vec3 target) {
-        const ShaftTree& tree = q_.scene.tree(control_);
+        const ShaftTree& tree = q_.scene.tree(1, control_);
         const Vec3 at = target * q_.scene.scale();
         constexpr float kShare = kSegmentUlps * kUlp;
         const float least = max_abs(at), most = std::max(least, tile.eyes.magnitude());
@@ -185,7 +185,7 @@ ShaftMatrixWork shaft_matrix(const ShaftScene& scene, const RayCaster& caster, s
     }
     if (!scene.has_tree()) {
         const double start = wall_seconds();
-        scene.tree(control);
+        scene.tree(threads, control);
         work.tree_s = wall_seconds() - start;
     }
     threads = resolve_threads(threads);

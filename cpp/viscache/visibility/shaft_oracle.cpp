@@ -148,7 +148,7 @@ void ShaftOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMa
 
 /// Answers some of 64 lights.
 void ShaftOracle::answer_word(size_t w, Word some, const EyeBlock& eyes, const FarEnds& lights) {
-    const ShaftTree& tree = scene_.tree(*control_);
+    const ShaftTree& tree = scene_.tree(1, *control_);
     const AnswerLight answer = shaft_kernel(options_.isa);
     const float scale = scene_.scale();
     columns_.read(wanted_, w, eyes_);

@@ -57,11 +57,11 @@ ShaftScene::ShaftScene(std::shared_ptr<const Scene> scene, uint64_t max_bytes) :
     }
 }
 
-const ShaftTree& ShaftScene::tree(const Control& control) const {
+const ShaftTree& ShaftScene::tree(int threads, const Control& control) const {
     if (!refusal_.empty()) throw std::logic_error("shafts cannot be used: " + refusal_);
     std::call_once(once_, [&] {
         const std::vector<ShaftTriangle> triangles = scaled_triangles(*scene_, scale_);
-        tree_ = build_shaft_tree(triangles, control);
+        tree_ = build_shaft_tree(triangles, threads, control);
         has_tree_.store(true, std::memory_order_release);
     });
     return tree_;

@@ -26,9 +26,9 @@ public:
     float scale() const { return scale_; }
     /// False for points so far from the origin, in units of the scene's size, that packets must answer.
     bool is_near(Vec3 p) const { return max_abs(p) * scale_ <= 1024; }
-    /// The tree; built at the first call, from any thread, and again after a cancelled build. Throws
-    /// std::logic_error after a refusal.
-    const ShaftTree& tree(const Control& control) const;
+    /// The tree. The first call, which any thread may make, builds it with `threads` threads; so does the
+    /// next one after a cancelled build. Throws std::logic_error after a refusal.
+    const ShaftTree& tree(int threads, const Control& control) const;
 
 private:
     std::shared_ptr<const Scene> scene_;

@@ -24,7 +24,7 @@ void ShaftSource::prepare(FrameStart& frame, Control& control) {
     no_shafts_ = reason_against(frame);
     if (!no_shafts_.empty()) return;
     const double start = wall_seconds();
-    shafts_.tree(control);
+    shafts_.tree(frame.threads(), control);
     tree_s_ = wall_seconds() - start;
 }
 

@@ -49,7 +49,8 @@ struct ShaftTree {
 /// Bytes of a tree over so many triangles, from above; trees need about two thirds of it.
 uint64_t most_shaft_bytes(uint64_t triangles);
 
-/// Splits by the surface area heuristic. Corners must be finite.
-ShaftTree build_shaft_tree(std::span<const ShaftTriangle> triangles, const Control& control);
+/// Splits by the surface area heuristic. Corners must be finite. The tree is the same for any number of
+/// threads.
+ShaftTree build_shaft_tree(std::span<const ShaftTriangle> triangles, int threads, const Control& control);
 
 }  // namespace viscache

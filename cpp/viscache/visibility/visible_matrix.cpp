@@ -17,7 +17,7 @@ constexpr size_t kPointsPerTile = 128, kLanes = 16;
 class Filler {
 public:
     Filler(const RayCaster& caster, std::span<Word> rows, size_t row_words, size_t word)
-        : caster_(caster), rows_(rows), row_words_(row_words), word_(word) {}
+        : segments_(caster), rows_(rows), row_words_(row_words), word_(word) {}
 
     void add(uint32_t point, Vec3 from, int column, Vec3 to) {
         packet_.ox[used_] = from.x;
@@ -33,7 +33,7 @@ public:
     void flush() {
         if (used_ == 0) return;
         const auto mask = uint16_t((1u << used_) - 1u);
-        const uint32_t free = mask & ~uint32_t(occluded_segments16(caster_, mask, packet_));
+        const uint32_t free = mask & ~uint32_t(segments_.occluded(mask, packet_));
         for (size_t i = 0; i < used_; ++i)
             rows_[point_[i] * row_words_ + word_] |= Word{free >> i & 1u} << column_[i];
         used_ = 0;
@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    const RayCaster& caster_;
+    SegmentPackets segments_;
     std::span<Word> rows_;
     size_t row_words_, word_;
     RayPacket16 packet_{};

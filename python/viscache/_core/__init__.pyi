@@ -811,7 +811,7 @@ class ShaftScene:
     """
     def __init__(self, scene: Scene, *, max_bytes: typing.SupportsInt | typing.SupportsIndex = 4294967296) -> None:
         ...
-    def memory_bytes(self) -> int:
+    def memory_bytes(self, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> int:
         """
         Bytes of the tree, which is built if it does not exist.
         """
