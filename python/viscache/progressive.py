@@ -65,8 +65,8 @@ class Progressive:
         of these lights.
     first_pass : int >= 0
         Number of the first pass. A pass is keyed by (seed, number), lights by the seed alone. So
-        pictures of one seed converge to the same picture, and those of other passes are
-        independent of each other.
+        pictures of one seed converge to the same picture. Blocks of 512 samples per pixel are
+        independent of each other; within a block the samples are well spread.
     max_bytes : int in [2^20, 2^44]
         Room for the rows (`AqvcRows`).
 

@@ -34,6 +34,8 @@ BROKEN: list[dict[str, Any]] = [
     {"visibility": vc.Exact(engine="shafts"), "rays": vc.Bsp()},
     {"keep": True},
     {"keep": True, "visibility": vc.Aqvc(), "integrator": vc.Bdpt()},
+    {"keep": True, "keeps_rows": True, "visibility": vc.Aqvc(preset="paper")},
+    {"first_sample": 1, "integrator": vc.Bdpt()},
     {"keep": True, "visibility": vc.Aqvc(), "parts": 2},
     {"parts": 2, "visibility": vc.ShadowMap()},
     {"parts": 2, "integrator": vc.Bdpt()},

@@ -136,7 +136,7 @@ private:
         for (auto [px, py] : morton_pixels(out_.width, out_.height)) {
             const int x = tile.x0 + px, y = tile.y0 + py;
             const uint64_t pixel_id = uint64_t(y) * uint64_t(t_.film.width) + uint64_t(x);
-            const PixelPlaces places(t_.frame.seed, pixel_id);
+            const PixelPlaces places(t_.frame.seed, pixel_id, first);
             for (int s = 0; s < spp; ++s) {
                 const Vec2 jitter =
                     t_.integrator.centred ? Vec2{0.5f, 0.5f} : places[uint32_t(first + uint64_t(s))];

@@ -213,10 +213,13 @@ private:
             if (i % kRowsPerCheck == 0) control.check();
             const SharedLights& counted = weighted.with(picks_.of(i), oracle_->block_weights(uint32_t(i)));
             sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(counted, i, visible_.row(i));
-            for (const Correction& c : oracle_->block_corrections(uint32_t(i))) {
+            const std::span<const Correction> corrections = oracle_->block_corrections(uint32_t(i));
+            if (corrections.empty()) continue;
+            const SharedLights& once = weighted.with(picks_.of(i), {});
+            for (const Correction& c : corrections) {
                 one_.assign(visible_.row_words(), 0);
                 set_bit(one_.data(), c.column);
-                sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(lights, i, one_.data()) * c.weight;
+                sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(once, i, one_.data()) * c.weight;
             }
         }
         clock.lap(stages.shading);
