@@ -34,6 +34,7 @@ from viscache.settings.rays import Bsp, Embree, Vlf
 from viscache.settings.visibility import Aqvc, Exact, PaperForm, ShadowMap, Unoccluded
 from viscache.settings.vpls import Vpls
 from viscache.sweeps import designs
+from viscache.sweeps.front import pareto
 from viscache.sweeps.sweep import sweep
 from viscache.sweeps.tune import tune
 from viscache.thumbnails import thumbnail as _thumbnail
@@ -94,6 +95,7 @@ __all__ = [
     "metrics",
     "notebook",
     "orthographic",
+    "pareto",
     "plots",
     "record_queries",
     "render",

@@ -1,0 +1,64 @@
+"""vc.pareto: which settings of a sweep another one beats."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+
+import viscache as vc
+
+
+def sweep_of(cost: list[list[float]], error: list[list[float]]) -> xarray.Dataset:
+    """A sweep over c_e with repeats, as `viscache.sweep` returns it."""
+    data = {"total_s": (("c_e", "repeat"), cost), "rel_l1": (("c_e", "repeat"), error)}
+    return xarray.Dataset(
+        data, coords={"c_e": np.arange(len(cost))}, attrs={"metrics": json.dumps(["rel_l1"])}
+    )
+
+
+def test_what_another_setting_beats_is_dominated() -> None:
+    ds = sweep_of([[1.0], [2.0], [3.0], [3.0]], [[0.5], [0.6], [0.1], [0.1]])
+    front = vc.pareto(ds)
+    assert [(s.values["c_e"], s.dominated) for s in front] == [
+        (0, False),
+        (1, True),
+        (2, False),
+        (3, False),  # equal in both: neither beats the other
+    ]
+    assert [s.values["c_e"] for s in front.best] == [0, 2, 3]
+    assert [s.certain for s in front] == [False, True, False, False]
+    found = front.cheapest(0.3)
+    assert found is not None
+    assert found.values["c_e"] == 2
+    assert front.cheapest(0.01) is None
+
+
+def test_intervals_that_overlap_leave_it_open() -> None:
+    clear = sweep_of([[1.0, 1.01], [2.0, 2.01]], [[0.1, 0.101], [0.2, 0.201]])
+    noisy = sweep_of([[1.0, 1.9], [2.0, 1.1]], [[0.1, 0.3], [0.25, 0.2]])
+    assert [s.certain for s in vc.pareto(clear)] == [False, True]
+    assert [s.dominated for s in vc.pareto(noisy)] == [False, True]
+    assert not any(s.certain for s in vc.pareto(noisy))
+    assert "dominated?" in str(vc.pareto(noisy))
+    assert "±" in str(vc.pareto(noisy))
+
+
+def test_unfinished_settings_are_left_out_and_tables_are_whole() -> None:
+    ds = sweep_of([[1.0], [np.nan]], [[0.5], [np.nan]])
+    front = vc.pareto(ds)
+    assert len(front) == 1
+    assert "<table>" in front._repr_html_()
+    assert str(front).splitlines()[0].split() == ["c_e", "total_s", "rel_l1"]
+
+
+def test_wrong_input_is_refused() -> None:
+    ds = sweep_of([[1.0]], [[0.5]])
+    with pytest.raises(ValueError, match="cost must be a variable of the sweep, got 'joules'"):
+        vc.pareto(ds, cost="joules")
+    with pytest.raises(ValueError, match="error must be one of the sweep's metrics"):
+        vc.pareto(ds, error="flip")
+    with pytest.raises(ValueError, match="ds must have a finished setting"):
+        vc.pareto(sweep_of([[np.nan]], [[0.5]]))
