@@ -239,6 +239,7 @@ def render_part(
             caster=caster,
             spp=spp,
             seed=(seed + SEED_STEP * frame.first_sample) % (1 << 64),
+            lasting_seed=seed,
             batch=batch,
             shafts=shafts_for(geometry, visibility, rays),
             kept=kept,

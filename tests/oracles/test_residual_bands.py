@@ -35,7 +35,7 @@ def weights_of(
     lamps = vc.FarEnds.points(
         np.column_stack([rng.uniform(-1, 1, (m, 2)), np.full(m, 1)]).astype(np.float32)
     )
-    oracle = scene.oracle(vc.Unoccluded(), use="correct", seed=seed)
+    oracle = scene.oracle(vc.Unoccluded(), use=vc.Correct(certain=64), seed=seed)
     answer = oracle.block(eyes, lamps, contributions=contributions)
     assert answer.weights is not None
     return np.where(answer.visible, answer.weights, 0)
@@ -102,3 +102,25 @@ def test_without_contributions_a_tenth_is_drawn(wall: vc.Scene) -> None:
     drawn = answer.weights != 1
     assert abs(drawn.mean() - 0.1) < 5 * np.sqrt(0.09 / drawn.size)
     np.testing.assert_allclose(answer.weights[drawn], -9, rtol=1e-6)
+
+
+def test_samples_of_a_pixel_take_turns() -> None:
+    """With q = 1/256 for all, 256 samples at one place draw every connection once."""
+    scene = vc.scenes.build("room?triangles=3000")
+    light = vc.Direct(centred=True)
+    cache, rare = vc.Aqvc(c_e=16, exact_groups=()), vc.Correct(certain=1e9)
+    frames = [
+        vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, first_sample=n)
+        for n in range(256)
+    ]
+    queries = {f.counters["groups"]["point"]["queries"] for f in frames}
+    drawn = [f.counters["corrections"] for f in frames]
+    assert len(queries) == 1
+    assert sum(drawn) == queries.pop()
+    assert max(drawn) < sum(drawn) / 32
+    # Eight samples of one frame are eight turns
+    whole = vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, spp=8)
+    assert whole.counters["corrections"] == sum(drawn[:8])
+    # The next 256 have other places
+    later = vc.render(scene, light, size=(16, 12), visibility=cache, use=rare, first_sample=256)
+    assert later.sha256 != frames[0].sha256

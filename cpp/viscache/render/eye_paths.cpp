@@ -106,6 +106,8 @@ public:
           out_(out),
           counters_(counters),
           inverse_spp_(1.f / tracer.frame.spp),
+          first_stream_(tracer.frame.first_sample * uint64_t(tracer.film.width) *
+                        uint64_t(tracer.film.height)),
           footprint_(tracer.integrator.p_mode == PMode::kFootprint) {}
 
     void run(const Tile& tile, const Control& control) {
@@ -128,7 +130,6 @@ private:
         out_.block.tile_width = uint32_t(out_.width * grid);
         out_.block.tile_height = uint32_t(out_.height * grid);
         const uint64_t first = t_.frame.first_sample;
-        const uint64_t before = first * uint64_t(t_.film.width) * uint64_t(t_.film.height);
         const auto flush = [&] {
             step(branches_, Coherence::kCoherent, control);
             branches_.clear();
@@ -144,7 +145,7 @@ private:
                 b.pixel = uint32_t(py * out_.width + px);
                 b.order_x = uint32_t(px * grid + s % grid);
                 b.order_y = uint32_t(py * grid + s / grid);
-                b.stream = (before + pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
+                b.stream = (first_stream_ + pixel_id * uint64_t(spp) + uint64_t(s)) << 10;
                 if (branches_.size() == kRaysPerCall) flush();
             }
         }
@@ -250,6 +251,9 @@ private:
         out_.block.density.push_back(density(b, ng, cos_eye));
         out_.block.order_x.push_back(b.order_x);
         out_.block.order_y.push_back(b.order_y);
+        const uint64_t sample = (b.stream >> 10) - first_stream_, spp = uint64_t(t_.frame.spp);
+        out_.block.place.push_back(sample / spp << 10 | (b.stream & 1023));
+        out_.block.turn.push_back(uint32_t(t_.frame.first_sample + sample % spp));
         out_.shading.push_back(sp);
         out_.throughput.push_back(b.throughput * inverse_spp_);
         out_.pixel.push_back(b.pixel);
@@ -338,7 +342,8 @@ private:
     EyeTile& out_;
     Counters& counters_;
     const float inverse_spp_;
-    const bool footprint_;  ///< ray differentials are traced
+    const uint64_t first_stream_;  ///< streams of the frames before this one
+    const bool footprint_;         ///< ray differentials are traced
     std::vector<Branch> branches_, next_;
     std::vector<Ray> rays_;
     std::vector<Hit> hits_;

@@ -49,6 +49,7 @@ public:
         state_ = mix64(k ^ mix64(pass + 0xABC98388FB8FAC03ull));
         step_ = mix64(state_ ^ 0x2545F4914F6CDD1Dull) | 1;
     }
+    uint64_t next_u64() { return mix64(state_ += step_); }
     uint32_t next_u32() { return uint32_t(mix64(state_ += step_) >> 32); }
     /// Uniform in [0, 1), with 24 bits.
     float next() { return float(next_u32() >> 8) * 0x1p-24f; }

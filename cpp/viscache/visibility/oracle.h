@@ -32,7 +32,10 @@ struct EyeBlock {
     std::vector<float> density;                ///< D_e = N_S·P_e: eye samples per unit area at the point
     std::vector<uint32_t> order_x, order_y;    ///< sample position in the tile, for Halton–Morton order
     uint32_t tile_width = 0, tile_height = 0;  ///< extent of order_x, order_y
-    size_t tile = 0;                           ///< index of the tile in its frame
+    // Of frames; empty for arrays of points
+    std::vector<uint64_t> place;  ///< key of the pixel and the branch of mirrors and glass
+    std::vector<uint32_t> turn;   ///< number of the sample at this place, over all frames that go on
+    size_t tile = 0;              ///< index of the tile in its frame
     size_t size() const { return position.size(); }
     void clear() {
         position.clear();
@@ -41,6 +44,8 @@ struct EyeBlock {
         density.clear();
         order_x.clear();
         order_y.clear();
+        place.clear();
+        turn.clear();
     }
 };
 

@@ -23,6 +23,7 @@ ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const Ra
       exact_(caster, extent, order_for(s.share.value_or(0))),
       share_(s.share),
       seed_(s.seed),
+      lasting_seed_(s.lasting_seed),
       weighted_(s.weighted),
       threshold_(uint64_t(
           std::clamp(std::floor(s.share.value_or(ResidualSettings::kPlainShare) * 0x1p32), 1.0, 0x1p32))),
@@ -58,10 +59,10 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
     if (by_contribution()) bands_.reset(ResidualSettings::kHalvings, lights.count);
     for (size_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
-        const uint64_t key = eye_key(eyes, i, lights.group);
         if (by_contribution()) {
-            draw_by_contribution(uint32_t(i), key, wanted);
+            draw_by_contribution(eyes, uint32_t(i), lights.group, wanted);
         } else {
+            const uint64_t key = eye_key(eyes, i, lights.group);
             for_each_bit(wanted.row_span(i), [&](size_t k) {
                 if (is_drawn(key, k)) drawn_.set(i, k);
             });
@@ -70,9 +71,16 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
 }
 
 /// Draws 64 queries at once: each bound that lies above a query's contribution clears it with probability
-/// one half.
-void ResidualOracle::draw_by_contribution(uint32_t eye, uint64_t key, const BitMatrix& wanted) {
+/// one half. Samples of a pixel have the same random words in turns of 2^kHalvings, and the bits of a
+/// sample's number say which half is cleared.
+void ResidualOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group,
+                                          const BitMatrix& wanted) {
     constexpr size_t kBands = ResidualSettings::kHalvings;
+    const bool lasts = !eyes.place.empty();
+    const uint32_t turn = lasts ? eyes.turn[eye] : 0;
+    uint64_t key = eye_key(eyes, eye, group);
+    if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kBands).next_u64();
+    key ^= mix64(uint64_t(group));
     std::array<Word*, kBands> below;
     for (size_t b = 0; b < kBands; ++b) below[b] = bands_.row(b);
     contributions_->at_most(eye, bands_below_, below);
@@ -81,7 +89,8 @@ void ResidualOracle::draw_by_contribution(uint32_t eye, uint64_t key, const BitM
         Word left = wanted.row(eye)[w];
         if (!left) continue;
         for (size_t b = 0; b < kBands; ++b)
-            left &= ~below[b][w] | mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull);
+            left &= ~below[b][w] | (mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull) ^
+                                    (turn >> b & 1 ? ~Word{0} : Word{0}));
         drawn[w] = left;
     }
     for_each_bit(drawn_.row_span(eye), [&](size_t k) {

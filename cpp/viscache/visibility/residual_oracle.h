@@ -22,8 +22,12 @@ struct ResidualSettings {
     /// kPlainShare.
     std::optional<double> share;
     /// By contribution: above this many means of the eye point, q is 1.
-    double certain = 64;
+    double certain = 32;
     uint64_t seed = 0;
+    /// By contribution in frames: the seed of all frames that go on from each other. A query with q = 2^−h is
+    /// drawn in one of 2^h samples of its pixel that follow each other, at a random place among them. So many
+    /// samples together miss few wrong answers.
+    uint64_t lasting_seed = 0;
     /// Without weights, a corrected answer counts as if q were 1. This is biased on purpose, for tests that
     /// must detect it.
     bool weighted = true;
@@ -72,7 +76,7 @@ private:
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
     void draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted);
-    void draw_by_contribution(uint32_t eye, uint64_t key, const BitMatrix& wanted);
+    void draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted);
     /// What to add to an answer of `value` if the truth is `truth`.
     float correction(float value, bool truth, unsigned halvings) const {
         const float inverse = by_contribution() ? std::ldexp(1.f, int(halvings)) : inverse_share_;
@@ -86,7 +90,7 @@ private:
     std::optional<double> share_;
     /// Bounds of contributions. A connection below h of them is drawn with q = 2^−h.
     std::array<float, ResidualSettings::kHalvings> bands_below_;
-    uint64_t seed_;
+    uint64_t seed_, lasting_seed_;
     bool weighted_;
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
     float inverse_share_;

@@ -803,7 +803,7 @@ class ResidualSource(OracleSource):
     """
     See viscache.Correct.
     """
-    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex | None, certain: typing.SupportsFloat | typing.SupportsIndex = 64.0, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex | None, certain: typing.SupportsFloat | typing.SupportsIndex = 32.0, seed: typing.SupportsInt | typing.SupportsIndex, lasting_seed: typing.SupportsInt | typing.SupportsIndex = 0, weighted: bool = True) -> None:
         ...
 class ShaftScene:
     """

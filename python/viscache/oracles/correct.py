@@ -29,7 +29,9 @@ class Correct:
         q, the same for all queries. By default q follows the unoccluded contribution c of a
         connection with shared lights: 1 above `certain` means of its eye point, and half as much
         with each halving of c, down to 1/256. Then few rays remove most of the error, because its
-        square counts c². Samples of single eye points and connections of `Bdpt` have q = 0.1.
+        square counts c². The samples of a pixel take turns, also those of frames that go on from
+        each other: a connection with q = 1/16 is drawn in one of sixteen. Samples of single eye
+        points and connections of `Bdpt` have q = 0.1.
 
         The draw depends on the frame's seed and first sample, and on the positions of both ends.
 
@@ -50,7 +52,7 @@ class Correct:
     """
 
     share: float | None = None
-    certain: float = 64.0
+    certain: float = 32.0
 
     def __post_init__(self) -> None:
         check_types(self)

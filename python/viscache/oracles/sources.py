@@ -30,6 +30,7 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
         share=correct.share,
         certain=correct.certain,
         seed=context.seed,
+        lasting_seed=context.lasting_seed,
     )
 
 

@@ -22,6 +22,9 @@ class SourceContext:
     spp : int
         Eye samples per pixel; 1 for arrays of points.
     seed : int
+        Of this frame's random choices.
+    lasting_seed : int
+        The same for all frames of other `first_sample`s.
     bidirectional : bool
         The frame joins eye paths with light paths: threads share one table.
     batch : AlignedBatch, optional
@@ -38,6 +41,7 @@ class SourceContext:
     caster: _core.RayCaster
     spp: int = 1
     seed: int = 0
+    lasting_seed: int = 0
     bidirectional: bool = False
     batch: _core.vlf.AlignedBatch | None = None
     shafts: _core.ShaftScene | None = None
