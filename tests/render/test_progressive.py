@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
+from viscache import cli
 
 SIZE = (48, 32)
 ROOM = "room?triangles=3000"
@@ -199,6 +200,40 @@ def test_bdpt_has_new_paths_in_every_pass() -> None:
     frame = p.passes(3)
     assert p.rows is None
     assert (frame.layers["variance"] > 0).any()
+
+
+def test_the_command_line_goes_on_from_a_state(tmp_path: Path) -> None:
+    def render(out: str, passes: int, *more: str) -> str:
+        given = ["render", ROOM, "-o", str(tmp_path / out), "--visibility", "aqvc"]
+        given += ["--size", "48x32", "--set", "n_vpls=64", "--passes", str(passes), *more]
+        assert cli.main(given) == 0
+        return vc.Frame.load(tmp_path / out).sha256
+
+    state = ["--state", str(tmp_path / "state.npz")]
+    first = render("a.exr", 2, *state)
+    assert render("b.exr", 1, *state) == render("c.exr", 3) != first
+    wrong = ["render", ROOM, "-o", str(tmp_path / "d.exr"), *state]
+    assert cli.main(wrong) != 0
+    assert not (tmp_path / "d.exr").exists()
+
+
+def test_notebooks_show_the_picture_while_it_gets_better(
+    room: vc.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from IPython import display
+
+    shown: list[str] = []
+
+    class Handle:
+        def update(self, made: Any) -> None:
+            shown.append(made.data)
+
+    monkeypatch.setattr(display, "display", lambda *a, **k: Handle())
+    p = picture(room)
+    p.passes(3, show=True)
+    assert 2 <= len(shown) <= 3  # the first, the last, and one a second
+    assert all("<img" in text for text in shown)
+    assert shown[-1] == p._repr_html_() != shown[0]
 
 
 def test_wrong_input_is_refused(room: vc.Scene, tmp_path: Path) -> None:

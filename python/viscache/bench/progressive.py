@@ -22,9 +22,8 @@ __all__ = ["progressive"]
 
 #: C_E of the cache, for all scenes.
 C_E = 10
-#: Limit of the energy's t value: beyond it lies one in 10^4 of an unbiased method's (15 degrees of
-#: freedom).
-LIMIT_Z = 5.2
+#: Limit of the energy's t value; it has 15 degrees of freedom.
+LIMIT_Z = 4.0
 #: Passes of the two references, which are independent of each other and of the methods.
 FIRST_OF_REFERENCES = (1024, 2048)
 
