@@ -46,16 +46,18 @@ py::dict render_tiles(const Scene& scene, const RayCaster& caster, const Camera&
                       const IntegratorSettings& integrator, const FrameSettings& frame, OracleSource& source,
                       const py::typing::Optional<FrameMaps>& given_maps,
                       const py::typing::Optional<AlignedBatch>& batch,
-                      const py::typing::Optional<VisibilityField>& field, const py::object& progress) {
+                      const py::typing::Optional<VisibilityField>& field,
+                      const py::typing::Optional<KeptLights>& kept_lights, const py::object& progress) {
     const auto* maps = pointer<FrameMaps>(given_maps);
     if (maps) check_maps(scene, integrator);
+    KeptLights* lights = kept_lights.is_none() ? nullptr : kept_lights.cast<KeptLights*>();
     const auto engines =
         aligned_engines(caster, integrator, pointer<AlignedBatch>(batch), pointer<VisibilityField>(field));
     FrameResult result;
     run_interruptible(
         [&](Control& control) {
             result = render_frame(scene, caster, camera, integrator, frame, source, control,
-                                  maps ? &maps->maps : nullptr, engines ? &*engines : nullptr);
+                                  maps ? &maps->maps : nullptr, engines ? &*engines : nullptr, lights);
         },
         progress);
     if (result.tally && maps->take_tally) maps->take_tally(*result.tally);
@@ -77,12 +79,17 @@ py::dict render_paths(const Scene& scene, const RayCaster& caster, const Camera&
 }  // namespace
 
 void bind_frames(py::module_& m) {
+    py::class_<KeptLights>(m, "KeptLights",
+                           "The shared lights of a frame, for frames of the same scene, integrator, size "
+                           "and seed.")
+        .def(py::init<>());
     m.def("render_frame", &render_tiles, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("integrator"), py::arg("frame"), py::arg("source"), py::kw_only(),
           py::arg("maps") = py::none(), py::arg("batch") = py::none(), py::arg("field") = py::none(),
-          py::arg("progress") = py::none(),
+          py::arg("lights") = py::none(), py::arg("progress") = py::none(),
           "A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. "
-          "`batch` and `field` may trace the shared directions of ambient occlusion.");
+          "`batch` and `field` may trace the shared directions of ambient occlusion. `lights` are kept for "
+          "frames with the same shared lights.");
     m.def("render_bdpt", &render_paths, py::arg("scene"), py::arg("caster"), py::arg("camera"),
           py::arg("settings"), py::arg("frame"), py::arg("source"), py::kw_only(),
           py::arg("progress") = py::none(), "A frame of bidirectional paths. `source` serves one frame.");

@@ -78,13 +78,20 @@ void bind_sources(py::module_& m) {
              KeepScene(), KeepCaster());
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
         .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
-                         double certain, uint64_t seed, uint64_t lasting_seed, bool weighted) {
-                 return std::make_unique<ResidualSource>(
-                     s, c, inner, ResidualSettings{share, certain, seed, lasting_seed, weighted});
+                         double certain, uint64_t seed, uint64_t lasting_seed, const ClassOctaves& octaves,
+                         bool weighted) {
+                 ResidualSettings settings;
+                 settings.share = share;
+                 settings.certain = certain;
+                 settings.octaves = octaves;
+                 settings.seed = seed;
+                 settings.lasting_seed = lasting_seed;
+                 settings.weighted = weighted;
+                 return std::make_unique<ResidualSource>(s, c, inner, settings);
              }),
-             scene, caster, py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("certain") = 32.0,
-             py::arg("seed"), py::arg("lasting_seed") = 0, py::arg("weighted") = true, KeepScene(),
-             KeepCaster(), py::keep_alive<1, 4>());
+             scene, caster, py::arg("inner"), py::kw_only(), py::arg("share"), py::arg("certain") = 1.0 / 64,
+             py::arg("seed"), py::arg("lasting_seed") = 0, py::arg("octaves") = plain_octaves(),
+             py::arg("weighted") = true, KeepScene(), KeepCaster(), py::keep_alive<1, 4>());
 }
 
 }  // namespace viscache::bindings

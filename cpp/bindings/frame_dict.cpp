@@ -26,6 +26,26 @@ py::dict audit_sums(const FrameResult& f, const AuditSums& audit) {
                     py::arg("groups") = of_groups);
 }
 
+/// Per light group with corrections by class: a dict per class, in the order of their numbers.
+py::dict classes_of(const FrameResult& f) {
+    py::dict of_groups;
+    for (int g = 0; g < kLightGroups; ++g) {
+        uint64_t queries = 0;
+        py::dict of_classes;
+        for (size_t k = 0; k < kAnswerClasses; ++k) {
+            const ClassCounters& c = f.counters.classes[size_t(g)][k];
+            queries += c.queries;
+            const std::string name = std::string(k & 4 ? "doubted " : "agreed ") +
+                                     (k & 2 ? "visible" : "blocked") + (k & 1 ? ", neighbour differs" : "");
+            of_classes[name.c_str()] =
+                py::dict(py::arg("queries") = c.queries, py::arg("corrections") = c.checked,
+                         py::arg("wrong") = c.wrong);
+        }
+        if (queries) of_groups[kLightGroupNames[g]] = of_classes;
+    }
+    return of_groups;
+}
+
 py::dict counters_of(const FrameResult& f) {
     const Counters& c = f.counters;
     py::dict groups;
@@ -84,6 +104,7 @@ py::dict counters_of(const FrameResult& f) {
         audit["rays"] = f.audit.rays;
         d["audit"] = audit;
     }
+    if (!f.variance.empty()) d["share_by_class"] = classes_of(f);
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;
         d["pilot_variance_ratio"] = f.forecast->variance_ratio;
@@ -134,6 +155,7 @@ py::dict frame_dict(const FrameResult& f) {
     if (!f.seen_emitters.empty()) layers["seen_emitters"] = image_of(f, f.seen_emitters);
     for (int g = 0; g < kLightGroups; ++g)
         if (!f.groups[g].empty()) layers[kLightGroupNames[g]] = image_of(f, f.groups[g]);
+    if (!f.variance.empty()) layers["variance"] = image_of(f, f.variance);
     if (!f.last_pass.empty()) layers["environment_last_pass"] = image_of(f, f.last_pass);
     layers["depth"] = image_of(f, f.depth);
     layers["normal"] = image_of(f, f.normal);

@@ -16,8 +16,9 @@ from viscache.emitted_light import light_on_surfaces
 from viscache.frame import Frame
 from viscache.frame_html import frame_html
 from viscache.oracles.correct import Correct
+from viscache.oracles.learned import PassMemory, octaves_of
 from viscache.progress import Progress, progress_bar
-from viscache.render import render
+from viscache.render import render_part
 from viscache.scene import Env, Scene
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
@@ -132,6 +133,7 @@ class Progressive:
         )
         self.rows = AqvcRows(max_bytes=max_bytes) if keeps else None
         self._sums = progressive_state.Sums()
+        self._lights: tuple[int, _core.KeptLights] | None = None
 
     @property
     def n_passes(self) -> int:
@@ -241,10 +243,10 @@ class Progressive:
     def frame(self) -> Frame:
         """The mean of all passes.
 
-        Its layers are those of `vc.render`, and "variance" (H, W, 3) from the second pass on: the
-        variance of the mean's "color" between passes. Passes are not independent where one sequence
-        of samples goes through a pixel, so the variance errs towards more. Counters of rays and
-        queries and all timings are sums over passes.
+        Its layers are those of `vc.render`. "variance" (H, W, 3) is, from the second pass on, the
+        variance of the mean's "color" between passes, with all noise in it. Passes are not
+        independent where one sequence of samples goes through a pixel, so it errs towards more.
+        Counters of rays and queries and all timings are sums over passes.
 
         Raises
         ------
@@ -313,18 +315,33 @@ class Progressive:
         n = self._next
         epoch = n // self.renew if self.renew else 0
         alone = isinstance(self.integrator, Bdpt)
-        frame = render(
+        frame = render_part(
             self.scene,
             self.integrator,
+            (0, 1),
             visibility=self.visibility,
             use=self.use,
             seed=self._seed + (n if alone else epoch),
             first_sample=0 if alone else n * self._spp,
             keep=self.rows,
+            memory=None if alone else self._memory(epoch),
             **self._options,
         )
         self._sums.add(frame, n)
         self._next = n + 1
+
+    def _memory(self, epoch: int) -> PassMemory:
+        """What the next pass takes over: lights, and what corrections of the first pass found.
+
+        Draws of the first pass decide the shares of all others, which therefore draw independently
+        of it.
+        """
+        if self._lights is None or self._lights[0] != epoch:
+            self._lights = (epoch, _core.KeptLights())
+        learnt = self._sums.first_classes
+        if not learnt or (isinstance(self.use, Correct) and self.use.classes == "same"):
+            return PassMemory(self._lights[1])
+        return PassMemory(self._lights[1], octaves_of(learnt), 1)
 
     def _means(self) -> dict[str, npt.NDArray[np.float64]]:
         n, sums = self._sums.n, self._sums.layers

@@ -44,6 +44,8 @@ class Sums:
         Of the last pass.
     warnings : list of str
         Of all passes, each once.
+    first_classes : dict
+        Counters "share_by_class" of the first pass, from which later ones learn.
     """
 
     n: int = 0
@@ -54,10 +56,13 @@ class Sums:
     timings: dict[str, float] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    first_classes: dict[str, Any] = field(default_factory=dict)
 
     def add(self, frame: Frame, number: int) -> None:
         """Add one pass."""
         self.numbers = _joined([*self.numbers, [number, number + 1]])
+        if self.n == 0:
+            self.first_classes = frame.counters.get("share_by_class", {})
         color = frame.layers["color"].astype(np.float64)
         if self.n == 0:
             self.layers = {n: np.zeros(p.shape) for n, p in frame.layers.items()}
@@ -89,6 +94,7 @@ class Sums:
             self.squares = other.squares.copy()
             self.layers = {name: p.copy() for name, p in other.layers.items()}
             self.parameters = other.parameters
+            self.first_classes = other.first_classes
         self.n, self.numbers = self.n + other.n, numbers
         self.counters = _added(self.counters, other.counters)
         for name, seconds in other.timings.items():
@@ -141,6 +147,7 @@ def save(
         "timings": sums.timings,
         "parameters": sums.parameters,
         "warnings": sums.warnings,
+        "first_classes": sums.first_classes,
         "layers": list(sums.layers),
         "rows": [],
     }
@@ -200,6 +207,7 @@ def load(
             timings=records["timings"],
             parameters=records["parameters"],
             warnings=records["warnings"],
+            first_classes=records["first_classes"],
         )
         next_pass = int(records["next_pass"])
         if rows is not None:

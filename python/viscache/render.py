@@ -18,6 +18,7 @@ from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct, in_words
+from viscache.oracles.learned import PassMemory
 from viscache.oracles.sources import oracle_source, parameters_of, shafts_for
 from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
@@ -47,6 +48,8 @@ __all__ = ["render"]
 MOST_POINTS_OF_A_TILE = 1 << 16
 #: Oracles that draw at random do so anew for each first sample: an odd number far from other seeds.
 SEED_STEP = 0x9E3779B97F4A7C15
+#: Corrections draw independently in epochs of passes: another odd number.
+EPOCH_STEP = 0xD1B54A32D192ED03
 
 
 @spelled
@@ -182,10 +185,12 @@ def render_part(
     keep: AqvcTable | AqvcRows | None = None,
     first_sample: int = 0,
     progress: Progress = False,
+    memory: PassMemory | None = None,
 ) -> Frame:
     """Part i of n of a frame: tiles i, i + n, i + 2n, ...; other tiles are black. As `render`.
 
-    `viscache.tiles` joins parts. Every part traces the virtual lights again.
+    `viscache.tiles` joins parts. Every part traces the virtual lights again. `memory`: what passes
+    of one picture hand on; its lights must be of this scene, integrator, size and seed.
     """
     scene = sources.opened(scene)
     integrator = cast(Integrator, by_name.setting("integrator", integrator))
@@ -239,11 +244,12 @@ def render_part(
             caster=caster,
             spp=spp,
             seed=(seed + SEED_STEP * frame.first_sample) % (1 << 64),
-            lasting_seed=seed,
+            lasting_seed=(seed + EPOCH_STEP * (memory.epoch if memory else 0)) % (1 << 64),
             batch=batch,
             shafts=shafts_for(geometry, visibility, rays),
             kept=kept,
             rows=rows,
+            octaves=memory.octaves if memory else None,
             bidirectional=isinstance(integrator, Bdpt),
         )
         source = oracle_source(visibility, use, context)
@@ -275,6 +281,7 @@ def render_part(
                 source,
                 batch=_batch_for(scene, integrator, core, frame),
                 field=_field_for(scene, integrator, frame),
+                lights=memory.lights if memory else None,
                 progress=report,
             )
     total_s, cpu_s = time.perf_counter() - start, time.process_time() - cpu

@@ -105,7 +105,7 @@ void a_share_of_one_is_exact() {
     check(!same_pixels(exact, wrong), "the cache has errors at this C_E");
     check(same_pixels(exact, right), "all queries corrected");
     check_equal(reported(right, "corrections"), right.counters.queries(), "corrections");
-    check(reported(right, "contradicted") > 0, "some answers were wrong");
+    check(reported(right, "wrong") > 0, "some answers were wrong");
 }
 
 /// Mean brightness over seeds, with its standard error.

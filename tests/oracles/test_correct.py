@@ -41,7 +41,7 @@ def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, visibi
     if not isinstance(visibility, vc.Exact):
         cached = vc.render(scene, integrator, size=SIZE, spp=2, visibility=visibility)
         assert cached.sha256 != exact.sha256
-        assert right.counters["contradicted"] > 0
+        assert right.counters["wrong"] > 0
 
 
 def test_weights_of_roulette_are_corrected_too() -> None:
@@ -104,7 +104,8 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
         for n in (1, 3)
     ]
     assert frames[0].sha256 == frames[1].sha256
-    assert frames[0].parameters["use"] == {"name": "correct", "share": 0.2, "certain": 32.0}
+    use = {"name": "correct", "share": 0.2, "certain": 1 / 64, "classes": "learned"}
+    assert frames[0].parameters["use"] == use
     counters = frames[0].counters
     conn = vc.connections(scene, light, size=SIZE, rays=vc.Bsp())
     cached, exact = conn.answers(vc.Aqvc(c_e=12)), conn.answers(vc.Exact())
@@ -112,7 +113,7 @@ def test_bytes_do_not_depend_on_threads_and_counters_estimate_the_errors() -> No
         np.bitwise_count(cached[g].bits ^ exact[g].bits).sum()  # type: ignore[union-attr]
         for g in conn.groups
     )
-    share = counters["contradicted"] / counters["corrections"]
+    share = counters["wrong"] / counters["corrections"]
     expected = wrong / counters["queries"]
     spread = np.sqrt(expected * (1 - expected) / counters["corrections"])
     assert abs(share - expected) < 4 * spread
@@ -134,6 +135,8 @@ def test_what_does_not_combine_is_refused() -> None:
     with pytest.raises(ValueError, match="certain must be > 0 and finite, got 0"):
         vc.Correct(certain=0)
     product = vc.Direct(environment="product")
+    with pytest.raises(ValueError, match="classes must be"):
+        vc.Correct(classes="own")  # type: ignore[arg-type]
     for integrator, options, match in (
         (vc.Direct(), {"visibility": vc.VisMaps(), "use": vc.Correct()}, "unless visibility is"),
         (product, {"use": "correct", "env": 1.0}, "product"),

@@ -35,7 +35,7 @@ def weights_of(
     lamps = vc.FarEnds.points(
         np.column_stack([rng.uniform(-1, 1, (m, 2)), np.full(m, 1)]).astype(np.float32)
     )
-    oracle = scene.oracle(vc.Unoccluded(), use=vc.Correct(certain=64), seed=seed)
+    oracle = scene.oracle(vc.Unoccluded(), use=vc.Correct(certain=64 / 1024), seed=seed)
     answer = oracle.block(eyes, lamps, contributions=contributions)
     assert answer.weights is not None
     return np.where(answer.visible, answer.weights, 0)

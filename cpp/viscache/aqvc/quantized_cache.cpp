@@ -119,6 +119,7 @@ PairOrder QuantizedCache::pair_order(const EyeBlock& eyes) {
 
 void QuantizedCache::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                            BitMatrix& visible, Counters& counters) {
+    doubts_ = nullptr;
     if (wanted.rows() == 0 || lights.count == 0) return;
     if (wanted.rows() != tile_size_ || wanted.columns() != lights.count)
         throw std::logic_error("a block must have a row per eye point of the tile and a column per light");
@@ -167,10 +168,20 @@ void QuantizedCache::block_by_waves(const EyeBlock& eyes, const FarEnds& lights,
             counters.cells_not_kept += kept->store(cells, waves_.known(), waves_.value(),
                                                    rows_->most_bytes(eyes.tile, lights.group));
         if (columns_.merged()) columns_.spread(by_column_, visible);
+        note_doubts(lights);
         if (parameters_.bright > 0 && contributions_) rays += trace_bright(eyes, lights, wanted, visible);
     }
     rays += trace_bypassing(eyes, lights, wanted, visible, counters);
     add_clamps(clamps, counters);
+}
+
+void QuantizedCache::note_doubts(const FarEnds& lights) {
+    if (waves_.finest().rows() == 0) return;
+    doubts_ = &waves_.finest();
+    if (!columns_.merged()) return;
+    doubts_by_light_.reset(waves_.finest().rows(), lights.count);
+    columns_.spread(waves_.finest(), doubts_by_light_);
+    doubts_ = &doubts_by_light_;
 }
 
 /// Traces rays for connections above `bright` means of their eye point. Their answers take precedence.

@@ -58,6 +58,8 @@ public:
     void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
                  Counters& counters) override;
     PairOrder sample_order(const EyeBlock& eyes, int group) override;
+    /// Level waves: what only the finest cells answer.
+    const BitMatrix* block_doubts() const override { return doubts_; }
     bool is_exact(const FarEnds& lights) const override { return exact_.answers(lights); }
     bool is_exact_own(int group) const override { return exact_.answers_own(group); }
 
@@ -82,6 +84,7 @@ private:
                         BitMatrix& visible, Counters& counters);
     void block_by_waves(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                         BitMatrix& visible, Counters& counters);
+    void note_doubts(const FarEnds& lights);
     uint64_t trace_bright(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
                           BitMatrix& visible);
     uint64_t trace_bypassing(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -111,6 +114,8 @@ private:
     bool has_order_ = false;
     Columns columns_;
     MissTracer tracer_;
+    const BitMatrix* doubts_ = nullptr;
+    BitMatrix doubts_by_light_;
     struct LevelCells {
         std::vector<double> levels;
         TileCells cells;

@@ -59,6 +59,7 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
         due_.reset(1, columns.count());
     }
     active_.reset(eyes_, columns.count());
+    finest_.reset(levels_ > 1 ? eyes_ : 0, columns.count());
     words_ = active_.row_words();
     for (size_t i = 0; i < eyes_; ++i)
         if (tile.usable[i]) std::memcpy(active_.row(i), columns.queries().row(i), words_ * sizeof(Word));
@@ -72,6 +73,7 @@ uint64_t Waves::run(const TileAnchors& tile, const TileCells& tile_cells, const 
         if (d + 1 == levels_) break;
         store_below(d);
         resolve_level(d, visible, counters);
+        if (d + 2 == levels_) std::memcpy(finest_.row(0), active_.row(0), eyes_ * words_ * sizeof(Word));
     }
     rays += finish(*tile.eyes, columns, tracer, visible, counters);
     if (log_) write_log(columns);

@@ -37,6 +37,8 @@ public:
     /// Rows of the cells after `run`.
     const BitMatrix& known() const { return known_; }
     const BitMatrix& value() const { return value_; }
+    /// Eye points × columns that the finest level answered; empty if there is one level.
+    const BitMatrix& finest() const { return finest_; }
 
 private:
     uint64_t trace_level(size_t level, const EyeBlock& eyes, const Columns& columns, MissTracer& tracer);
@@ -71,7 +73,7 @@ private:
     std::vector<Answered> answered_;
     /// Rows of bits: per cell (with a row of zeros at the end), per cell that can be refined, or per eye
     /// point.
-    BitMatrix known_, value_, need_, miss_, disagree_, active_;
+    BitMatrix known_, value_, need_, miss_, disagree_, active_, finest_;
     BitMatrix resolved_, due_;  ///< with contributions: per cell, and for the current cell
 };
 

@@ -167,6 +167,7 @@ public:
         clock.lap(stages.eye_paths);
         for (int g = 0; g < kLightGroups; ++g)
             sums_[g].assign(out.groups[g].empty() ? 0 : size_t(eyes_.width) * eyes_.height, {});
+        variance_.clear();
         eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
         audit_.begin_tile(tile, eyes_);
@@ -219,10 +220,23 @@ private:
             for (const Correction& c : corrections) {
                 one_.assign(visible_.row_words(), 0);
                 set_bit(one_.data(), c.column);
-                sum[eyes_.pixel[i]] += eyes_.throughput[i] * reflected(once, i, one_.data()) * c.weight;
+                add_correction(eyes_.pixel[i], eyes_.throughput[i] * reflected(once, i, one_.data()), c, sum);
             }
         }
         clock.lap(stages.shading);
+    }
+
+    /// Adds a correction of light `value`, and the variance that it stands for: (w·c)²·(1 − q), whose
+    /// expectation over the draw is the variance of the correction.
+    void add_correction(uint32_t pixel, Rgb value, const Correction& c, std::vector<Rgb>& sum) {
+        const Rgb change = value * c.weight;
+        sum[pixel] += change;
+        note_variance(pixel, change, c.share);
+    }
+
+    void note_variance(uint32_t pixel, Rgb change, float share) {
+        if (variance_.empty()) variance_.resize(size_t(eyes_.width) * size_t(eyes_.height));
+        variance_[pixel] += change * change * (1 - share);
     }
 
     void add_product(const Tile& tile, Counters& counters, StageSeconds& stages, ProductSeconds& product,
@@ -291,7 +305,7 @@ private:
     }
 
     /// Adds the contributions of visible samples to their pixels.
-    void add_seen(std::vector<Rgb>& sum) const {
+    void add_seen(std::vector<Rgb>& sum) {
         const std::span<const float> weights = oracle_->pair_weights();
         size_t row = 0;
         for_each_bit(answer_, [&](size_t i) {
@@ -299,6 +313,11 @@ private:
             const Rgb value = local_.contribution[i];
             sum[eyes_.pixel[local_.at.eye[row]]] += weights.empty() ? value : value * weights[i];
         });
+        row = 0;
+        for (const Correction& c : oracle_->pair_corrections()) {
+            while (local_.at.end[row] <= c.column) ++row;
+            note_variance(eyes_.pixel[local_.at.eye[row]], local_.contribution[c.column] * c.weight, c.share);
+        }
     }
 
     /// Ambient occlusion along shared directions. `first`: index of the first eye point of the tile.
@@ -328,6 +347,7 @@ private:
                 for (int g = 0; g < kLightGroups; ++g)
                     if (!sums_[g].empty()) color += out.groups[g][to] = sums_[g][from];
                 if (!out.last_pass.empty()) out.last_pass[to] = last_pass_[from];
+                if (!out.variance.empty() && !variance_.empty()) out.variance[to] = variance_[from];
                 out.color[to] = color;
                 out.emitted[to] = eyes_.emitted[from];
                 write_first_hits(eyes_.first[from], to, out);
@@ -355,9 +375,10 @@ private:
     std::array<std::vector<Rgb>, kLightGroups> sums_;
     std::optional<EnvironmentProduct> product_;
     std::vector<Rgb> last_pass_;
+    std::vector<Rgb> variance_;  ///< of corrections, per pixel; empty if there are none
 };
 
-FrameResult empty_result(const FrameContext& c) {
+FrameResult empty_result(const FrameContext& c, bool corrects) {
     FrameResult out;
     out.width = c.frame.width;
     out.height = c.frame.height;
@@ -369,6 +390,7 @@ FrameResult empty_result(const FrameContext& c) {
     out.normal.resize(n);
     out.albedo.resize(n);
     out.coverage.resize(n);
+    if (corrects) out.variance.resize(n);
     if (c.product && c.integrator.passes > 1) out.last_pass.resize(n);
     auto has = [&](LightGroup g) { out.groups[size_t(g)].resize(n); };
     for (const SharedLights& s : c.shared) has(LightGroup(s.ends.group));
@@ -396,17 +418,17 @@ void make_forecast(ProductContext& product, const EyePathTracer& tracer, OracleS
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          OracleSource& source, Control& control, const EnvironmentMaps* maps,
-                         const AlignedEngines* aligned) {
+                         const AlignedEngines* aligned, KeptLights* lights) {
     check_camera(camera);
     const FilmCamera film(camera, frame.width, frame.height);
     Counters counters;
     const double start = wall_seconds();
-    FrameContext context{scene,
-                         caster,
-                         integrator,
-                         frame,
-                         {scene, caster, film, integrator, frame},
-                         make_shared_lights(scene, caster, film, integrator, frame, control, counters)};
+    FrameContext context{scene, caster, integrator, frame, {scene, caster, film, integrator, frame}, {}};
+    if (lights && lights->groups)
+        context.shared = *lights->groups;
+    else
+        context.shared = make_shared_lights(scene, caster, film, integrator, frame, control, counters);
+    if (lights) lights->groups = context.shared;
     std::optional<EnvironmentPyramid> light;
     std::optional<ProductContext> product;
     if (integrator.direct && scene.environment() && integrator.environment == EnvironmentSampling::kProduct &&
@@ -416,7 +438,7 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
                         maps ? maps->settings : VisMapSettings{});
         context.product = &*product;
     }
-    FrameResult out = empty_result(context);
+    FrameResult out = empty_result(context, source.corrects());
     out.lights_s = wall_seconds() - start;
     std::vector<const FarEnds*> groups;
     for (const SharedLights& s : context.shared) groups.push_back(&s.ends);

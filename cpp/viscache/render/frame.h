@@ -24,6 +24,7 @@ struct FrameResult {
     std::vector<Rgb> color;
     std::vector<Rgb> emitted;
     std::vector<Rgb> seen_emitters;  ///< of bidirectional paths: the part of `emitted` that the camera sees
+    std::vector<Rgb> variance;       ///< of corrections, as they estimate it; empty without corrections
     std::vector<Rgb> last_pass;      ///< environment from the last pass; empty if there is one pass only
     std::array<std::vector<Rgb>, kLightGroups> groups;  ///< empty if the group does not exist
     // First hits: means over the samples of a pixel that hit anything; zero if none did
@@ -55,6 +56,12 @@ std::vector<SharedLights> make_shared_lights(const Scene& scene, const RayCaster
                                              const FrameSettings& frame, Control& control,
                                              Counters& counters);
 
+/// The shared lights of a frame, for later frames that have the same: of the same scene, integrator, frame
+/// size and seed. The caller ensures this.
+struct KeptLights {
+    std::optional<std::vector<SharedLights>> groups;
+};
+
 /// Visibility maps for the environment, from any cache.
 struct EnvironmentMaps {
     MapSource source;
@@ -62,10 +69,10 @@ struct EnvironmentMaps {
 };
 
 /// `source` must be new: it serves one frame. `aligned` is required if the integrator asks for shared
-/// directions.
+/// directions. `lights`: shared lights that the frame takes if there are any, and else makes.
 FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Camera& camera,
                          const IntegratorSettings& integrator, const FrameSettings& frame,
                          OracleSource& source, Control& control, const EnvironmentMaps* maps = nullptr,
-                         const AlignedEngines* aligned = nullptr);
+                         const AlignedEngines* aligned = nullptr, KeptLights* lights = nullptr);
 
 }  // namespace viscache

@@ -22,6 +22,14 @@ constexpr const char* kLightGroupNames[kLightGroups] = {"point", "directional", 
                                                         "vpl",   "ambient",     "connection", "camera"};
 constexpr int kMaxLevels = 32;
 
+/// Classes of answers by what tells how often they are wrong: 4 if the oracle doubts the answer, + 2 if it is
+/// "visible", + 1 if a neighbouring light has the other answer.
+constexpr size_t kAnswerClasses = 8;
+/// Queries of a class; those whose ray was traced as well; of these, those whose answer the ray contradicts.
+struct ClassCounters {
+    uint64_t queries = 0, checked = 0, wrong = 0;
+};
+
 struct GroupCounters {
     uint64_t queries = 0;   ///< visibility tests requested by the renderer
     uint64_t occluded = 0;  ///< of these, answered "blocked"
@@ -56,8 +64,10 @@ struct Counters {
              wrong_fresh = 0;
     uint64_t cells_not_kept = 0;  ///< cells for whose rows there was no room
     // Answers as control variates
-    uint64_t corrections = 0;   ///< queries whose ray was traced as well
-    uint64_t contradicted = 0;  ///< of these, those whose answer the ray contradicts
+    uint64_t corrections = 0;  ///< queries whose ray was traced as well
+    uint64_t wrong = 0;        ///< of these, those whose answer the ray contradicts
+    /// The same by light group and class, for lights that all eye points share
+    std::array<std::array<ClassCounters, kAnswerClasses>, kLightGroups> classes{};
     // Product sampling of the environment
     uint64_t product_points = 0, product_dark = 0;  ///< eye points; of these, without light or reflection
     uint64_t product_guided = 0,
@@ -127,7 +137,13 @@ inline void Counters::merge(const Counters& b) {
     wrong_fresh += b.wrong_fresh;
     cells_not_kept += b.cells_not_kept;
     corrections += b.corrections;
-    contradicted += b.contradicted;
+    wrong += b.wrong;
+    for (size_t g = 0; g < classes.size(); ++g)
+        for (size_t k = 0; k < kAnswerClasses; ++k) {
+            classes[g][k].queries += b.classes[g][k].queries;
+            classes[g][k].checked += b.classes[g][k].checked;
+            classes[g][k].wrong += b.classes[g][k].wrong;
+        }
     product_points += b.product_points;
     product_dark += b.product_dark;
     product_guided += b.product_guided;

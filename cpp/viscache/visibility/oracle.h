@@ -95,10 +95,12 @@ public:
     virtual void values(uint32_t /*eye*/, std::span<Rgb> /*columns*/) const {}
 };
 
-/// A change of an answer: the weight of a column's contribution, added to that of its bit.
+/// A change of an answer: the weight of a column's contribution, added to that of its bit. The answer was
+/// checked with probability `share`.
 struct Correction {
     uint32_t column;
     float weight;
+    float share;
 };
 
 class VisibilityOracle {
@@ -133,6 +135,9 @@ public:
     virtual std::span<const float> block_weights(uint32_t /*eye*/) const { return {}; }
     /// Corrections of the answers to an eye point in the latest block, by column.
     virtual std::span<const Correction> block_corrections(uint32_t /*eye*/) const { return {}; }
+    /// Answers of the latest block that are less certain than others, as eye points × columns: a quantized
+    /// cache found that its cells disagree. nullptr if the oracle does not tell.
+    virtual const BitMatrix* block_doubts() const { return nullptr; }
     /// True if the answers to blocks of these lights are those of exact rays.
     virtual bool is_exact(const FarEnds&) const { return false; }
     /// The same for far ends of single eye points in a light group.
@@ -140,6 +145,8 @@ public:
     /// Weights, as `block_weights`, for the queries of the latest `pairs`, or of `samples` if it calls
     /// `pairs`.
     virtual std::span<const float> pair_weights() const { return {}; }
+    /// What `pair_weights` has of corrections, for estimates of their variance: by query or sample.
+    virtual std::span<const Correction> pair_corrections() const { return {}; }
     /// The order in which `samples` should get samples of this tile and light group; valid until the next
     /// call or begin_tile.
     virtual PairOrder sample_order(const EyeBlock& eyes, [[maybe_unused]] int group) {

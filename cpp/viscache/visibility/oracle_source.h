@@ -58,6 +58,8 @@ public:
     }
     /// Not 0: tiles have this edge in pixels, and tile i belongs to thread i mod threads.
     virtual int dealt_tile_edge() const { return 0; }
+    /// True if its oracles correct a random share of their answers.
+    virtual bool corrects() const { return false; }
     // Items are tiles, or samples of tiles in bidirectional path tracing. A frame of tiles is one round.
     virtual void begin_round(size_t /*items*/) {}
     /// Called after each item, from its thread.

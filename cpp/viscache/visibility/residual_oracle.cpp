@@ -1,5 +1,7 @@
 #include "viscache/visibility/residual_oracle.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "viscache/sampling/point_key.h"
@@ -15,6 +17,36 @@ std::optional<PacketOrder> order_for(double share) {
     return share >= kDense ? std::nullopt : std::optional(PacketOrder::kByPixel);
 }
 
+/// The answers to one eye point, by class (counters.h).
+class AnswerRow {
+public:
+    /// `doubts` may be nullptr.
+    AnswerRow(const Word* wanted, const Word* visible, const Word* doubts, size_t words)
+        : wanted_(wanted), visible_(visible), doubts_(doubts), words_(words) {}
+    /// Word w of the queries of each class.
+    std::array<Word, kAnswerClasses> classes(size_t w) const {
+        const Word asked = wanted_[w], seen = visible_[w], doubted = doubts_ ? doubts_[w] : 0;
+        const Word other = differs(w);
+        std::array<Word, kAnswerClasses> out;
+        for (size_t c = 0; c < kAnswerClasses; ++c)
+            out[c] = asked & (c & 4 ? doubted : ~doubted) & (c & 2 ? seen : ~seen) & (c & 1 ? other : ~other);
+        return out;
+    }
+
+private:
+    /// Queries of which a neighbouring light, if it is asked for, has the other answer.
+    Word differs(size_t w) const {
+        const auto at = [&](const Word* row, size_t i) { return i < words_ ? row[i] : Word{0}; };
+        const auto before = [&](const Word* row) { return row[w] << 1 | at(row, w - 1) >> 63; };
+        const auto after = [&](const Word* row) { return row[w] >> 1 | at(row, w + 1) << 63; };
+        return (before(wanted_) & (before(visible_) ^ visible_[w])) |
+               (after(wanted_) & (after(visible_) ^ visible_[w]));
+    }
+
+    const Word *wanted_, *visible_, *doubts_;
+    size_t words_;
+};
+
 }  // namespace
 
 ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const RayCaster& caster, float extent,
@@ -22,13 +54,15 @@ ResidualOracle::ResidualOracle(std::unique_ptr<VisibilityOracle> inner, const Ra
     : inner_(std::move(inner)),
       exact_(caster, extent, order_for(s.share.value_or(0))),
       share_(s.share),
+      octaves_(s.octaves),
       seed_(s.seed),
       lasting_seed_(s.lasting_seed),
       weighted_(s.weighted),
       threshold_(uint64_t(
           std::clamp(std::floor(s.share.value_or(ResidualSettings::kPlainShare) * 0x1p32), 1.0, 0x1p32))),
       inverse_share_(float(0x1p32 / double(threshold_))) {
-    for (size_t b = 0; b < bands_below_.size(); ++b) bands_below_[b] = float(std::ldexp(s.certain, -int(b)));
+    for (size_t b = 0; b < bounds_.size(); ++b)
+        bounds_[b] = float(std::ldexp(s.certain, int(kMostOctaves - kPlainOctave) - int(b)));
 }
 
 void ResidualOracle::watch(const Control& control) {
@@ -53,14 +87,15 @@ bool ResidualOracle::is_drawn(uint64_t key, uint64_t number) const {
 }
 
 /// Chooses the queries whose rays are traced.
-void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted) {
+void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
+                          const BitMatrix& visible, Counters& counters) {
     drawn_.reset(wanted.rows(), lights.count);
-    halvings_.clear();
-    if (by_contribution()) bands_.reset(ResidualSettings::kHalvings, lights.count);
+    drawn_as_.clear();
+    if (by_contribution()) bands_.reset(bounds_.size(), lights.count);
     for (size_t i = 0; i < wanted.rows(); ++i) {
         if (i % 256 == 0) check_cancelled();
         if (by_contribution()) {
-            draw_by_contribution(eyes, uint32_t(i), lights.group, wanted);
+            draw_by_contribution(eyes, uint32_t(i), lights.group, wanted, visible, counters);
         } else {
             const uint64_t key = eye_key(eyes, i, lights.group);
             for_each_bit(wanted.row_span(i), [&](size_t k) {
@@ -74,30 +109,58 @@ void ResidualOracle::draw(const EyeBlock& eyes, const FarEnds& lights, const Bit
 /// one half. Samples of a pixel have the same random words in turns of 2^kHalvings, and the bits of a
 /// sample's number say which half is cleared.
 void ResidualOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group,
-                                          const BitMatrix& wanted) {
-    constexpr size_t kBands = ResidualSettings::kHalvings;
+                                          const BitMatrix& wanted, const BitMatrix& visible,
+                                          Counters& counters) {
+    constexpr size_t kBands = ResidualSettings::kHalvings, kOctaves = kMostOctaves;
     const bool lasts = !eyes.place.empty();
     const uint32_t turn = lasts ? eyes.turn[eye] : 0;
     uint64_t key = eye_key(eyes, eye, group);
     if (lasts) key = Rng(lasting_seed_, Purpose::kResidual, eyes.place[eye], turn >> kBands).next_u64();
     key ^= mix64(uint64_t(group));
-    std::array<Word*, kBands> below;
-    for (size_t b = 0; b < kBands; ++b) below[b] = bands_.row(b);
-    contributions_->at_most(eye, bands_below_, below);
-    Word* drawn = drawn_.row(eye);
+
+    // Bounds that a class of this group uses
+    const auto& octaves = octaves_[size_t(group)];
+    const size_t first = kOctaves - *std::max_element(octaves.begin(), octaves.end());
+    std::array<Word*, kOctaves + kBands> below;
+    for (size_t b = first; b < below.size(); ++b) below[b] = bands_.row(b);
+    // Bounds are shares of the light; contributions are told in means
+    uint64_t asked = 0;
+    for (size_t w = 0; w < words_for(wanted.columns()); ++w)
+        asked += uint64_t(std::popcount(wanted.row(eye)[w]));
+    if (asked == 0) return;
+    std::array<float, kOctaves + kBands> bounds;
+    for (size_t b = first; b < bounds.size(); ++b) bounds[b] = bounds_[b] * float(asked);
+    contributions_->at_most(eye, std::span(bounds).subspan(first), std::span(below).subspan(first));
+
+    const BitMatrix* doubts = inner_->block_doubts();
+    const AnswerRow answers(wanted.row(eye), visible.row(eye), doubts ? doubts->row(eye) : nullptr,
+                            words_for(wanted.columns()));
+    auto& counts = counters.classes[size_t(group)];
     for (size_t w = 0; w < words_for(wanted.columns()); ++w) {
+        if (!wanted.row(eye)[w]) continue;
+        const std::array<Word, kAnswerClasses> classes = answers.classes(w);
+        std::array<Word, kOctaves + 1> with_octaves{};
+        for (size_t c = 0; c < kAnswerClasses; ++c) {
+            counts[c].queries += uint64_t(std::popcount(classes[c]));
+            with_octaves[octaves[c]] |= classes[c];
+        }
+        std::array<Word, kBands> under{};  // bit b: the query lies below its b-th bound
         Word left = wanted.row(eye)[w];
-        if (!left) continue;
-        for (size_t b = 0; b < kBands; ++b)
-            left &= ~below[b][w] | (mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull) ^
-                                    (turn >> b & 1 ? ~Word{0} : Word{0}));
-        drawn[w] = left;
+        for (size_t b = 0; b < kBands; ++b) {
+            for (size_t o = 0; o <= kOctaves - first; ++o)
+                under[b] |= with_octaves[o] & bands_.row(kOctaves - o + b)[w];
+            left &= ~under[b] | (mix64(key + (w * kBands + b) * 0x9E3779B97F4A7C15ull) ^
+                                 (turn >> b & 1 ? ~Word{0} : Word{0}));
+        }
+        drawn_.row(eye)[w] = left;
+        for_each_bit({&left, 1}, [&](size_t k) {
+            Drawn d{0, 0};
+            for (const Word word : under) d.halvings += uint8_t(word >> k & 1);
+            for (size_t c = 0; c < kAnswerClasses; ++c)
+                if (classes[c] >> k & 1) d.answer_class = uint8_t(c);
+            drawn_as_.push_back(d);
+        });
     }
-    for_each_bit(drawn_.row_span(eye), [&](size_t k) {
-        uint8_t h = 0;
-        for (size_t b = 0; b < kBands; ++b) h += get_bit(below[b], k);
-        halvings_.push_back(h);
-    });
 }
 
 void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted,
@@ -107,7 +170,7 @@ void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     replaces_ = false;
     inner_->block(eyes, lights, wanted, visible, counters);
     if (inner_->is_exact(lights)) return;
-    draw(eyes, lights, wanted);
+    draw(eyes, lights, wanted, visible, counters);
     seen_.reset(wanted.rows(), lights.count);
     Counters traced;
     exact_.block(eyes, lights, drawn_, seen_, traced);
@@ -120,17 +183,22 @@ void ResidualOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
     for (size_t i = 0; i < wanted.rows(); ++i) {
         const std::span<const float> inner = block_weights(uint32_t(i));
         for_each_bit(drawn_.row_span(i), [&](size_t k) {
-            const unsigned halvings = by_contribution() ? halvings_[number++] : 0;
+            const Drawn as = by_contribution() ? drawn_as_[number++] : Drawn{0, 0};
             const bool answer = visible.get(i, k), truth = seen_.get(i, k);
-            counters.contradicted += answer != truth;
+            counters.wrong += answer != truth;
+            if (by_contribution()) {
+                ClassCounters& of_class = counters.classes[size_t(lights.group)][as.answer_class];
+                ++of_class.checked;
+                of_class.wrong += answer != truth;
+            }
             const float value = !answer ? 0.f : inner.empty() ? 1.f : inner[k];
-            const float change = correction(value, truth, halvings);
+            const float change = correction(value, truth, as.halvings);
             if (change == 0) return;
             // Without weights, a change by 1 is one of the bit: a share of 1 gives the exact frame
             if (inner.empty() && std::fabs(change) == 1)
                 truth ? set_bit(visible.row(i), k) : clear_bit(visible.row(i), k);
             else
-                corrections_.push_back({uint32_t(k), change});
+                corrections_.push_back({uint32_t(k), change, share_of(as.halvings)});
         });
         correction_begin_.push_back(uint32_t(corrections_.size()));
     }
@@ -148,6 +216,7 @@ void ResidualOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, 
     if (inner_->is_exact_own(samples.group)) {
         const std::span<const float> inner = inner_->pair_weights();
         pair_weights_.assign(inner.begin(), inner.end());
+        pair_corrections_.clear();
         return;
     }
     std::vector<ShadowQuery> queries;
@@ -177,15 +246,18 @@ void ResidualOracle::correct(const EyeBlock& eyes, std::span<const ShadowQuery> 
         pair_weights_.assign(queries.size(), 1.f);
     else
         pair_weights_.assign(inner.begin(), inner.end());
+    pair_corrections_.clear();
     for (size_t d = 0; d < drawn.size(); ++d) {
         const uint32_t i = number[d];
         const bool answer = get_bit(visible.data(), i), truth = get_bit(seen.data(), d);
-        counters.contradicted += answer != truth;
+        counters.wrong += answer != truth;
         const float value = answer ? pair_weights_[i] : 0.f;
         // At q = 1 this is the true visibility without rounding
         const float weight = inverse_share_ == 1
                                  ? float(truth)
                                  : value + (float(truth) - value) * (weighted_ ? inverse_share_ : 1.f);
+        if (answer != truth || value != 1)
+            pair_corrections_.push_back({i, weight - value, 1 / inverse_share_});
         pair_weights_[i] = weight;
         weight == 0 ? clear_bit(visible.data(), i) : set_bit(visible.data(), i);
     }

@@ -7,8 +7,11 @@
 // correction and get none.
 //
 // q is the same for all queries, or follows the unoccluded contribution c of a connection. By contribution, q
-// is 1 above `certain` means of the eye point and halves with each halving of c, at most kHalvings times.
+// is 1 where c is `certain` of the light that all queries of the eye point could bring, and halves with each
+// halving of c, at most kHalvings times.
 // Then no correction weighs much more than another: the variance of a wrong bit is c²(1 − q)/q.
+// The best share is proportional to c·√p, where p is the probability that the answer is wrong. Classes of
+// answers differ in p (counters.h). Each may have its own bound, `certain` times a power of two.
 #include <array>
 #include <memory>
 #include <optional>
@@ -17,13 +20,25 @@
 
 namespace viscache {
 
+/// By light group and class of answers: where the share of corrections reaches 1, as a power of two.
+using ClassOctaves = std::array<std::array<uint8_t, kAnswerClasses>, kLightGroups>;
+constexpr uint8_t kPlainOctave = 1, kMostOctaves = 4;
+constexpr ClassOctaves plain_octaves() {
+    ClassOctaves octaves{};
+    for (auto& group : octaves) group.fill(kPlainOctave);
+    return octaves;
+}
+
 struct ResidualSettings {
     /// q in (0, 1]; empty: by contribution. Connections without known contributions are then drawn with
     /// kPlainShare.
     std::optional<double> share;
-    /// By contribution: above this many means of the eye point, q is 1.
-    double certain = 32;
+    /// By contribution: above this share of the eye point's unoccluded light from the group, q is 1.
+    double certain = 1.0 / 64;
     uint64_t seed = 0;
+    /// By contribution: q of a class reaches 1 at certain·2^(octave − kPlainOctave). Octaves are at most
+    /// kMostOctaves, and must not depend on the draws of this frame.
+    ClassOctaves octaves = plain_octaves();
     /// By contribution in frames: the seed of all frames that go on from each other. A query with q = 2^−h is
     /// drawn in one of 2^h samples of its pixel that follow each other, at a random place among them. So many
     /// samples together miss few wrong answers.
@@ -65,6 +80,7 @@ public:
     bool is_exact(const FarEnds& lights) const override { return inner_->is_exact(lights); }
     bool is_exact_own(int group) const override { return inner_->is_exact_own(group); }
     std::span<const float> pair_weights() const override { return pair_weights_; }
+    std::span<const Correction> pair_corrections() const override { return pair_corrections_; }
     PairOrder sample_order(const EyeBlock& eyes, int group) override {
         return inner_->sample_order(eyes, group);
     }
@@ -75,12 +91,17 @@ private:
     bool by_contribution() const { return !share_ && contributions_; }
     bool is_drawn(uint64_t key, uint64_t number) const;
     uint64_t eye_key(const EyeBlock& eyes, size_t eye, int group) const;
-    void draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted);
-    void draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted);
+    void draw(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, const BitMatrix& visible,
+              Counters& counters);
+    void draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int group, const BitMatrix& wanted,
+                              const BitMatrix& visible, Counters& counters);
     /// What to add to an answer of `value` if the truth is `truth`.
     float correction(float value, bool truth, unsigned halvings) const {
         const float inverse = by_contribution() ? std::ldexp(1.f, int(halvings)) : inverse_share_;
         return (float(truth) - value) * (weighted_ ? inverse : 1.f);
+    }
+    float share_of(unsigned halvings) const {
+        return by_contribution() ? std::ldexp(1.f, -int(halvings)) : 1 / inverse_share_;
     }
     void correct(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                  Counters& counters);
@@ -88,8 +109,10 @@ private:
     std::unique_ptr<VisibilityOracle> inner_;
     ExactOracle exact_;
     std::optional<double> share_;
-    /// Bounds of contributions. A connection below h of them is drawn with q = 2^−h.
-    std::array<float, ResidualSettings::kHalvings> bands_below_;
+    /// Bounds of contributions, falling by halves. A connection of a class of octave 0 that lies below h of
+    /// the last kHalvings is drawn with q = 2^−h. Each octave counts bounds from one further above.
+    std::array<float, kMostOctaves + ResidualSettings::kHalvings> bounds_;
+    ClassOctaves octaves_;
     uint64_t seed_, lasting_seed_;
     bool weighted_;
     uint64_t threshold_;  ///< a query is drawn if its 32 random bits are below this
@@ -98,11 +121,15 @@ private:
     // For `block`
     bool replaces_ = false;  ///< every answer is replaced by the truth, so that none has a weight
     BitMatrix drawn_, seen_, bands_;
-    std::vector<uint8_t> halvings_;           ///< by contribution: h of each drawn query, in their order
+    struct Drawn {
+        uint8_t halvings, answer_class;
+    };
+    std::vector<Drawn> drawn_as_;             ///< by contribution: of each drawn query, in their order
     std::vector<uint32_t> correction_begin_;  ///< by eye point
     std::vector<Correction> corrections_;
     // For `pairs` and `samples`
     std::vector<float> pair_weights_;
+    std::vector<Correction> pair_corrections_;
 };
 
 }  // namespace viscache

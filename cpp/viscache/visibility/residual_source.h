@@ -18,11 +18,16 @@ public:
             throw std::invalid_argument("share must be in (0, 1], got " + std::to_string(*settings.share));
         if (!(settings.certain > 0))
             throw std::invalid_argument("certain must be > 0, got " + std::to_string(settings.certain));
+        for (const auto& group : settings.octaves)
+            for (const unsigned octaves : group)
+                if (octaves > kMostOctaves)
+                    throw std::invalid_argument("octaves must be in [0, 4], got " + std::to_string(octaves));
     }
     void prepare(FrameStart& frame, Control& control) override { inner_.prepare(frame, control); }
     std::unique_ptr<VisibilityOracle> make() override {
         return std::make_unique<ResidualOracle>(inner_.make(), caster_, extent_, settings_);
     }
+    bool corrects() const override { return true; }
     int dealt_tile_edge() const override { return inner_.dealt_tile_edge(); }
     void begin_round(size_t items) override { inner_.begin_round(items); }
     void end_item(VisibilityOracle& oracle, size_t item) override {
@@ -32,7 +37,7 @@ public:
     void report(Counters& counters, SourceReport& out) const override {
         inner_.report(counters, out);
         out.counters.emplace_back("corrections", counters.corrections);
-        out.counters.emplace_back("contradicted", counters.contradicted);
+        out.counters.emplace_back("wrong", counters.wrong);
     }
 
 private:

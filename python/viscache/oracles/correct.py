@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from viscache.settings.checks import check_types, require
 from viscache.settings.spelling import setting
@@ -18,26 +18,39 @@ class Correct:
 
     The cache answers every query. Rays check a random share q of the answers, and weights correct
     the wrong ones. So the frame is right in expectation for any cache, with noise where the cache
-    is wrong. At q = 1 it is the exact frame, byte for byte. `frame.counters` has "corrections", the
-    checked answers, and "contradicted", the wrong ones among them. With a number as share, their
-    ratio is an unbiased estimate of the share of wrong answers. Lights that the cache answers
-    exactly (`Aqvc(exact_groups=...)`) need no corrections and get none.
+    is wrong. At q = 1 it is the exact frame, byte for byte. Lights that the cache answers exactly
+    (`Aqvc(exact_groups=...)`) need no corrections and get none.
+
+    `frame.counters` has "corrections", the checked answers, and "wrong", those of them that the ray
+    contradicts. With a number as share, their ratio is an unbiased estimate of the share of wrong
+    answers. "share_by_class" has queries, corrections and wrong ones by light group and class:
+    whether the cache's cells agreed or the answer is doubted, whether it is visible or blocked, and
+    whether a neighbouring light has the other answer. The layer "variance" (H, W, 3) estimates the
+    variance that the corrections add to each pixel: Σ (w·c)²·(1 - q) over the wrong answers found,
+    which has the right expectation where the samples of a pixel are drawn apart, and errs towards
+    more where they take turns.
 
     Parameters
     ----------
     share : float in (0, 1], optional
         q, the same for all queries. By default q follows the unoccluded contribution c of a
-        connection with shared lights: 1 above `certain` means of its eye point, and half as much
-        with each halving of c, down to 1/256. Then few rays remove most of the error, because its
-        square counts c². The samples of a pixel take turns, also those of frames that go on from
-        each other: a connection with q = 1/16 is drawn in one of sixteen. Samples of single eye
-        points and connections of `Bdpt` have q = 0.1.
+        connection with shared lights: 1 where c is `certain` of what all connections of its eye
+        point to the group could bring, and half as much with each halving of c, down to 1/256.
+        Then few rays remove most of the error, because its square counts c². The samples of a pixel
+        take turns, also those of frames that go on from each other: a connection with q = 1/16 is
+        drawn in one of sixteen. Samples of single eye points and connections of `Bdpt` have
+        q = 0.1.
 
         The draw depends on the frame's seed and first sample, and on the positions of both ends.
 
     certain : float > 0
-        Without a share: where q reaches 1, in means of the eye point. Half as much draws up to
-        twice as many rays, and halves the noise of corrections.
+        Without a share: where q reaches 1. Half as much draws up to twice as many rays, and halves
+        the noise of corrections.
+    classes : {"learned", "same"}
+        Without a share, in `vc.Progressive`: "learned": the first pass tells how often answers of a
+        class are wrong (p), and in later passes q follows c·√p, in steps of two. Their draws are
+        independent of those of the first pass. "same": all classes have the same shares. Single
+        frames have learnt nothing.
 
     Examples
     --------
@@ -52,7 +65,8 @@ class Correct:
     """
 
     share: float | None = None
-    certain: float = 32.0
+    certain: float = 1 / 64
+    classes: Literal["learned", "same"] = "learned"
 
     def __post_init__(self) -> None:
         check_types(self)

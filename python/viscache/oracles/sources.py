@@ -7,6 +7,7 @@ from typing import Any
 from viscache import _core
 from viscache.oracles import written
 from viscache.oracles.correct import Correct
+from viscache.oracles.learned import unlearnt
 from viscache.settings.rays import Rays, is_robust
 from viscache.settings.source_context import SourceContext
 from viscache.settings.visibility import Aqvc, Exact, VisMaps
@@ -31,6 +32,7 @@ def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.Or
         certain=correct.certain,
         seed=context.seed,
         lasting_seed=context.lasting_seed,
+        octaves=context.octaves or unlearnt(),
     )
 
 

@@ -1,0 +1,220 @@
+"""Corrections by class: expectations, what is learnt, and the layer of their variance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from viscache import _core
+from viscache.oracles.learned import (
+    GROUPS,
+    LEAST_CHECKED,
+    N_CLASSES,
+    PassMemory,
+    octaves_of,
+    unlearnt,
+)
+from viscache.render import render_part
+
+#: Draws of a pixel repeat their turns after so many samples.
+CYCLE = 256
+CACHE = vc.Aqvc(c_e=16, exact_groups=())
+
+
+@pytest.fixture(scope="module")
+def hall() -> vc.Scene:
+    """A floor below three lamps, and slats that the cells do not resolve."""
+    corners, triangles = [[-2.0, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]]
+    for x in np.linspace(-2, 2, 23):
+        n = len(corners)
+        corners += [[x, -2, 0.5], [x + 0.09, -2, 0.5], [x + 0.09, 2, 0.5], [x, 2, 0.5]]
+        triangles += [[n, n + 1, n + 2], [n, n + 2, n + 3]]
+    description = _core.SceneDescription()
+    description.name = "slats"
+    grey = description.add_material(base_color=(0.5, 0.5, 0.5))
+    description.add_mesh(
+        np.array(corners, np.float32), np.array(triangles, np.uint32), material=grey
+    )
+    for place in ((0.3, 0.1, 1.5), (-0.9, 0.6, 1.1), (1.2, -0.7, 2.0)):
+        description.add_point_light(place, (1, 1, 1))
+    description.add_camera((0.1, -0.2, 0.45), (0.1, 0.1, 0), up=(0, 1, 0), fov_deg=60)
+    return vc.Scene.from_description(description)
+
+
+def frames(scene: vc.Scene, memory: list[PassMemory], size: tuple[int, int], **use: Any) -> Any:
+    """Frames of samples 0, 1, ..., all at the pixels' centres."""
+    return [
+        render_part(
+            scene,
+            vc.Direct(centred=True),
+            (0, 1),
+            size=size,
+            visibility=CACHE,
+            use=vc.Correct(**use),
+            first_sample=n,
+            memory=m,
+        )
+        for n, m in enumerate(memory)
+    ]
+
+
+def memories(octaves: list[list[list[int]]], epoch: int = 3) -> list[PassMemory]:
+    return [PassMemory(_core.KeptLights(), o, epoch) for o in octaves]
+
+
+def mixed(seed: int) -> list[list[int]]:
+    """Octaves that differ between classes."""
+    return np.random.default_rng(seed).integers(0, 5, (len(GROUPS), N_CLASSES)).tolist()
+
+
+def mean_of(found: list[vc.Frame]) -> npt.NDArray[np.float64]:
+    return np.mean([f.image.astype(np.float64) for f in found], axis=0)
+
+
+@pytest.mark.parametrize("octaves", [unlearnt(), mixed(1), mixed(2)], ids=["plain", "one", "two"])
+def test_all_turns_together_are_the_exact_frame(hall: vc.Scene, octaves: Any) -> None:
+    """Sixteen pixels, three lights: in a cycle each answer is checked 256 q times, exactly.
+
+    So the mean over all draws, weighted by their probabilities, is the exact frame.
+    """
+    size = (4, 4)
+    exact = vc.render(hall, vc.Direct(centred=True), size=size).image
+    found = frames(hall, memories([octaves] * CYCLE), size, certain=2.0)
+    cached = vc.render(hall, vc.Direct(centred=True), size=size, visibility=CACHE).image
+    assert np.abs(cached - exact).max() > 0.1 * exact.max()
+    np.testing.assert_allclose(mean_of(found), exact, atol=1e-5 * float(exact.max()))
+    # It is no sum of exact frames: single ones differ
+    assert np.mean([np.any(np.abs(f.image - exact) > 0.01) for f in found]) > 0.9
+
+
+def test_shares_that_change_with_the_draw_are_biased(hall: vc.Scene) -> None:
+    """Negative control: classes get fewer checks as soon as a check has found them wrong."""
+    size = (4, 4)
+    exact = vc.render(hall, vc.Direct(centred=True), size=size).image
+    octaves, found = unlearnt(), []
+    for n in range(CYCLE):
+        memory = PassMemory(_core.KeptLights(), octaves, 3)
+        found += [
+            render_part(
+                hall,
+                vc.Direct(centred=True),
+                (0, 1),
+                size=size,
+                visibility=CACHE,
+                use=vc.Correct(certain=2.0),
+                first_sample=n,
+                memory=memory,
+            )
+        ]
+        wrong = found[-1].counters["share_by_class"]["point"].values()
+        octaves[GROUPS.index("point")] = [4 if c["wrong"] else 0 for c in wrong]
+    assert np.abs(mean_of(found) - exact).max() > 0.02 * exact.max()
+
+
+def test_epochs_draw_independently(hall: vc.Scene) -> None:
+    size = (16, 16)
+    first, again, other = (
+        frames(hall, memories([unlearnt()], e), size, certain=2.0)[0] for e in (3, 3, 4)
+    )
+    assert first.sha256 == again.sha256 != other.sha256
+
+
+def test_counters_by_class_add_up(hall: vc.Scene) -> None:
+    frame = vc.render(
+        hall, vc.Direct(), size=(48, 48), visibility=CACHE, use=vc.Correct(certain=0.5)
+    )
+    classes = frame.counters["share_by_class"]
+    assert list(classes) == ["point"]
+    assert len(classes["point"]) == N_CLASSES
+    for name, total in (
+        ("queries", frame.counters["queries"]),
+        ("corrections", frame.counters["corrections"]),
+        ("wrong", frame.counters["wrong"]),
+    ):
+        assert sum(c[name] for c in classes["point"].values()) == total > 0
+
+
+def test_answers_that_the_cache_doubts_are_wrong_more_often() -> None:
+    frame = vc.render(
+        "room?triangles=3000",
+        vc.Whitted(n_vpls=256),
+        size=(64, 64),
+        visibility=vc.Aqvc(c_e=10),
+        use=vc.Correct(certain=1 / 64),
+    )
+    classes = frame.counters["share_by_class"]["vpl"].items()
+    sums = {
+        (word, count): sum(c[count] for n, c in classes if n.startswith(word))
+        for word in ("agreed", "doubted")
+        for count in ("corrections", "wrong")
+    }
+    wrong = [sums[word, "wrong"] / sums[word, "corrections"] for word in ("agreed", "doubted")]
+    assert wrong[1] > 2 * wrong[0] > 0
+
+
+def test_octaves_follow_the_root_of_the_probability() -> None:
+    def counted(p: float, n: int = 10000) -> dict[str, int]:
+        return {"queries": n, "corrections": n, "wrong": round(p * n)}
+
+    rates = (0.64, 0.16, 0.04, 0.01, 0.0025, 0.0001, 0, 0.16)
+    found = octaves_of({"vpl": {str(i): counted(p) for i, p in enumerate(rates)}})
+    assert found[GROUPS.index("vpl")] == [0, 1, 2, 3, 4, 4, 4, 1]
+    assert found[GROUPS.index("point")] == [1] * N_CLASSES
+    few = {str(i): counted(0.0, LEAST_CHECKED - 1) for i in range(N_CLASSES)}
+    assert octaves_of({"vpl": few}) == unlearnt()
+
+
+@pytest.mark.stat
+def test_the_layer_of_variance_has_the_variance_as_its_expectation(hall: vc.Scene) -> None:
+    """Frames of independent draws: their spread, and the mean of the layer."""
+    size, n = (24, 24), 192
+    options: dict[str, Any] = {
+        "size": size,
+        "visibility": CACHE,
+        "use": vc.Correct(certain=1.0),
+    }
+    found = [
+        render_part(
+            hall,
+            vc.Direct(centred=True),
+            (0, 1),
+            memory=PassMemory(_core.KeptLights(), None, e),
+            **options,
+        )
+        for e in range(n)
+    ]
+    spread = np.var([f.image.astype(np.float64) for f in found], axis=0, ddof=1).sum()
+    layers = np.array([f.layers["variance"].astype(np.float64).sum() for f in found])
+    error = layers.std(ddof=1) / np.sqrt(n)
+    # The spread of the spread: pixels are independent, so it is small beside 10 %
+    assert abs(layers.mean() - spread) < 0.1 * spread + 4 * error
+    # Negative control: without the weights it would be far less
+    assert error < 0.05 * layers.mean()
+    assert layers.mean() / 2 < spread
+
+
+def test_exact_and_replaced_frames_have_no_variance(hall: vc.Scene) -> None:
+    for use in (None, "replace"):
+        frame = vc.render(hall, vc.Direct(), size=(8, 8), visibility=CACHE, use=use)
+        assert "variance" not in frame.layers
+    whole = vc.render(hall, vc.Direct(), size=(8, 8), visibility=CACHE, use=vc.Correct(share=1))
+    assert not whole.layers["variance"].any()
+
+
+def test_later_passes_use_what_the_first_one_found() -> None:
+    """Same bytes for any threads; with "same", passes differ from the second on."""
+    options: dict[str, Any] = {"size": (40, 24), "visibility": vc.Aqvc(c_e=12)}
+    scene, light = vc.scenes.build("room?triangles=3000"), vc.Whitted(n_vpls=128)
+    one = vc.Progressive(scene, light, threads=1, **options)
+    two = vc.Progressive(scene, light, threads=3, **options)
+    same = vc.Progressive(scene, light, use=vc.Correct(classes="same"), **options)
+    assert one.passes(1).sha256 == two.passes(1).sha256 == same.passes(1).sha256
+    assert one.passes(3).sha256 == two.passes(3).sha256
+    assert one.frame.sha256 != same.passes(3).sha256
+    octaves = one._memory(0).octaves
+    assert octaves is not None
+    assert len(set(octaves[GROUPS.index("vpl")])) > 1
