@@ -67,8 +67,8 @@ void shadow_maps_are_traced_once_for_all_threads() {
 void roulette_learns_before_the_frame() {
     Setup setup;
     const NeePlusPlusSettings settings{.n_voxels = 4, .learn_pixels = 300};
-    RouletteSource one(*setup.world, setup.caster, settings, 7),
-        four(*setup.world, setup.caster, settings, 7);
+    RouletteSource one(*setup.world, setup.caster, settings, {.seed = 7}),
+        four(*setup.world, setup.caster, settings, {.seed = 7});
     const FrameResult a = setup.render(one, 1), b = setup.render(four, 4);
     check(same_pixels(a, b), "same pixels");
     const uint64_t learned = reported(a, "learning_rays");

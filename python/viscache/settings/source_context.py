@@ -35,6 +35,8 @@ class SourceContext:
         The table that is kept from frame to frame.
     rows : AqvcRows, optional
         The rows that are kept from frame to frame.
+    voxels : KeptVoxels, optional
+        The voxel counts that are kept from frame to frame.
     """
 
     scene: _core.Scene
@@ -47,6 +49,7 @@ class SourceContext:
     shafts: _core.ShaftScene | None = None
     kept: tuple[_core.KeptTable, float, bool] | None = None
     rows: _core.AqvcRows | None = None
+    voxels: _core.KeptVoxels | None = None
 
 
 class MakesOracles(Protocol):
