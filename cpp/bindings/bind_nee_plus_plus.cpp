@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "caster_queries.h"
-#include "viscache/visibility/voxel_visibility.h"
+#include "viscache/visibility/kept_voxels.h"
 
 namespace viscache::bindings {
 
@@ -34,6 +34,36 @@ py::tuple learnt_map(const NeePlusPlusSettings& settings, std::array<float, 3> l
     return py::make_tuple(near_cell, far_cell, visibility, probability);
 }
 
+/// Places and counts (N,) of all pairs with tests.
+py::tuple state_of(const KeptVoxels& kept) {
+    std::vector<uint64_t> place;
+    std::vector<uint32_t> tested, seen;
+    if (const VoxelVisibility* map = kept.map())
+        for (size_t i = 0; i < map->size(); ++i) {
+            const VoxelVisibility::Counts& c = map->at(i);
+            if (c.tested == 0) continue;
+            place.push_back(i);
+            tested.push_back(c.tested);
+            seen.push_back(c.seen);
+        }
+    return py::make_tuple(py::array_t<uint64_t>(py::ssize_t(place.size()), place.data()),
+                          py::array_t<uint32_t>(py::ssize_t(tested.size()), tested.data()),
+                          py::array_t<uint32_t>(py::ssize_t(seen.size()), seen.data()));
+}
+
+using Places = py::array_t<uint64_t, py::array::c_style | py::array::forcecast>;
+using Numbers = py::array_t<uint32_t, py::array::c_style | py::array::forcecast>;
+
+void restore(KeptVoxels& kept, const Scene& scene, const NeePlusPlusSettings& settings, uint64_t frames,
+             const Places& place, const Numbers& tested, const Numbers& seen) {
+    if (place.ndim() != 1 || tested.ndim() != 1 || seen.ndim() != 1 || place.size() != tested.size() ||
+        place.size() != seen.size())
+        throw std::invalid_argument("places and counts must be rows of the same length");
+    kept.begin_restore(scene.bounds(), settings, frames);
+    for (py::ssize_t i = 0; i < place.size(); ++i)
+        kept.restore(size_t(place.at(i)), {tested.at(i), seen.at(i)});
+}
+
 }  // namespace
 
 void bind_nee_plus_plus(py::module_& m) {
@@ -42,11 +72,23 @@ void bind_nee_plus_plus(py::module_& m) {
         .def_readwrite("n_voxels", &NeePlusPlusSettings::n_voxels)
         .def_readwrite("n_directions", &NeePlusPlusSettings::n_directions)
         .def_readwrite("learn_pixels", &NeePlusPlusSettings::learn_pixels)
+        .def_readwrite("relearn_pixels", &NeePlusPlusSettings::relearn_pixels)
         .def_readwrite("min_probability", &NeePlusPlusSettings::min_probability)
         .def_readwrite("exponent", &NeePlusPlusSettings::exponent)
+        .def_readwrite("certain", &NeePlusPlusSettings::certain)
         .def_readwrite("symmetric", &NeePlusPlusSettings::symmetric)
         .def_readwrite("max_bytes", &NeePlusPlusSettings::max_bytes)
         .def("validate", &NeePlusPlusSettings::validate);
+    py::class_<KeptVoxels>(m, "KeptVoxels", "See viscache.VoxelCounts.")
+        .def(py::init<>())
+        .def_property_readonly("frames", &KeptVoxels::frames)
+        .def_property_readonly("bytes", &KeptVoxels::bytes)
+        .def_property_readonly("pairs_tested", &KeptVoxels::pairs_tested)
+        .def("commit", &KeptVoxels::commit)
+        .def("roll_back", &KeptVoxels::roll_back)
+        .def("state", &state_of, "Places, tests and unblocked tests (N,) of all pairs with tests.")
+        .def("restore", &restore, py::arg("scene"), py::arg("settings"), py::arg("frames"), py::arg("place"),
+             py::arg("tested"), py::arg("seen"), "Sets what `state` gave, in an object without frames.");
     py::module_ t = m.def_submodule("_testing");
     t.def(
         "learnt_map", &learnt_map, py::arg("settings"), py::arg("low"), py::arg("high"), py::arg("near"),

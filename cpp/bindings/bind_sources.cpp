@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "viscache/aqvc/aqvc_source.h"
 #include "viscache/visibility/exact_source.h"
+#include "viscache/visibility/kept_voxels.h"
 #include "viscache/visibility/residual_source.h"
 #include "viscache/visibility/roulette_source.h"
 #include "viscache/visibility/shadow_map_source.h"
@@ -73,9 +74,27 @@ void bind_sources(py::module_& m) {
         .def(py::init<const Scene&, const RayCaster&, const ShadowMapSettings&>(), scene, caster,
              py::arg("settings"), KeepScene(), KeepCaster());
     py::class_<RouletteSource, OracleSource>(m, "RouletteSource", "See viscache.NeePlusPlus.")
-        .def(py::init<const Scene&, const RayCaster&, const NeePlusPlusSettings&, uint64_t, bool>(), scene,
-             caster, py::arg("settings"), py::kw_only(), py::arg("seed"), py::arg("weighted") = true,
-             KeepScene(), KeepCaster());
+        .def(py::init([](const Scene& s, const RayCaster& c, const NeePlusPlusSettings& p, uint64_t seed,
+                         bool weighted, std::optional<KeptVoxels*> keep) {
+                 return std::make_unique<RouletteSource>(
+                     s, c, p,
+                     RouletteOptions{.seed = seed, .weighted = weighted, .keep = keep.value_or(nullptr)});
+             }),
+             scene, caster, py::arg("settings"), py::kw_only(), py::arg("seed"), py::arg("weighted") = true,
+             py::arg("keep") = py::none(), KeepScene(), KeepCaster(), py::keep_alive<1, 7>())
+        .def_static(
+            "correct",
+            [](const Scene& s, const RayCaster& c, const NeePlusPlusSettings& p, std::optional<double> share,
+               double certain, uint64_t seed, uint64_t lasting_seed, bool weighted,
+               std::optional<KeptVoxels*> keep) {
+                RouletteOptions options{.seed = seed, .keep = keep.value_or(nullptr)};
+                options.correct = MeanSettings{share, certain, seed, lasting_seed, weighted};
+                return std::make_unique<RouletteSource>(s, c, p, options);
+            },
+            "The means of voxels as a control variate.", scene, caster, py::arg("settings"), py::kw_only(),
+            py::arg("share") = py::none(), py::arg("certain"), py::arg("seed"), py::arg("lasting_seed") = 0,
+            py::arg("weighted") = true, py::arg("keep") = py::none(), py::keep_alive<0, 1>(),
+            py::keep_alive<0, 2>(), py::keep_alive<0, 9>());
     py::class_<ResidualSource, OracleSource>(m, "ResidualSource", "See viscache.Correct.")
         .def(py::init([](const Scene& s, const RayCaster& c, OracleSource& inner, std::optional<double> share,
                          double certain, uint64_t seed, uint64_t lasting_seed, const ClassOctaves& octaves,

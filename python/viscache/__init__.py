@@ -48,6 +48,7 @@ from viscache.vismap import (
 )
 from viscache.vlf import aligned_occlusion
 from viscache.vlf.field import VisibilityField
+from viscache.voxel_counts import VoxelCounts
 
 __version__ = VERSION
 
@@ -82,6 +83,7 @@ __all__ = [
     "VisibilityField",
     "VisibilityMapCache",
     "Vlf",
+    "VoxelCounts",
     "Vpls",
     "Whitted",
     "__version__",

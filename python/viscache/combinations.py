@@ -8,7 +8,14 @@ from typing import Any
 
 from viscache.settings.integrators import Bdpt, Direct, Whitted
 from viscache.settings.rays import is_robust
-from viscache.settings.visibility import Aqvc, Exact, ShadowMap, Unoccluded, VisMaps
+from viscache.settings.visibility import (
+    Aqvc,
+    Exact,
+    NeePlusPlus,
+    ShadowMap,
+    Unoccluded,
+    VisMaps,
+)
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
 
@@ -23,9 +30,11 @@ class Request:
         Settings.
     use : str or Correct, optional
     keep : bool
-        Whether a table or rows of the quantized cache are kept from frame to frame.
+        Whether something is kept from frame to frame.
     keeps_rows : bool
         Whether it is rows.
+    keeps_voxels : bool
+        Whether it is voxel counts of Next Event Estimation++.
     first_sample : int
     parts : int
         Number of parts of the frame.
@@ -39,6 +48,7 @@ class Request:
     use: Any = None
     keep: bool = False
     keeps_rows: bool = False
+    keeps_voxels: bool = False
     first_sample: int = 0
     parts: int = 1
     batch: bool = False
@@ -129,12 +139,16 @@ RULES: tuple[Rule, ...] = (
          lambda r: (isinstance(r.visibility, Exact) and r.visibility.engine == "shafts"
                     and not is_robust(r.rays)),
          lambda r: r.rays),
-    Rule("`keep=…`", "any visibility but `Aqvc`", "`Aqvc`",
+    Rule("`keep=AqvcTable(...)`, `AqvcRows(...)`", "any visibility but `Aqvc`", "`Aqvc`",
          "visibility must be vc.Aqvc(...) with keep",
-         lambda r: r.keep and not isinstance(r.visibility, Aqvc)),
-    Rule("`keep=…`", "`Bdpt`, `AmbientOcclusion`", "`Direct`, `Whitted`",
+         lambda r: r.keep and not r.keeps_voxels and not isinstance(r.visibility, Aqvc)),
+    Rule("`keep=VoxelCounts()`", "any visibility but `NeePlusPlus`", "`NeePlusPlus`",
+         "visibility must be vc.NeePlusPlus(...) with keep=vc.VoxelCounts()",
+         lambda r: r.keeps_voxels and not isinstance(r.visibility, NeePlusPlus)),
+    Rule("`keep=AqvcTable(...)`, `AqvcRows(...)`", "`Bdpt`, `AmbientOcclusion`",
+         "`Direct`, `Whitted`",
          "integrator must be vc.Direct(...) or vc.Whitted(...) with keep",
-         lambda r: r.keep and not isinstance(r.integrator, _IN_TILES),
+         lambda r: r.keep and not r.keeps_voxels and not isinstance(r.integrator, _IN_TILES),
          lambda r: r.integrator),
     Rule("`keep=AqvcRows(...)`", '`PaperForm(form="pairs")`', "`keep=AqvcTable(...)`",
          'form must be "waves" with keep=vc.AqvcRows(...)',
@@ -147,7 +161,8 @@ RULES: tuple[Rule, ...] = (
          lambda r: r.first_sample),
     Rule("frames in parts", "`keep=…`", "one machine",
          "keep must be left out for parts of a frame",
-         lambda r: r.parts > 1 and r.keep, lambda r: "rows" if r.keeps_rows else "a table"),
+         lambda r: r.parts > 1 and r.keep,
+         lambda r: "rows" if r.keeps_rows else "counts" if r.keeps_voxels else "a table"),
     Rule("frames in parts", "`ShadowMap`, `NeePlusPlus`, `VisMaps`, an oracle of your own",
          "one machine",
          "visibility must be vc.Exact(...), vc.Aqvc(...) or vc.Unoccluded() for parts of a frame",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import time
+from contextlib import nullcontext
 from typing import Any, Literal
 
 import numpy as np
@@ -15,8 +17,11 @@ from viscache.aqvc_rows import AqvcRows
 from viscache.emitted_light import light_on_surfaces
 from viscache.frame import Frame
 from viscache.frame_html import frame_html
+from viscache.oracles.code_digest import code_digest
 from viscache.oracles.correct import Correct
 from viscache.oracles.learned import PassMemory, octaves_of
+from viscache.oracles.sources import parameters_of
+from viscache.oracles.written import Written, is_written
 from viscache.progress import Progress, progress_bar
 from viscache.render import render_part
 from viscache.scene import Env, Scene
@@ -25,7 +30,9 @@ from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import Bdpt, Direct, Integrator, Whitted
 from viscache.settings.rays import Rays
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Aqvc, Exact, Visibility
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
+from viscache.vismap.pass_maps import PassMaps, records_digest
+from viscache.voxel_counts import VoxelCounts
 
 __all__ = ["Progressive"]
 
@@ -42,9 +49,9 @@ class Progressive:
     """A picture that gets better pass by pass.
 
     Every pass has new eye samples. The virtual lights and shared directions stay the same, or are
-    renewed every `renew` passes. The quantized cache keeps its rows: later passes trace only cells
-    and lights that none before had. With `use="correct"`, the default for a cache, rays for a small
-    share of the queries correct its errors, so the picture converges to that of exact visibility.
+    renewed every `renew` passes. Caches go on from pass to pass (see `visibility`). With
+    `use="correct"`, the default for a cache, rays for a small share of the queries correct its
+    errors, so the picture converges to that of exact visibility.
 
     The bytes of n passes do not depend on the number of threads, on interrupts, nor on how many
     calls or saved states they took.
@@ -55,10 +62,17 @@ class Progressive:
     integrator : Direct, Whitted, AmbientOcclusion, Bdpt or str
         `Bdpt` has new light paths in every pass, and keeps nothing.
     visibility : Exact, Aqvc, ... or str
-        As for `vc.render`. What is kept from pass to pass: the rows of `Aqvc` in the form "waves".
+        As for `vc.render`, also an oracle of your own. What is kept from pass to pass:
+
+        - the rows of `Aqvc` in the form "waves" (`rows`): later passes trace only cells and lights
+          that none before had;
+        - what `NeePlusPlus` has learnt (`counts`): every pass adds a small frame of its own;
+        - the records of `VisMaps` (`maps`): before each pass, pixels get the records that they need
+          at another position. A given cache stays as it is, unless `update=True`: then passes
+          refine a copy. With `count_misses=True`, records that rays contradict are removed.
     use : {"replace", "correct"} or Correct, optional
         "correct" unless visibility is exact. "replace": faster passes whose mean keeps the cache's
-        error.
+        error; that of `NeePlusPlus` is Russian roulette, which has none.
     size, spp, seed, threads, camera, env, rays
         As for `vc.render`; `spp` is that of one pass.
     renew : int >= 1, optional
@@ -70,6 +84,13 @@ class Progressive:
         independent of each other; within a block the samples are well spread.
     max_bytes : int in [2^20, 2^44]
         Room for the rows (`AqvcRows`).
+
+    Attributes
+    ----------
+    rows : AqvcRows or None
+    counts : VoxelCounts or None
+    maps : PassMaps or None
+        `maps.cache` is the `VisibilityMapCache` of the passes so far.
 
     Examples
     --------
@@ -87,7 +108,7 @@ class Progressive:
         scene: Scene | str | os.PathLike[str],
         integrator: Integrator | str,
         *,
-        visibility: Visibility | Any | str = "aqvc",
+        visibility: Visibility | Written | str = "aqvc",
         use: Literal["replace", "correct"] | Correct | None = None,
         rays: Rays | str | None = None,
         size: tuple[int, int] | None = None,
@@ -132,6 +153,9 @@ class Progressive:
             and isinstance(self.integrator, Direct | Whitted)
         )
         self.rows = AqvcRows(max_bytes=max_bytes) if keeps else None
+        self.counts = VoxelCounts() if isinstance(self.visibility, NeePlusPlus) else None
+        refines = isinstance(self.visibility, VisMaps) and self.visibility.updates
+        self.maps = PassMaps(self.scene, self.visibility, rays) if refines else None
         self._sums = progressive_state.Sums()
         self._lights: tuple[int, _core.KeptLights] | None = None
 
@@ -143,7 +167,8 @@ class Progressive:
     @property
     def is_unbiased(self) -> bool:
         """Whether more passes remove all error but that of lights that stay the same."""
-        return self.use not in (None, "replace") or isinstance(self.visibility, Exact)
+        corrects = self.use not in (None, "replace")
+        return corrects or isinstance(self.visibility, Exact | NeePlusPlus)
 
     def passes(self, n: int, *, show: bool = False, progress: Progress = False) -> Frame:
         """Render n more passes.
@@ -280,7 +305,9 @@ class Progressive:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the state: sums of all passes, and what caches keep. Complete or absent."""
-        progressive_state.save(path, self._identity(), self._sums, self._next, self.rows)
+        progressive_state.save(
+            path, self._identity(), self._sums, self._next, self.rows, self._kept_arrays()
+        )
 
     def merge(self, other: Progressive) -> None:
         """Add the passes of another picture, for example one of another machine.
@@ -309,24 +336,32 @@ class Progressive:
         FileNotFoundError
             There is no such file.
         """
-        self._sums, self._next = progressive_state.load(path, self._identity(), self.rows)
+        self._sums, self._next = progressive_state.load(
+            path, self._identity(), self.rows, self._restore_arrays
+        )
 
     def _pass(self) -> None:
         n = self._next
         epoch = n // self.renew if self.renew else 0
         alone = isinstance(self.integrator, Bdpt)
-        frame = render_part(
-            self.scene,
-            self.integrator,
-            (0, 1),
-            visibility=self.visibility,
-            use=self.use,
-            seed=self._seed + (n if alone else epoch),
-            first_sample=0 if alone else n * self._spp,
-            keep=self.rows,
-            memory=None if alone else self._memory(epoch),
-            **self._options,
-        )
+        view = {name: self._options[name] for name in ("camera", "size", "threads")}
+        refined = self.maps.for_pass(n, **view) if self.maps else nullcontext(self.visibility)
+        with refined as visibility:
+            frame = render_part(
+                self.scene,
+                self.integrator,
+                (0, 1),
+                visibility=visibility,
+                use=self.use,
+                seed=self._seed + (n if alone else epoch),
+                first_sample=0 if alone else n * self._spp,
+                keep=self.rows if self.rows is not None else self.counts,
+                memory=None if alone else self._memory(epoch),
+                **self._options,
+            )
+        if self.maps is not None:
+            frame.counters.update(self.maps.counters)
+            frame.timings["records_s"] += self.maps.seconds
         self._sums.add(frame, n)
         self._next = n + 1
 
@@ -342,6 +377,17 @@ class Progressive:
         if not learnt or (isinstance(self.use, Correct) and self.use.classes == "same"):
             return PassMemory(self._lights[1])
         return PassMemory(self._lights[1], octaves_of(learnt), 1)
+
+    def _kept_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """What counts and maps keep, for a file."""
+        kept = self.counts if self.counts is not None else self.maps
+        return kept._state() if kept is not None else {}
+
+    def _restore_arrays(self, state: dict[str, npt.NDArray[Any]]) -> None:
+        if self.counts is not None:
+            self.counts._restore(self.scene, self.visibility, state)
+        elif self.maps is not None:
+            self.maps._restore(state)
 
     def _means(self) -> dict[str, npt.NDArray[np.float64]]:
         n, sums = self._sums.n, self._sums.layers
@@ -363,7 +409,7 @@ class Progressive:
         return {
             "scene": self.scene.content_hash,
             "integrator": repr(self.integrator),
-            "visibility": repr(self.visibility),
+            "visibility": described(self.visibility),
             "use": repr(self.use),
             "rays": repr(view["rays"]),
             "size": repr(view["size"]),
@@ -382,6 +428,18 @@ class Progressive:
 
     def __repr__(self) -> str:
         return f"Progressive({self.scene.name!r}, {self.n_passes} passes)"
+
+
+def described(visibility: Any) -> str:
+    """A visibility setting as text that is the same in every process."""
+    if is_written(visibility):
+        fields = by_name.plain(getattr(visibility, "__dict__", None) or parameters_of(visibility))
+        cls = type(visibility)
+        return f"{cls.__qualname__} {code_digest(cls)} {fields}"
+    if isinstance(visibility, VisMaps) and visibility.cache is not None:
+        cache = f"cache {records_digest(visibility.cache)}"
+        return f"{dataclasses.replace(visibility, cache=None)!r} {cache}"
+    return repr(visibility)
 
 
 class _View:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,17 @@ __all__ = ["Sums", "load", "save"]
 Array = npt.NDArray[np.float64]
 
 #: Counters that do not add up over passes.
-OF_ONE_PASS = ("sha256", "audit", "vpls", "lost_throughput", "kept_cells", "kept_bytes")
+OF_ONE_PASS = (
+    "sha256",
+    "audit",
+    "vpls",
+    "lost_throughput",
+    "kept_cells",
+    "kept_bytes",
+    "map_bytes",
+    "records",
+    "voxel_pairs",
+)
 #: First hits are summed over the samples that hit.
 BY_HITS = ("depth", "normal", "albedo")
 
@@ -135,8 +146,9 @@ def save(
     sums: Sums,
     next_pass: int,
     rows: AqvcRows | None,
+    kept: dict[str, npt.NDArray[Any]],
 ) -> None:
-    """Write an uncompressed `.npz` of the sums and rows."""
+    """Write an uncompressed `.npz` of the sums, rows and other arrays that caches keep."""
     records: dict[str, Any] = {
         "identity": identity,
         "version": VERSION,
@@ -152,6 +164,7 @@ def save(
         "rows": [],
     }
     arrays: dict[str, Any] = {"squares": sums.squares}
+    arrays |= {f"kept {name}": values for name, values in kept.items()}
     arrays |= {f"layer {name}": pixels for name, pixels in sums.layers.items()}
     if rows is not None:
         records["row_tiles"], records["row_frames"] = rows._core.tiles, rows.frames
@@ -165,9 +178,15 @@ def save(
 
 
 def load(
-    path: str | os.PathLike[str], identity: dict[str, Any], rows: AqvcRows | None
+    path: str | os.PathLike[str],
+    identity: dict[str, Any],
+    rows: AqvcRows | None,
+    restore: Callable[[dict[str, npt.NDArray[Any]]], None],
 ) -> tuple[Sums, int]:
-    """The sums of a file whose identity is this one, and its next pass; its rows go to `rows`."""
+    """The sums of a file whose identity is this one, and its next pass.
+
+    Its rows go to `rows`, and other arrays that caches keep to `restore`.
+    """
     source = Path(path)
     if not source.is_file():
         raise FileNotFoundError(f"no such file: {source}")
@@ -212,6 +231,8 @@ def load(
         next_pass = int(records["next_pass"])
         if rows is not None:
             rows._restore(records["row_tiles"], records["row_frames"], kept)
+        others = {n.removeprefix("kept "): a for n, a in arrays.items() if n.startswith("kept ")}
+        restore(others)
     except (KeyError, IndexError, TypeError) as error:
         raise ValueError(f"{source} must be a whole saved state, it lacks {error}") from error
     return sums, next_pass

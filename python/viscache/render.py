@@ -38,8 +38,9 @@ from viscache.settings.integrators import (
 from viscache.settings.rays import Rays, Vlf, check_rays
 from viscache.settings.source_context import SourceContext
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Aqvc, Exact, Visibility, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, Visibility, VisMaps
 from viscache.vismap.rendering import render_with_maps
+from viscache.voxel_counts import VoxelCounts
 
 __all__ = ["render"]
 
@@ -66,7 +67,7 @@ def render(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
-    keep: AqvcTable | AqvcRows | None = None,
+    keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
     progress: Progress = False,
 ) -> Frame:
@@ -103,10 +104,11 @@ def render(
         default. Without a camera, the whole scene is shown from a corner above.
     env : Sky, path, float, (3,) or (H, W, 3), optional
         Environment light instead of the scene's.
-    keep : AqvcTable or AqvcRows, optional
+    keep : AqvcTable, AqvcRows or VoxelCounts, optional
         For `Aqvc` with Direct or Whitted: what this frame reuses and extends. With a table, the
         cache has the form "pairs", and `scale_free` cells by default; it is for frames of moving
-        cameras. Rows are for frames of more samples, as `vc.Progressive` renders them.
+        cameras. Rows are for frames of more samples, as `vc.Progressive` renders them. Counts of
+        voxels are for `NeePlusPlus`.
     first_sample : int >= 0, a multiple of spp
         Number of the first eye sample of each pixel. With one seed, frames of first samples 0, spp,
         2·spp, ... have the same virtual lights and shared directions, and new samples of all else.
@@ -182,7 +184,7 @@ def render_part(
     threads: int | None = None,
     camera: str | int | _core.Camera | None = None,
     env: Env | None = None,
-    keep: AqvcTable | AqvcRows | None = None,
+    keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
     progress: Progress = False,
     memory: PassMemory | None = None,
@@ -209,6 +211,7 @@ def render_part(
         use=use,
         keep=keep is not None,
         keeps_rows=isinstance(keep, AqvcRows),
+        keeps_voxels=isinstance(keep, VoxelCounts),
         first_sample=_checked_first(first_sample, spp),
         parts=parts,
     )
@@ -233,10 +236,12 @@ def render_part(
     check(replace(request, batch=batch is not None))
     with ExitStack() as stack:
         report = stack.enter_context(progress_bar(progress))
-        kept, rows = None, None
+        kept, rows, voxels = None, None, None
         if isinstance(keep, AqvcTable):
             table = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
             kept = (table, keep.check, keep.repair)
+        elif isinstance(keep, VoxelCounts):
+            voxels = stack.enter_context(keep._frame(scene, cast(NeePlusPlus, visibility)))
         elif keep is not None:
             rows = stack.enter_context(keep._frame(scene, cast(Aqvc, visibility)))
         context = SourceContext(
@@ -250,6 +255,7 @@ def render_part(
             kept=kept,
             rows=rows,
             octaves=memory.octaves if memory else None,
+            voxels=voxels,
             bidirectional=isinstance(integrator, Bdpt),
         )
         source = oracle_source(visibility, use, context)
@@ -348,8 +354,8 @@ def check_settings(
         use,
     )
     require(
-        keep is None or isinstance(keep, AqvcTable | AqvcRows),
-        "keep must be vc.AqvcTable(...) or vc.AqvcRows(...)",
+        keep is None or isinstance(keep, AqvcTable | AqvcRows | VoxelCounts),
+        "keep must be vc.AqvcTable(...), vc.AqvcRows(...) or vc.VoxelCounts()",
         keep,
     )
 

@@ -22,6 +22,7 @@ SMALL = (
     "aqvc-lookup",
     "shafts",
     "progressive",
+    "which-cache",
     "picks",
     "shafts-elsewhere",
     "oracle",

@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("emitted_light", "exact_cost", "frame", "scene", "variance"),
     ("audited", "metrics", "notebook", "scenes", "temporal"),
     ("sources",),
-    ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf"),
+    ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),
     ("render",),
     ("progressive_state",),
     ("progressive",),

@@ -67,14 +67,60 @@ void shadow_maps_are_traced_once_for_all_threads() {
 void roulette_learns_before_the_frame() {
     Setup setup;
     const NeePlusPlusSettings settings{.n_voxels = 4, .learn_pixels = 300};
-    RouletteSource one(*setup.world, setup.caster, settings, 7),
-        four(*setup.world, setup.caster, settings, 7);
+    RouletteSource one(*setup.world, setup.caster, settings, {.seed = 7}),
+        four(*setup.world, setup.caster, settings, {.seed = 7});
     const FrameResult a = setup.render(one, 1), b = setup.render(four, 4);
     check(same_pixels(a, b), "same pixels");
     const uint64_t learned = reported(a, "learning_rays");
     check(learned > 0, "rays were traced to learn");
     check_equal(a.counters.rays() - learned + reported(a, "discarded"), a.counters.queries(),
                 "each query is traced or discarded");
+}
+
+void means_of_voxels_are_exact_with_a_share_of_one() {
+    Setup setup;
+    const NeePlusPlusSettings settings{.n_voxels = 4, .learn_pixels = 300};
+    const auto source = [&](std::optional<double> share) {
+        RouletteOptions options;
+        options.correct = MeanSettings{.share = share, .seed = 3};
+        return RouletteSource(*setup.world, setup.caster, settings, options);
+    };
+    RouletteSource all = source(1.0), one = source({}), four = source({});
+    const FrameResult exact = setup.exact(), right = setup.render(all);
+    check(same_pixels(exact, right), "all queries traced");
+    check_equal(reported(right, "corrections"), right.counters.queries(), "corrections");
+    const FrameResult a = setup.render(one, 1), b = setup.render(four, 4);
+    check(same_pixels(a, b), "same pixels");
+    check(!same_pixels(a, exact), "a share of the queries is traced");
+    check(reported(a, "discarded") > 0, "the others are not");
+}
+
+void kept_voxels_take_back_what_a_lost_frame_added() {
+    Setup setup;
+    const NeePlusPlusSettings settings{.n_voxels = 4, .learn_pixels = 300, .relearn_pixels = 100};
+    KeptVoxels kept;
+    const auto frame = [&] {
+        RouletteSource source(*setup.world, setup.caster, settings, {.seed = 7, .keep = &kept});
+        return setup.render(source, 3);
+    };
+    const auto tested = [&] {
+        uint64_t sum = 0;
+        for (size_t i = 0; kept.map() && i < kept.map()->size(); ++i) sum += kept.map()->at(i).tested;
+        return sum;
+    };
+    frame();
+    kept.roll_back();
+    check_equal(tested(), uint64_t{0}, "counts without a finished frame");
+    const uint64_t first = reported(frame(), "learning_rays");
+    kept.commit();
+    const uint64_t before = tested();
+    check_equal(before, first, "counts of the first frame");
+    const uint64_t later = reported(frame(), "learning_rays");
+    check(later > 0 && later < first, "a later frame learns less");
+    check_equal(tested(), before + later, "counts of two frames");
+    kept.roll_back();
+    check_equal(tested(), before, "counts after a lost frame");
+    check_equal(kept.frames(), uint64_t{1}, "finished frames");
 }
 
 void a_kept_table_passes_bits_to_the_next_frame() {
@@ -229,6 +275,8 @@ void given_answers_make_the_same_frame() {
 const Suite suite{
     {"shadow maps are traced once for all threads", shadow_maps_are_traced_once_for_all_threads},
     {"roulette learns before the frame", roulette_learns_before_the_frame},
+    {"means of voxels are exact with a share of one", means_of_voxels_are_exact_with_a_share_of_one},
+    {"kept voxels take back what a lost frame added", kept_voxels_take_back_what_a_lost_frame_added},
     {"a kept table passes bits to the next frame", a_kept_table_passes_bits_to_the_next_frame},
     {"a share of one is exact", a_share_of_one_is_exact},
     {"corrected frames are right in expectation", corrected_frames_are_right_in_expectation},

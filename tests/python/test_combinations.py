@@ -33,6 +33,7 @@ BROKEN: list[dict[str, Any]] = [
     {"visibility": vc.Exact(sky_engine="auto"), "integrator": vc.Bdpt()},
     {"visibility": vc.Exact(engine="shafts"), "rays": vc.Bsp()},
     {"keep": True},
+    {"keep": True, "keeps_voxels": True},
     {"keep": True, "visibility": vc.Aqvc(), "integrator": vc.Bdpt()},
     {"keep": True, "keeps_rows": True, "visibility": vc.Aqvc(preset="paper")},
     {"first_sample": 1, "integrator": vc.Bdpt()},

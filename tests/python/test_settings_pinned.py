@@ -128,8 +128,10 @@ def test_nee_plus_plus_has_the_names_and_defaults_of_its_struct() -> None:
         "n_voxels": 7,
         "n_directions": 9,
         "learn_pixels": 3,
+        "relearn_pixels": 5,
         "min_probability": 0.25,
         "exponent": 0.5,
+        "certain": 3.0,
         "symmetric": False,
         "max_bytes": 9,
     }

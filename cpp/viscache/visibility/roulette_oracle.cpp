@@ -43,8 +43,7 @@ void LearningOracle::block(const EyeBlock& eyes, const FarEnds& lights, const Bi
         far[k] = map_.far_cell(lights.semantic, {lights.x[k], lights.y[k], lights.z[k]});
     for (size_t i = 0; i < wanted.rows(); ++i) {
         const uint32_t voxel = map_.voxel(eyes.position[i]);
-        for_each_bit(wanted.row_span(i),
-                     [&](size_t k) { map_.add(voxel, far[k], get_bit(visible.row(i), k)); });
+        for_each_bit(wanted.row_span(i), [&](size_t k) { add(voxel, far[k], get_bit(visible.row(i), k)); });
     }
 }
 
@@ -53,8 +52,7 @@ void LearningOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> qu
     exact_.pairs(eyes, queries, visible, counters);
     for (size_t i = 0; i < queries.size(); ++i) {
         const ShadowQuery& q = queries[i];
-        map_.add(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far),
-                 get_bit(visible.data(), i));
+        add(map_.voxel(eyes.position[q.eye]), map_.far_cell(q.semantic, q.far), get_bit(visible.data(), i));
     }
 }
 

@@ -6,27 +6,35 @@
 #include <memory>
 
 #include "viscache/visibility/exact.h"
-#include "viscache/visibility/voxel_visibility.h"
+#include "viscache/visibility/kept_voxels.h"
 
 namespace viscache {
 
 /// Answers exactly and adds each answer to the map.
 class LearningOracle final : public VisibilityOracle {
 public:
-    /// `map` must outlive the oracle and may be shared by several.
-    LearningOracle(VoxelVisibility& map, const RayCaster& caster, float extent)
-        : map_(map), exact_(caster, extent) {}
+    /// `map` must outlive the oracle and may be shared by several. `journal`: records what was added.
+    LearningOracle(VoxelVisibility& map, const RayCaster& caster, float extent,
+                   VoxelJournal::Entries* journal = nullptr)
+        : map_(map), exact_(caster, extent), journal_(journal) {}
 
     void watch(const Control& control) override;
-    void begin_tile(const EyeBlock&) override {}
+    void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters) override;
 
 private:
+    void add(uint32_t voxel, uint32_t far, bool seen) {
+        const size_t place = map_.place(voxel, far);
+        map_.add_at(place, seen);
+        if (journal_) journal_->push_back(uint64_t(place) << 1 | uint64_t(seen));
+    }
+
     VoxelVisibility& map_;
     ExactOracle exact_;
+    VoxelJournal::Entries* journal_;
 };
 
 /// Answers with weights.
@@ -43,7 +51,7 @@ public:
           row_of_voxel_(map.voxels(), kNone) {}
 
     void watch(const Control& control) override;
-    void begin_tile(const EyeBlock&) override {}
+    void begin_tile(const EyeBlock& eyes) override { exact_.begin_tile(eyes); }
     void block(const EyeBlock& eyes, const FarEnds& lights, const BitMatrix& wanted, BitMatrix& visible,
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,

@@ -1,20 +1,30 @@
 #pragma once
 // Source of Next Event Estimation++: a small frame learns the map of visibilities, then the frame uses
-// Russian roulette.
+// Russian roulette, or the map as a control variate.
 #include <optional>
 
 #include "viscache/scene/scene.h"
+#include "viscache/visibility/kept_voxels.h"
+#include "viscache/visibility/mean_oracle.h"
 #include "viscache/visibility/oracle_source.h"
 #include "viscache/visibility/roulette_oracle.h"
 
 namespace viscache {
 
-class RouletteSource final : public OracleSource {
-public:
+struct RouletteOptions {
+    uint64_t seed = 0;
     /// Without `weighted`, visible connections have weight 1. This is biased on purpose, for tests that must
     /// detect it.
+    bool weighted = true;
+    std::optional<MeanSettings> correct;  ///< the map as a control variate, in place of roulette
+    /// Frames that pass on the map, from `begin` to `commit` of each; must outlive the source.
+    KeptVoxels* keep = nullptr;
+};
+
+class RouletteSource final : public OracleSource {
+public:
     RouletteSource(const Scene& scene, const RayCaster& caster, const NeePlusPlusSettings& settings,
-                   uint64_t seed, bool weighted = true);
+                   const RouletteOptions& options);
     void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override;
     void report(Counters& counters, SourceReport& out) const override;
@@ -23,9 +33,9 @@ private:
     const RayCaster& caster_;
     float extent_;
     NeePlusPlusSettings settings_;
-    uint64_t seed_;
-    bool weighted_;
-    VoxelVisibility map_;
+    RouletteOptions options_;
+    std::optional<VoxelVisibility> own_;  ///< without `keep`
+    VoxelVisibility& map_;
     uint64_t learning_rays_ = 0;
     double learning_s_ = 0;
 };

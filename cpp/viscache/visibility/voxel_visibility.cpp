@@ -28,9 +28,11 @@ void NeePlusPlusSettings::validate() const {
     require(n_voxels >= 1 && n_voxels <= 64, "n_voxels must be in [1, 64]", n_voxels);
     require(n_directions >= 1 && n_directions <= 256, "n_directions must be in [1, 256]", n_directions);
     require(learn_pixels >= 1, "learn_pixels must be >= 1", learn_pixels);
+    require(relearn_pixels >= 0, "relearn_pixels must be >= 0", relearn_pixels);
     require(min_probability >= 1e-3 && min_probability <= 1, "min_probability must be in [0.001, 1]",
             min_probability);
     require(exponent >= 0 && exponent <= 4, "exponent must be in [0, 4]", exponent);
+    require(certain > 0 && std::isfinite(certain), "certain must be > 0 and finite", certain);
     require(max_bytes >= 1, "max_bytes must be >= 1", max_bytes);
 }
 
@@ -69,11 +71,25 @@ uint32_t VoxelVisibility::far_cell(Semantic semantic, Vec3 far) const {
     return voxels_ + cell(p.y) * edge_ + cell(p.x);
 }
 
-void VoxelVisibility::add(uint32_t voxel, uint32_t far, bool seen) {
-    Counts& c = counts_[place(voxel, far)];
+void VoxelVisibility::add_at(size_t place, bool seen) {
+    Counts& c = counts_[place];
     if (std::atomic_ref(c.tested).fetch_add(1, std::memory_order_relaxed) == 0)
         pairs_tested_.fetch_add(1, std::memory_order_relaxed);
     if (seen) std::atomic_ref(c.seen).fetch_add(1, std::memory_order_relaxed);
+}
+
+void VoxelVisibility::remove_at(size_t place, bool seen) {
+    Counts& c = counts_[place];
+    c.seen -= seen;
+    if (--c.tested == 0) pairs_tested_.fetch_sub(1);
+}
+
+void VoxelVisibility::restore(size_t place, Counts counts) {
+    require(place < size_, "a pair of voxels must have a number in its range", place);
+    require(counts.tested > 0 && counts.seen <= counts.tested && counts_[place].tested == 0,
+            "a pair of voxels must have counts once, with seen <= tested", counts.seen);
+    counts_[place] = counts;
+    pairs_tested_.fetch_add(1);
 }
 
 }  // namespace viscache

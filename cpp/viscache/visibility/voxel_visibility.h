@@ -21,8 +21,10 @@ struct NeePlusPlusSettings {
     int n_voxels = 16;              ///< along an edge of the scene's bounding box
     int n_directions = 16;          ///< cells along an edge of the octahedral square, for light from infinity
     int learn_pixels = 4096;        ///< size of the small frame from which the map is learned
+    int relearn_pixels = 256;       ///< the same of each later frame, if frames pass on their map
     double min_probability = 0.05;  ///< least tracing probability; limits weights to its inverse
     double exponent = 1;            ///< tracing probability is p^exponent: 1 as in the paper, 0 always traces
+    double certain = 4;             ///< for the control variate (MeanSettings)
     bool symmetric = true;          ///< V(a, b) and V(b, a) share counts
     uint64_t max_bytes = 1ull << 30;
     /// Throws std::invalid_argument with a message that says what must hold.
@@ -50,8 +52,26 @@ public:
     /// Cell of a far end: a voxel, or a cell of directions, numbered after the voxels.
     uint32_t far_cell(Semantic semantic, Vec3 far) const;
 
+    /// Index of a pair of cells: pairs of voxels first, then voxels with directions.
+    size_t place(uint32_t voxel, uint32_t far) const {
+        if (far >= voxels_) return voxel_pairs_ + size_t(voxel) * directions_ + (far - voxels_);
+        if (!symmetric_) return size_t(voxel) * voxels_ + far;
+        const size_t low = std::min(voxel, far), high = std::max(voxel, far);
+        return high * (high + 1) / 2 + low;
+    }
+    size_t size() const { return size_; }
+
     /// Adds a shadow ray from a voxel to the cell of a far end. Safe to call from several threads.
-    void add(uint32_t voxel, uint32_t far, bool seen);
+    void add(uint32_t voxel, uint32_t far, bool seen) { add_at(place(voxel, far), seen); }
+    void add_at(size_t place, bool seen);
+    /// Takes back one call of `add_at`. Not safe while others read or write.
+    void remove_at(size_t place, bool seen);
+    struct Counts {
+        uint32_t tested = 0, seen = 0;
+    };
+    const Counts& at(size_t place) const { return counts_[place]; }
+    /// Sets the counts of a pair that has none.
+    void restore(size_t place, Counts counts);
     /// Estimated visibility in (0, 1]; 1 without tests. One unblocked ray is added to the counts, so that a
     /// few blocked rays do not give 0.
     double visibility(uint32_t voxel, uint32_t far) const {
@@ -63,21 +83,16 @@ public:
         const double p = visibility(voxel, far);
         return std::max(min_probability_, exponent_ == 1 ? p : std::pow(p, exponent_));
     }
+    /// Mean visibility in (0, 1), with half an unblocked and half a blocked ray added to the counts: 1/2
+    /// without tests.
+    double mean(uint32_t voxel, uint32_t far) const {
+        const Counts& c = counts_[place(voxel, far)];
+        return (double(c.seen) + 0.5) / (double(c.tested) + 1);
+    }
     /// Number of pairs of cells with at least one test.
     uint64_t pairs_tested() const { return pairs_tested_.load(); }
 
 private:
-    struct Counts {
-        uint32_t tested = 0, seen = 0;
-    };
-    /// Index of a pair: pairs of voxels first, then voxels with directions.
-    size_t place(uint32_t voxel, uint32_t far) const {
-        if (far >= voxels_) return voxel_pairs_ + size_t(voxel) * directions_ + (far - voxels_);
-        if (!symmetric_) return size_t(voxel) * voxels_ + far;
-        const size_t low = std::min(voxel, far), high = std::max(voxel, far);
-        return high * (high + 1) / 2 + low;
-    }
-
     uint32_t n_, edge_, voxels_, directions_;
     Vec3 low_, scale_;  ///< lower corner of the box, and voxels per unit of length
     bool symmetric_;

@@ -115,7 +115,7 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
             gain = (errors["packets"][i] * base.cpu_s) / (errors[name][i] * run.cpu_s)
             outcome.figures.append(
                 figure(
-                    f"{case.name}: {name}, {metric}·time of packets over it",
+                    f"{case.name}: {name} vs packets, {metric}·time",
                     errors[name][i],
                     metric,
                     baseline=errors["packets"][i],

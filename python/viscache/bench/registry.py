@@ -27,6 +27,7 @@ from viscache.bench.sweep import sweep
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
+from viscache.bench.which_cache import which_cache
 from viscache.settings.spelling import nearest
 
 __all__ = ["BENCHES", "BenchInfo", "run", "run_all"]
@@ -71,6 +72,10 @@ BENCHES: dict[str, BenchInfo] = {
     "progressive": BenchInfo(
         description="error times time of passes: exact, plain and corrected",
         function=progressive,
+    ),
+    "which-cache": BenchInfo(
+        description="which way wins where: error times time of passes over 14 pictures",
+        function=which_cache,
     ),
     "picks": BenchInfo(
         description="error over time: exact, cached, or a few lights picked by each eye point",

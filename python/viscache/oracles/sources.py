@@ -10,13 +10,18 @@ from viscache.oracles.correct import Correct
 from viscache.oracles.learned import unlearnt
 from viscache.settings.rays import Rays, is_robust
 from viscache.settings.source_context import SourceContext
-from viscache.settings.visibility import Aqvc, Exact, VisMaps
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, VisMaps
 
 __all__ = ["oracle_source", "parameters_of", "shafts_for"]
 
 
 def oracle_source(visibility: Any, use: Any, context: SourceContext) -> _core.OracleSource:
     """What makes the oracles of one frame: built in or written in Python, corrected if asked."""
+    if isinstance(visibility, NeePlusPlus) and use not in (None, "replace"):
+        given = isinstance(use, Correct)
+        return visibility.corrected(
+            context, use.share if given else None, use.certain if given else None
+        )
     if written.is_written(visibility):
         source = written.source(visibility, context)
     else:

@@ -37,6 +37,8 @@ class SourceContext:
         The rows that are kept from frame to frame.
     octaves : list of list of int
         What corrections learnt of the classes of answers (`Learned`).
+    voxels : KeptVoxels, optional
+        The voxel counts that are kept from frame to frame.
     """
 
     scene: _core.Scene
@@ -50,6 +52,7 @@ class SourceContext:
     kept: tuple[_core.KeptTable, float, bool] | None = None
     rows: _core.AqvcRows | None = None
     octaves: list[list[int]] | None = None
+    voxels: _core.KeptVoxels | None = None
 
 
 class MakesOracles(Protocol):

@@ -1,0 +1,270 @@
+"""vc.Progressive with visibility maps, Next Event Estimation++ and oracles written in Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscache as vc
+
+SIZE = (48, 32)
+LIGHTS, SKY = vc.Whitted(n_vpls=64), vc.Direct(n_environment=8)
+#: Coarse, so that its errors show.
+VOXELS = vc.NeePlusPlus(n_voxels=4, learn_pixels=768, relearn_pixels=64)
+
+
+@dataclass(frozen=True)
+class HalfBlind:
+    """Sees nothing of every n-th lamp, and all of the others."""
+
+    n: int = 3
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        seen = wanted.copy()
+        seen[:, :: self.n] = False
+        return seen
+
+
+class Plain:
+    """An oracle without fields that it declares."""
+
+    def __init__(self, n: int) -> None:
+        self.n = n
+
+    def block(self, eyes: Any, lamps: Any, wanted: Any) -> Any:
+        return wanted
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    return vc.scenes.build("room?triangles=3000")
+
+
+@pytest.fixture(scope="module")
+def window() -> vc.Scene:
+    return vc.scenes.window_room()
+
+
+def picture(scene: vc.Scene, visibility: Any, use: Any = None, **options: Any) -> vc.Progressive:
+    maps = isinstance(visibility, vc.VisMaps) or options.pop("sky", False)
+    given: dict[str, Any] = {"visibility": visibility, "use": use, "size": SIZE} | options
+    return vc.Progressive(scene, SKY if maps else LIGHTS, **given)
+
+
+CASES: list[tuple[Any, Any]] = [
+    (vc.VisMaps(), None),
+    (vc.VisMaps(), "replace"),
+    (vc.VisMaps(count_misses=True, sampling="guided"), None),
+    (VOXELS, "replace"),
+    (VOXELS, "correct"),
+    (VOXELS, vc.Correct(share=0.2)),
+    (HalfBlind(), "correct"),
+    (HalfBlind(), vc.Correct(share=0.2)),
+    (HalfBlind(), "replace"),
+    (vc.ShadowMap(resolution=64, vpls=True), "correct"),
+    (vc.Unoccluded(), "correct"),
+]
+
+
+@pytest.mark.parametrize(
+    ("visibility", "use"), CASES, ids=[f"{type(v).__name__}-{u}" for v, u in CASES]
+)
+def test_bytes_depend_on_neither_threads_nor_stops(
+    room: vc.Scene, window: vc.Scene, tmp_path: Path, visibility: Any, use: Any
+) -> None:
+    scene = window if isinstance(visibility, vc.VisMaps) else room
+    whole = picture(scene, visibility, use, threads=1)
+    want = whole.passes(4).sha256
+    parts = picture(scene, visibility, use, threads=3)
+    parts.passes(2)
+    parts.save(tmp_path / "state.npz")
+    resumed = picture(scene, visibility, use, threads=2)
+    resumed.load(tmp_path / "state.npz")
+    assert resumed.passes(2).sha256 == want
+    assert parts.passes(2).sha256 == want
+    another = picture(scene, visibility, use, first_pass=8)
+    another.passes(2)
+    resumed.merge(another)
+    assert resumed.n_passes == 6
+    with pytest.raises(ValueError, match="visibility must be"):
+        resumed.merge(picture(scene, vc.Exact(), use, sky=scene is window))
+
+
+@pytest.mark.parametrize("visibility", [vc.VisMaps(), vc.VisMaps(count_misses=True), VOXELS])
+def test_an_interrupted_pass_leaves_nothing(
+    room: vc.Scene, window: vc.Scene, visibility: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = window if isinstance(visibility, vc.VisMaps) else room
+    want = picture(scene, visibility).passes(3).sha256
+    stopped = picture(scene, visibility)
+    stopped.passes(1)
+    from viscache import progressive
+
+    whole = progressive.render
+
+    def interrupted(*args: Any, **options: Any) -> vc.Frame:
+        def stop(done: int, total: int) -> None:
+            raise KeyboardInterrupt
+
+        return whole(*args, **options, progress=stop)
+
+    monkeypatch.setattr(progressive, "render", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        stopped.passes(1)
+    monkeypatch.undo()
+    assert stopped.n_passes == 1
+    assert stopped.passes(2).sha256 == want
+
+
+def test_a_later_pass_adds_the_records_that_it_lacks(window: vc.Scene) -> None:
+    maps = picture(window, vc.VisMaps(n_startup=20))
+    assert maps.maps is not None
+    records = []
+    for _ in range(4):
+        frame = maps.passes(1)
+        records.append(len(maps.maps.cache))
+        assert frame.counters["records"] == records[-1]
+    assert 0 < records[0] < records[-1] < 3 * records[0]
+    assert frame.counters["records_inserted"] >= records[-1]
+    assert frame.counters["records_rays"] == maps.maps.cache.rays
+    assert picture(window, vc.Exact(), sky=True).maps is None
+
+
+def test_wrong_records_are_removed_where_misses_are_counted(window: vc.Scene) -> None:
+    """Their number falls where nearly every error counts as too many."""
+    strict = vc.VisMaps(count_misses=True, eps_max=1e-4)
+    pictures = [picture(window, v) for v in (strict, vc.VisMaps(eps_max=1e-4))]
+    for p in pictures:
+        p.passes(3)
+    assert pictures[0].maps is not None
+    assert pictures[1].maps is not None
+    removed = pictures[0].frame.counters["records_inserted"] - len(pictures[0].maps.cache)
+    assert removed > 0
+    assert len(pictures[1].maps.cache) == pictures[1].frame.counters["records_inserted"]
+
+
+def test_a_given_cache_stays_as_it_is(window: vc.Scene) -> None:
+    cache = vc.VisibilityMapCache(window)
+    cache.update(size=(16, 12))
+    before = len(cache)
+    fixed = picture(window, vc.VisMaps(cache=cache))
+    grown = picture(window, vc.VisMaps(cache=cache, update=True))
+    want = fixed.passes(2).sha256
+    grown.passes(2)
+    assert fixed.maps is None
+    assert grown.maps is not None
+    assert len(grown.maps.cache) > len(cache) == before
+    # The records count, not the object
+    copy = vc.VisibilityMapCache(window)
+    copy.update(size=(16, 12))
+    same = picture(window, vc.VisMaps(cache=copy), first_pass=2)
+    same.passes(1)
+    fixed.merge(same)
+    copy.update(size=SIZE)
+    with pytest.raises(ValueError, match="visibility must be"):
+        fixed.merge(picture(window, vc.VisMaps(cache=copy)))
+    assert want != fixed.frame.sha256
+
+
+def test_voxels_go_on_from_pass_to_pass(room: vc.Scene) -> None:
+    p = picture(room, VOXELS)
+    assert p.counts is not None
+    learnt = []
+    for _ in range(3):
+        learnt.append(p.passes(1).counters["learning_rays"])
+    assert all(0 < more < 0.2 * learnt[0] for more in np.diff(learnt))
+    assert p.counts.frames == 3
+    # Roulette has no bias that passes could not tell
+    roulette = picture(room, VOXELS, "replace")
+    assert roulette.is_unbiased
+    roulette.until(rel_l1=10, passes=5)
+    assert picture(room, VOXELS).is_unbiased
+
+
+def test_states_of_another_oracle_are_refused(room: vc.Scene, tmp_path: Path) -> None:
+    p = picture(room, HalfBlind(), "correct")
+    p.passes(1)
+    p.save(tmp_path / "state.npz")
+    picture(room, HalfBlind(), "correct").load(tmp_path / "state.npz")
+    for other in (HalfBlind(n=4), Plain(3), VOXELS):
+        with pytest.raises(ValueError, match="visibility must be"):
+            picture(room, other, "correct").load(tmp_path / "state.npz")
+    p = picture(room, Plain(1), "correct")
+    p.passes(1)
+    p.save(tmp_path / "state.npz")
+    picture(room, Plain(1), "correct").load(tmp_path / "state.npz")
+    with pytest.raises(ValueError, match="visibility must be"):
+        picture(room, Plain(2), "correct").load(tmp_path / "state.npz")
+
+
+def test_a_state_without_what_caches_keep_is_refused(
+    room: vc.Scene, window: vc.Scene, tmp_path: Path
+) -> None:
+    for scene, visibility in ((room, VOXELS), (window, vc.VisMaps())):
+        p = picture(scene, visibility)
+        p.passes(1)
+        p.save(tmp_path / "state.npz")
+        with np.load(tmp_path / "state.npz") as file:
+            arrays = {n: file[n] for n in file.files if not n.startswith("kept ")}
+        np.savez(tmp_path / "less.npz", **arrays)
+        other = picture(scene, visibility)
+        with pytest.raises(ValueError, match="must be a whole saved state"):
+            other.load(tmp_path / "less.npz")
+        assert other.n_passes == 0
+
+
+def energies(scene: vc.Scene, visibility: Any, use: Any, n: int, **options: Any) -> Any:
+    """Light of each pass."""
+    p = picture(scene, visibility, use, **options)
+    sums = np.array([p.passes(1).image.sum(dtype=np.float64) * (i + 1) for i in range(n)])
+    return np.diff(sums, prepend=0.0)
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize(
+    ("visibility", "use", "biased"),
+    [
+        (VOXELS, "correct", None),
+        (VOXELS, "replace", None),
+        (HalfBlind(), "correct", "replace"),
+        (HalfBlind(), vc.Correct(share=0.25), "replace"),
+    ],
+    ids=["means", "roulette", "own", "own, even"],
+)
+def test_passes_converge_to_exact_visibility(
+    room: vc.Scene, visibility: Any, use: Any, biased: Any
+) -> None:
+    """Energy by Student t over passes; a percent of it would show, and so does the bias."""
+    n = 32
+    exact = energies(room, vc.Exact(), None, n)
+    d = energies(room, visibility, use, n) / exact - 1
+    se = d.std(ddof=1) / np.sqrt(n)
+    assert abs(d.mean()) < 3.5 * se
+    assert 5 * se < 0.02
+    if biased:
+        d = energies(room, visibility, biased, n) / exact - 1
+        assert abs(d.mean()) > 10 * d.std(ddof=1) / np.sqrt(n)
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("options", [{}, {"count_misses": True}], ids=["grow", "removed too"])
+def test_passes_of_refined_maps_converge_to_exact_visibility(
+    window: vc.Scene, options: dict[str, Any]
+) -> None:
+    """Against passes of product sampling; maps in place of visibility fail."""
+    n = 32
+    product = vc.Direct(n_environment=256, environment="product")
+    p = vc.Progressive(window, product, visibility="exact", size=SIZE)
+    exact = np.diff([0.0, *(p.passes(1).image.sum() * (i + 1) for i in range(n))])
+    coarse = vc.VisMaps(m=4, n_startup=1, d_max=1000.0, **options)
+    ours = energies(window, coarse, None, n)
+    d = ours - exact  # of the same eye samples
+    se = d.std(ddof=1) / np.sqrt(n)
+    assert abs(d.mean()) < 3.5 * se
+    assert 4 * se < 0.02 * exact.mean()
+    spoilt = energies(window, coarse, "replace", n) - exact
+    assert abs(spoilt.mean()) > 5 * spoilt.std(ddof=1) / np.sqrt(n)

@@ -1,0 +1,276 @@
+"""Means of voxels as a control variate: `NeePlusPlus` with use="correct"."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import viscache as vc
+from render.test_determinism import INTEGRATORS, ROOM, signature
+from viscache import _core
+from viscache.settings.integrators import core_settings
+from visibility.test_roulette_oracle import COARSE, SIZE, SKY, paired, stack
+
+LIGHTS = vc.Whitted(n_vpls=64)
+
+
+@pytest.fixture(scope="module")
+def room() -> vc.Scene:
+    return ROOM.to_viscache()
+
+
+def corrected(
+    scene: vc.Scene, integrator: Any, seeds: range, *, weighted: bool = True, **options: Any
+) -> npt.NDArray[Any]:
+    """Frames whose corrections have the weight 1/q, or, as a negative control, 1."""
+    frame = _core.FrameSettings()
+    frame.width, frame.height, frame.spp, frame.threads = *SIZE, 1, 2
+    camera = _core.scene_cameras(scene._core)[0]
+    paths = isinstance(integrator, vc.Bdpt)
+    render: Any = _core.render_bdpt if paths else _core.render_frame
+    settings = integrator.core() if paths else core_settings(integrator)
+    caster = scene.caster()
+    images = []
+    for frame.seed in seeds:
+        source = _core.RouletteSource.correct(
+            scene._core,
+            caster,
+            COARSE.core(),
+            certain=COARSE.certain,
+            seed=frame.seed,
+            lasting_seed=frame.seed,
+            weighted=weighted,
+            **options,
+        )
+        got = render(scene._core, caster, camera, settings, frame, source)
+        images.append(got["layers"]["color"])
+    return np.stack(images)
+
+
+@pytest.mark.slow
+@pytest.mark.stat
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
+def test_frames_are_right_in_expectation_and_a_wrong_q_shows(
+    integrator: Any, room: vc.Scene
+) -> None:
+    seeds = range(32)
+    exact = stack(room, integrator, vc.Exact(), seeds)
+    result = paired(corrected(room, integrator, seeds), exact)
+    assert result.same, str(result)
+    spoilt = paired(corrected(room, integrator, seeds, weighted=False), exact)
+    assert spoilt.p < 1e-9, str(spoilt)
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("share", [None, 0.2])
+def test_slits_of_light_in_voxels_of_shadow_keep_their_light(share: float | None) -> None:
+    scene = vc.scenes.stairs(12)
+    seeds = range(64)
+    exact = stack(scene, vc.Direct(), vc.Exact(), seeds)
+    ours = corrected(scene, vc.Direct(), seeds, share=share)
+    assert (ours - exact).std() > 0.05 * exact.mean()
+    result = paired(ours, exact)
+    assert result.same, str(result)
+    assert not paired(0.98 * ours, exact).same
+    spoilt = paired(corrected(scene, vc.Direct(), seeds, share=share, weighted=False), exact)
+    assert spoilt.p < 1e-9, str(spoilt)
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
+def test_a_share_of_one_is_the_exact_frame_byte_for_byte(integrator: Any, room: vc.Scene) -> None:
+    exact = vc.render(room, integrator, size=SIZE)
+    frame = vc.render(room, integrator, size=SIZE, visibility=COARSE, use=vc.Correct(share=1))
+    assert frame.sha256 == exact.sha256
+    assert frame.counters["corrections"] == frame.counters["queries"] == exact.counters["queries"]
+
+
+@pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
+def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Scene) -> None:
+    frames = [
+        vc.render(
+            room, integrator, size=(60, 40), spp=4, visibility=COARSE, use="correct", threads=n
+        )
+        for n in (1, 2, 5)
+    ]
+    assert frames[0].counters["discarded"] > 0
+    for frame in frames[1:]:
+        assert signature(frame) == signature(frames[0])
+
+
+def test_weights_are_the_mean_or_the_corrected_mean() -> None:
+    """μ where nothing was traced; of a traced query, q follows from its weight and the truth."""
+    scene = vc.scenes.build("room?triangles=3000")
+    conn = vc.connections(scene, LIGHTS, size=SIZE)
+    settings, exact = vc.NeePlusPlus(n_voxels=6), conn.answers(vc.Exact())["vpl"]
+    answer = conn.answers(settings, use="correct")["vpl"]
+    even = conn.answers(settings, use=vc.Correct(share=2.0**-20))["vpl"]  # hardly any is traced
+    wanted = np.unpackbits(conn.wanted("vpl").view(np.uint8), axis=1, bitorder="little")
+    wanted = wanted[:, : exact.n_ends].astype(bool)  # type: ignore[union-attr]
+    truth, weight, mean = (
+        a[wanted]
+        for a in (exact.visible, answer.weights, even.weights)  # type: ignore[union-attr]
+    )
+    known = (mean > 0) & (mean < 1)
+    assert known.mean() > 0.999
+    truth, weight, mean = truth[known], weight[known], mean[known]
+    traced = weight != mean
+    q = (truth - mean)[traced] / (weight - mean)[traced]
+    halvings = -np.log2(q)
+    np.testing.assert_allclose(halvings, np.round(halvings), atol=2e-3)
+    assert (np.round(halvings).min(), np.round(halvings).max()) == (0, 5)
+    # Uncertain pairs of voxels are traced more
+    certain = mean * (1 - mean) < 0.01
+    assert traced[~certain].mean() > 1.5 * traced[certain].mean()
+    # The mean is that of the truth where it says so
+    for low, high in ((0.1, 0.4), (0.4, 0.6), (0.6, 0.9)):
+        there = (mean > low) & (mean < high)
+        assert abs(truth[there].mean() - mean[there].mean()) < 0.1
+
+
+def test_the_frame_is_the_sum_of_its_answers() -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    conn = vc.connections(scene, LIGHTS, size=SIZE)
+    frame = vc.render(scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct")
+    again = conn.frame(conn.answers(COARSE, use="correct"))
+    np.testing.assert_allclose(again.image, frame.image, rtol=1e-4, atol=1e-5)
+
+
+def test_the_contribution_decides_beside_the_mean() -> None:
+    """Rays go where light is: the same rays, spread evenly, leave several times the error."""
+    scene = vc.scenes.build("room?triangles=3000")
+    exact = vc.render(scene, LIGHTS, size=SIZE, spp=4)
+    options: dict[str, Any] = {"size": SIZE, "visibility": vc.NeePlusPlus(), "spp": 4}
+    by_light = vc.render(scene, LIGHTS, use="correct", **options)
+    share = by_light.counters["corrections"] / by_light.counters["queries"]
+    evenly = vc.render(scene, LIGHTS, use=vc.Correct(share=share), **options)
+    errors = [np.square(f.image - exact.image).mean() for f in (by_light, evenly)]
+    assert errors[1] > 3 * errors[0] > 0
+
+
+def test_fewer_certain_means_draw_more() -> None:
+    scene = vc.scenes.build("room?triangles=3000")
+    drawn = [
+        vc.render(scene, LIGHTS, size=SIZE, visibility=vc.NeePlusPlus(certain=c), use=use)
+        for c, use in ((32.0, "correct"), (4.0, "correct"), (4.0, vc.Correct(certain=32)))
+    ]
+    rays = [frame.counters["corrections"] for frame in drawn]
+    assert rays[1] > 1.5 * rays[0]
+    assert rays[2] == rays[0]
+
+
+# Kept from frame to frame
+
+
+def kept_frames(
+    scene: vc.Scene, n: int, keep: vc.VoxelCounts | None, **options: Any
+) -> list[vc.Frame]:
+    given: dict[str, Any] = {"visibility": COARSE, "size": SIZE} | options
+    return [vc.render(scene, LIGHTS, keep=keep, first_sample=i, **given) for i in range(n)]
+
+
+def test_later_frames_learn_less_and_add_to_the_counts() -> None:
+    scene, counts = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts()
+    tests = []
+    for i in range(3):
+        vc.render(scene, LIGHTS, size=SIZE, visibility=COARSE, keep=counts, first_sample=i)
+        tests.append(int(counts._state()["tested"].sum()))
+    assert tests[0] < tests[1] < tests[2] < 2 * tests[0]
+    assert counts.frames == 3
+    fixed = vc.NeePlusPlus(relearn_pixels=0, n_voxels=4)
+    frames = kept_frames(scene, 2, vc.VoxelCounts(), visibility=fixed)
+    assert frames[1].counters["learning_rays"] == 0 < frames[0].counters["learning_rays"]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_an_interrupted_frame_leaves_no_counts(first: int) -> None:
+    scene, counts, calls = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts(), 0
+    want = [f.sha256 for f in kept_frames(scene, first + 2, vc.VoxelCounts(), use="correct")]
+    kept_frames(scene, first, counts, use="correct")
+    before = counts._state()
+
+    def interrupt(done: int, total: int) -> None:
+        nonlocal calls
+        calls += 1
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vc.render(
+            scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct", keep=counts,
+            first_sample=first, progress=interrupt,
+        )  # fmt: skip
+    assert calls
+    for name, values in counts._state().items():
+        np.testing.assert_array_equal(values, before[name])
+    got = [
+        vc.render(
+            scene, LIGHTS, size=SIZE, visibility=COARSE, use="correct", keep=counts, first_sample=i
+        ).sha256
+        for i in range(first, first + 2)
+    ]
+    assert got == want[first:]
+
+
+@pytest.mark.stat
+@pytest.mark.parametrize("use", ["replace", "correct"])
+def test_frames_that_pass_on_what_they_learnt_are_right_in_expectation(use: str) -> None:
+    """Energy by Student t over passes; one percent of it would show."""
+    scene, n = vc.scenes.build("room?triangles=3000"), 48
+    exact = [f.image.sum() for f in kept_frames(scene, n, None, visibility=vc.Exact())]
+    ours = [f.image.sum() for f in kept_frames(scene, n, vc.VoxelCounts(), use=use)]
+    d = np.array(ours) / np.array(exact) - 1
+    se = d.std(ddof=1) / np.sqrt(n)
+    assert abs(d.mean()) < 3.5 * se
+    assert 5 * se < 0.01
+
+
+def test_what_does_not_fit_is_refused(room: vc.Scene) -> None:
+    counts = vc.VoxelCounts()
+    vc.render(room, vc.Direct(), size=SIZE, visibility=COARSE, keep=counts)
+    for options, match in (
+        ({"visibility": vc.NeePlusPlus(n_voxels=8)}, "n_voxels must be 4 as in the counts' frames"),
+        ({"visibility": vc.Aqvc()}, "visibility must be vc.NeePlusPlus"),
+        ({"visibility": COARSE, "use": "repair"}, "use must be"),
+    ):
+        with pytest.raises(ValueError, match=match):
+            vc.render(room, vc.Direct(), size=SIZE, keep=counts, **options)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="scene must have the geometry"):
+        vc.render(vc.scenes.stairs(12), vc.Direct(), visibility=COARSE, keep=counts)
+    with pytest.raises(ValueError, match=r"keep must be vc.AqvcTable"):
+        vc.render(room, vc.Direct(), visibility=COARSE, keep={})  # type: ignore[arg-type]
+    assert counts.frames == 1
+    counts.clear()
+    assert counts.frames == counts.pairs == counts.bytes == 0
+    vc.render(vc.scenes.stairs(12), vc.Direct(), size=SIZE, visibility=COARSE, keep=counts)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"certain": 0.0}, "certain must be > 0 and finite, got 0"),
+        ({"certain": float("inf")}, "certain must be"),
+        ({"relearn_pixels": -1}, r"relearn_pixels must be in \[0, 1073741824\], got -1"),
+    ],
+)
+def test_bad_settings_are_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        vc.NeePlusPlus(**given)
+
+
+def test_damaged_counts_are_refused() -> None:
+    scene, counts = vc.scenes.build("room?triangles=3000"), vc.VoxelCounts()
+    kept_frames(scene, 1, counts)
+    state = counts._state()
+    other = vc.VoxelCounts()
+    other._restore(scene, COARSE, state)
+    assert (other.pairs, other.frames) == (counts.pairs, 1)
+    for name, values in (
+        ("seen", state["tested"] + 1),
+        ("place", state["place"] + 10**9),
+        ("place", np.zeros_like(state["place"])),
+        ("tested", state["tested"][:-1]),
+    ):
+        with pytest.raises(ValueError, match="must"):
+            vc.VoxelCounts()._restore(scene, COARSE, state | {name: values})
