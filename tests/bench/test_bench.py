@@ -23,6 +23,7 @@ SMALL = (
     "shafts",
     "progressive",
     "picks",
+    "meter",
     "shafts-elsewhere",
     "oracle",
     "memory",
