@@ -1,5 +1,6 @@
-// Eye points of a frame as arrays.
+// Eye points and audited pixels of a frame as arrays.
 #include "arrays.h"
+#include "viscache/render/audit_pixels.h"
 #include "viscache/render/eye_paths.h"
 #include "viscache/scene/check.h"
 #include "viscache/visibility/ray_caster.h"
@@ -30,6 +31,21 @@ void bind_eye_paths(py::module_& m) {
         },
         py::arg("scene"), py::arg("caster"), py::arg("camera"), py::arg("integrator"), py::arg("frame"),
         "Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).");
+    m.def(
+        "draw_audit_pixels",
+        [](uint32_t width, uint32_t height, size_t n, uint64_t seed, uint64_t first_sample) {
+            const auto drawn = draw_audit_pixels(width, height, n, seed, first_sample);
+            py::array_t<uint32_t> out({py::ssize_t(drawn.size()), py::ssize_t(5)});
+            auto rows = out.mutable_unchecked<2>();
+            for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+                const AuditPixel& p = drawn[size_t(i)];
+                const uint32_t values[5] = {p.x, p.y, p.stratum, p.pixels, p.drawn};
+                for (py::ssize_t k = 0; k < 5; ++k) rows(i, k) = values[k];
+            }
+            return out;
+        },
+        py::arg("width"), py::arg("height"), py::arg("n"), py::arg("seed"), py::arg("first_sample") = 0,
+        "Pixels of an audit (n, 5): x, y, stratum, pixels of the stratum, pixels drawn of it.");
 }
 
 }  // namespace viscache::bindings

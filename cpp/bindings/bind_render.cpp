@@ -117,7 +117,10 @@ void bind_render(py::module_& m) {
         .def_readwrite("first_sample", &FrameSettings::first_sample)
         .def_readwrite("threads", &FrameSettings::threads)
         .def_readwrite("part", &FrameSettings::part)
-        .def_readwrite("parts", &FrameSettings::parts);
+        .def_readwrite("parts", &FrameSettings::parts)
+        .def_readwrite("audit_pixels", &FrameSettings::audit_pixels)
+        .def_readwrite("audit_share", &FrameSettings::audit_share)
+        .def_readwrite("audit_above", &FrameSettings::audit_above);
     py::class_<Camera>(m, "Camera",
                        "A camera; made by `viscache.look_at`, `viscache.orthographic` or a scene file.")
         .def_readwrite("name", &Camera::name, "Its name in the scene file.")

@@ -17,13 +17,31 @@ py::array_t<float> image_of(const FrameResult& f, const std::vector<T>& values) 
     return a;
 }
 
-/// The real sums of an audit.
-py::dict audit_sums(const FrameResult& f, const AuditSums& audit) {
-    py::dict of_groups;
-    for (int g = 0; g < kLightGroups; ++g)
-        if (!f.groups[g].empty()) of_groups[kLightGroupNames[g]] = audit.groups[size_t(g)];
-    return py::dict(py::arg("error") = audit.error, py::arg("square") = audit.square,
-                    py::arg("groups") = of_groups);
+/// What an audit found, by light group: errors of its pixels (n, 3), and the sums of each tile's queries.
+py::dict audit_dict(const FrameResult& f) {
+    std::vector<uint32_t> number;
+    uint64_t rays = 0;
+    for (const AuditRecords& tile : f.audit) {
+        rays += tile.rays;
+        for (const AuditedPixel& pixel : tile.pixels) number.push_back(pixel.number);
+    }
+    py::dict errors, queries;
+    for (size_t g = 0; g < kLightGroups; ++g) {
+        if (f.groups[g].empty()) continue;
+        std::vector<Rgb> error;
+        py::list sums;
+        for (const AuditRecords& tile : f.audit) {
+            for (const AuditedPixel& pixel : tile.pixels) error.push_back(pixel.error[g]);
+            const AuditedQueries& q = tile.queries[g];
+            sums.append(py::make_tuple(q.exact, q.queries, q.certain, q.certain_wrong, q.sampled,
+                                       q.sampled_wrong, q.certain_error, q.sampled_error, q.sampled_square));
+        }
+        errors[kLightGroupNames[g]] = from_vec3s(error);
+        queries[kLightGroupNames[g]] = sums;
+    }
+    return py::dict(py::arg("rays") = rays,
+                    py::arg("number") = py::array_t<uint32_t>(py::ssize_t(number.size()), number.data()),
+                    py::arg("errors") = errors, py::arg("queries") = queries);
 }
 
 /// Per light group with corrections by class: a dict per class, in the order of their numbers.
@@ -98,12 +116,6 @@ py::dict counters_of(const FrameResult& f) {
         d["greatest_ratio"] = c.greatest_ratio;
         d["pilot_rays"] = c.pilot_rays;
     }
-    if (f.audit.pixels) {
-        py::dict audit = audit_sums(f, f.audit);
-        audit["pixels"] = f.audit.pixels;
-        audit["rays"] = f.audit.rays;
-        d["audit"] = audit;
-    }
     if (!f.variance.empty()) d["share_by_class"] = classes_of(f);
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;
@@ -175,12 +187,15 @@ py::dict frame_dict(const FrameResult& f) {
     }
     if (f.aligned) timings["aligned_s"] = f.aligned_s;
     out["layers"] = layers;
+    if (!f.audit.empty()) {
+        out["audit"] = audit_dict(f);
+        timings["audit_cpu_s"] = f.stages.audit;
+    }
     if (!f.tile_sums.empty()) {
         py::list sums;
         for (const TileSums& tile : f.tile_sums)
             sums.append(py::dict(py::arg("lost_throughput") = tile.lost_throughput,
-                                 py::arg("expected_false_hits") = tile.expected_false_hits,
-                                 py::arg("audit") = audit_sums(f, tile.audit)));
+                                 py::arg("expected_false_hits") = tile.expected_false_hits));
         out["tile_sums"] = sums;
     }
     out["threads"] = f.threads;

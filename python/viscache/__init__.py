@@ -28,6 +28,7 @@ from viscache.query_record import record_queries
 from viscache.render import render
 from viscache.scene import Intersection, Scene, SceneError, Sky, load_scene
 from viscache.scene.cameras import look_at, orthographic
+from viscache.settings.audit import AuditPixels, AuditQueries
 from viscache.settings.integrators import AmbientOcclusion, Bdpt, Direct, Whitted
 from viscache.settings.nee_plus_plus import NeePlusPlus
 from viscache.settings.rays import Bsp, Embree, Vlf
@@ -57,6 +58,8 @@ __all__ = [
     "Aqvc",
     "AqvcRows",
     "AqvcTable",
+    "AuditPixels",
+    "AuditQueries",
     "Bdpt",
     "Bsp",
     "Connections",

@@ -1,76 +1,292 @@
-"""The error of a cached frame, estimated from the few pixels that exact rays answered as well."""
+"""The error of a cached frame, estimated from the few queries that exact rays answered as well."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from viscache import _core
+from viscache.combinations import Request
 from viscache.emitted_light import light_on_surfaces
+from viscache.settings.audit import LEAST_PIXELS
+from viscache.settings.integrators import Bdpt
+from viscache.settings.visibility import Aqvc
 
-__all__ = ["LARGE_ERROR", "EstimatedError", "error_warnings", "estimated_error"]
+__all__ = [
+    "LARGE_ERROR",
+    "audit_record",
+    "error_warnings",
+    "joined",
+    "pixel_estimates",
+    "query_estimates",
+    "watched_pixels",
+]
+
+Array = npt.NDArray[np.float64]
 
 #: An error over light on surfaces that frames are warned of.
 LARGE_ERROR = 0.05
-#: From fewer pixels the interval says nothing.
-LEAST_PIXELS = 100
+#: One pixel in 256, and at most so many, are audited without being asked for.
+MOST_WATCHED = 256
+#: From fewer pixels not even a warning follows.
+LEAST_FOR_WARNINGS = 100
+#: With fewer wrong pixels, or wrong queries among those drawn at random, there is no interval.
+LEAST_WRONG = 50
+#: Nor with more of the pixels than this share, unless it is all of them.
+MOST_SHARE = 1 / 8
 #: Standard errors to either side of a 95 % interval.
 WIDTH_95 = 1.96
+#: Columns of the sums over the audited queries of a tile (render/audit.h).
+SUMS = (
+    "exact",
+    "queries",
+    "certain",
+    "certain_wrong",
+    "sampled",
+    "sampled_wrong",
+    "certain_error",
+    "sampled_error",
+    "sampled_square",
+)
 
 
-@dataclass(frozen=True, slots=True)
-class EstimatedError:
-    """An estimate of `rel_l1_reflected` with its 95 % interval.
+def watched_pixels(request: Request, pixels: int) -> int:
+    """How many pixels a frame audits for its warnings alone, without being asked to."""
+    visibility = request.visibility
+    waves = isinstance(visibility, Aqvc) and visibility.paper.form == "waves"
+    if not waves or request.corrects or isinstance(request.integrator, Bdpt):
+        return 0
+    n = min(MOST_WATCHED, pixels // 256)
+    return n if n > 1 else 0
 
-    Attributes
+
+def audit_record(found: Mapping[str, Any], frame: Any) -> dict[str, Any]:
+    """The record of an audit: what `frame.counters["audit"]` holds.
+
+    Parameters
     ----------
-    value, low, high : float
-    pixels : int
-        Number of audited pixels.
-    group : str
-        The light group with the largest share.
+    found
+        What the core found in all parts of the frame, and the settings of the audit.
+    frame : Frame
     """
-
-    value: float
-    low: float
-    high: float
-    pixels: int
-    group: str
-
-
-def estimated_error(frame: Any) -> EstimatedError | None:
-    """The estimate from `frame.counters["audit"]`; None without an audit, or without light.
-
-    One pixel of each block of 16 × 16, or of larger blocks in pictures above 256², is audited. Its
-    error stands for the block. The light on surfaces is that of the whole frame. The interval is
-    symmetric in the logarithm, as the errors of few pixels make up most of the sum.
-    """
-    audit: Mapping[str, Any] | None = frame.counters.get("audit")
+    audit, names = found["settings"], list(found["errors"])
+    lights = {name: _sum(frame.layers[name]) for name in ("color", *names)}
+    if audit["name"] == "AuditQueries":
+        sums = {name: _fsums(found["queries"][name]) for name in names}
+        all_ = {c: math.fsum(s[c] for s in sums.values()) for c in SUMS}
+        return {
+            "kind": "queries",
+            **query_estimates(all_, lights["color"], audit["share"]),
+            "groups": {n: query_estimates(sums[n], lights[n], audit["share"]) for n in names},
+        }
+    width, height = frame.parameters["size"]
+    first = frame.parameters.get("first_sample", 0)
+    drawn = _core.draw_audit_pixels(width, height, audit["n"], frame.parameters["seed"], first)
+    order = np.argsort(np.asarray(found["number"], np.int64), kind="stable")
+    errors = {n: np.asarray(found["errors"][n], np.float64).reshape(-1, 3)[order] for n in names}
+    total = sum(errors.values(), np.zeros((len(drawn), 3)))
     surfaces = light_on_surfaces(frame)
-    if audit is None or surfaces is None:
-        return None
-    light, pixels = float(np.abs(surfaces).sum()), int(audit["pixels"])
-    if light <= 0 or pixels < LEAST_PIXELS:
-        return None
-    error = float(audit["error"])
-    spread = math.sqrt(max(0.0, audit["square"] - error**2 / pixels))
-    factor = math.exp(WIDTH_95 * spread / error) if error > 0 else 1.0
-    value = error / light
-    group = max(audit["groups"], key=audit["groups"].__getitem__)
-    return EstimatedError(value, value / factor, value * factor, pixels, group)
+    reflected = None if surfaces is None else _sum(surfaces)
+    rays = int(found["rays"])
+    return {
+        "kind": "pixels",
+        **pixel_estimates(drawn, total, lights["color"], reflected),
+        "rays": rays,
+        "groups": {
+            n: {**pixel_estimates(drawn, errors[n], lights[n]), "rays": rays} for n in names
+        },
+    }
+
+
+def pixel_estimates(
+    drawn: npt.NDArray[Any], errors: Array, light: float, reflected: float | None = None
+) -> dict[str, Any]:
+    """Errors of a frame a against the exact frame b, from whole pixels.
+
+    Ratios of estimated sums. Their variance is that of the linearised ratio, from the two pixels of
+    each stratum. Few pixels make up most of the sum, so intervals are symmetric in the logarithm,
+    and Student's t has the degrees of freedom of Satterthwaite (1946). That few pixels make up
+    nearly all of the sum of squares, and most samples lack them: nrmse has no interval.
+
+    Parameters
+    ----------
+    drawn : (n, 5)
+        The pixels of `_core.draw_audit_pixels`.
+    errors : (n, channels)
+        a - b of each.
+    light, reflected : float
+        Σa over the whole frame; the same without emitted light that the camera sees.
+
+    Returns
+    -------
+    dict
+        "pixels", and the records of `Estimate` for "rel_l1", "rel_l1_reflected" and "nrmse".
+    """
+    size = drawn[:, 3].astype(np.float64)
+    weight = size / drawn[:, 4]
+    signed, absolute = errors.sum(axis=1), np.abs(errors).sum(axis=1)
+    square = np.square(errors).sum(axis=1)
+    exact = light - float((weight * signed).sum())
+    all_pixels, whole = float(weight.sum()), bool((size == drawn[:, 4]).all())
+    fits = LEAST_PIXELS <= len(drawn) <= MOST_SHARE * all_pixels
+    fits = fits and int(np.count_nonzero(absolute)) >= LEAST_WRONG
+
+    def estimate(value: float, terms: Array, fits: bool) -> dict[str, Any]:
+        """`terms`: what each pixel adds to the logarithm of the value."""
+        spread, freedom = (0.0, 1.0) if whole or value == 0 else _spread(size, terms)
+        made: dict[str, Any] = {"value": value, "se": value * spread, "low": None, "high": None}
+        if whole:
+            made |= {"low": value, "high": value}
+        elif fits:
+            factor = math.exp(_student(freedom) * spread)
+            made |= {"low": value / factor, "high": value * factor}
+        return made
+
+    def rel_l1(exact: float) -> dict[str, Any] | None:
+        total = float((weight * absolute).sum())
+        if not exact > 0 or not math.isfinite(total):
+            return None
+        return estimate(total / exact, absolute / (total or 1.0) + signed / exact, fits)
+
+    def nrmse() -> dict[str, Any] | None:
+        total, channels = float((weight * square).sum()), errors.shape[1]
+        if not exact > 0 or not math.isfinite(total):
+            return None
+        value = math.sqrt(total * all_pixels * channels) / exact
+        return estimate(value, square / (2 * total or 1.0) + signed / exact, False)
+
+    shift = None if reflected is None else reflected - light
+    return {
+        "pixels": len(drawn),
+        "rel_l1": rel_l1(exact),
+        "rel_l1_reflected": None if shift is None else rel_l1(exact + shift),
+        "nrmse": nrmse(),
+    }
+
+
+def query_estimates(sums: Mapping[str, float], light: float, share: float) -> dict[str, Any]:
+    """Bias and share of wrong answers, from sums over audited queries (`SUMS`).
+
+    Parameters
+    ----------
+    sums
+        Over the frame, or over a light group.
+    light : float
+        Σa over the frame or the layer.
+    share : float
+        Probability with which each query that is not certain was audited.
+    """
+    queries, audited = sums["exact"] + sums["queries"], sums["certain"] + sums["sampled"]
+    others = sums["queries"] - sums["certain"]
+    unknown = others > 0 and sums["sampled"] == 0
+    error = sums["certain_error"] + sums["sampled_error"] / share
+    se = math.sqrt(max(0.0, (1 - share) * sums["sampled_square"])) / share
+    exact = light - error
+    bias: dict[str, Any] | None = None
+    if exact > 0 and not unknown:
+        value, se = error / exact, se * light / exact**2
+        bias = {"value": value, "se": se, "low": None, "high": None}
+        if share == 1 or sums["sampled_wrong"] >= LEAST_WRONG:
+            bias |= {"low": value - WIDTH_95 * se, "high": value + WIDTH_95 * se}
+    wrong: dict[str, Any] | None = None
+    if queries > 0 and not unknown:
+        rate = sums["sampled_wrong"] / sums["sampled"] if sums["sampled"] else 0.0
+        low, high = _wilson(sums["sampled_wrong"], sums["sampled"], share)
+        part = others / queries
+        certain = sums["certain_wrong"] / queries
+        spread = math.sqrt((1 - share) * rate * (1 - rate) / max(1.0, sums["sampled"]))
+        wrong = {
+            "value": certain + part * rate,
+            "se": part * spread,
+            "low": certain + part * low,
+            "high": certain + part * high,
+        }
+    return {
+        "queries": int(queries),
+        "audited": int(audited),
+        "rays": int(audited),
+        "bias": bias,
+        "wrong": wrong,
+    }
+
+
+def joined(parts: list[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the core found, of several parts of a frame."""
+    return {
+        "settings": parts[0]["settings"],
+        "rays": sum(int(part["rays"]) for part in parts),
+        "number": np.concatenate([np.asarray(part["number"], np.int64) for part in parts]),
+        "errors": {
+            name: np.concatenate([np.reshape(part["errors"][name], (-1, 3)) for part in parts])
+            for name in parts[0]["errors"]
+        },
+        "queries": {
+            name: [row for part in parts for row in part["queries"][name]]
+            for name in parts[0]["queries"]
+        },
+    }
 
 
 def error_warnings(frame: Any) -> list[str]:
     """A warning where the estimated error may be above `LARGE_ERROR`."""
-    found = estimated_error(frame)
-    if found is None or found.high <= LARGE_ERROR:
+    audit: Mapping[str, Any] | None = frame.counters.get("audit")
+    if audit is None or audit["kind"] != "pixels" or audit["pixels"] < LEAST_FOR_WARNINGS:
         return []
+    found = audit["rel_l1_reflected"]
+    if found is None or found["value"] <= 0:
+        return []
+    value = found["value"]
+    if value * math.exp(WIDTH_95 * found["se"] / value) <= LARGE_ERROR:
+        return []
+    errors = {n: g["rel_l1"]["value"] * _sum(frame.layers[n]) if g["rel_l1"] else 0.0
+              for n, g in audit["groups"].items()}  # fmt: skip
+    group = max(errors, key=errors.__getitem__)
+    sure = "" if found["low"] is None else (
+        f"95 % interval {found['low']:.1%} to {found['high']:.1%}, "
+    )  # fmt: skip
     return [
-        f"the cache errs by about {found.value:.1%} of the light on surfaces (95 % interval"
-        f" {found.low:.1%} to {found.high:.1%}, from {found.pixels} pixels traced exactly), most of"
-        f" it in light group {found.group!r}: use a smaller c_finest or c_e,"
-        f" exact_groups=({found.group!r},), or vc.Exact()"
+        f"the cache errs by about {value:.1%} of the light on surfaces ({sure}from"
+        f" {audit['pixels']} pixels traced exactly), most of"
+        f" it in light group {group!r}: use a smaller c_finest or c_e,"
+        f" exact_groups=({group!r},), or vc.Exact()"
     ]
+
+
+def _sum(layer: npt.NDArray[Any]) -> float:
+    return float(np.asarray(layer, np.float64).sum())
+
+
+def _fsums(rows: Any) -> dict[str, float]:
+    """Sums over tiles; exact, so that the order of tiles does not matter."""
+    columns = list(zip(*rows, strict=True)) if rows else [()] * len(SUMS)
+    return {name: math.fsum(column) for name, column in zip(SUMS, columns, strict=True)}
+
+
+def _spread(size: Array, terms: Array) -> tuple[float, float]:
+    """Standard deviation of Σ weight · term over pairs, and its degrees of freedom."""
+    pairs, n = terms.reshape(-1, 2), size.reshape(-1, 2)[:, 0]
+    variances = np.square(n * (pairs[:, 0] - pairs[:, 1])) / 4
+    total = float(variances.sum())
+    squares = float(np.square(variances).sum())
+    return math.sqrt(total), max(1.0, total**2 / squares) if squares > 0 else 1.0
+
+
+def _student(freedom: float) -> float:
+    """Standard errors to either side of a 95 % interval."""
+    from scipy.special import stdtrit  # type: ignore[import-untyped,unused-ignore]
+
+    return float(stdtrit(freedom, 0.975))
+
+
+def _wilson(hits: float, n: float, share: float) -> tuple[float, float]:
+    """Wilson's interval of a rate, from a random share of a finite number of trials."""
+    if n <= 0:
+        return (0.0, 0.0)
+    rate, z2 = hits / n, WIDTH_95**2 * (1 - share)
+    middle = (rate + z2 / (2 * n)) / (1 + z2 / n)
+    half = math.sqrt(z2 * (rate * (1 - rate) / n + z2 / (4 * n * n))) / (1 + z2 / n)
+    return (max(0.0, middle - half), min(1.0, middle + half))

@@ -6,16 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from viscache.settings.audit import AuditQueries
 from viscache.settings.integrators import Bdpt, Direct, Whitted
 from viscache.settings.rays import is_robust
-from viscache.settings.visibility import (
-    Aqvc,
-    Exact,
-    NeePlusPlus,
-    ShadowMap,
-    Unoccluded,
-    VisMaps,
-)
+from viscache.settings.visibility import Aqvc, Exact, NeePlusPlus, ShadowMap, Unoccluded, VisMaps
 
 __all__ = ["RULES", "Request", "Rule", "check", "table"]
 
@@ -38,6 +32,7 @@ class Request:
     first_sample : int
     parts : int
         Number of parts of the frame.
+    audit : AuditPixels or AuditQueries, optional
     batch : bool
         Whether shared directions may be traced by the aligned batch.
     """
@@ -51,6 +46,7 @@ class Request:
     keeps_voxels: bool = False
     first_sample: int = 0
     parts: int = 1
+    audit: Any = None
     batch: bool = False
 
     @property
@@ -180,6 +176,28 @@ RULES: tuple[Rule, ...] = (
          'visibility must be vc.Exact(sky_engine="embree") for parts of a frame with shared'
          " directions",
          lambda r: r.parts > 1 and r.batch),
+    Rule("`audit=…`", "`Exact`, `VisMaps`", "`Aqvc`, ...",
+         "visibility must be an approximation other than visibility maps with audit",
+         lambda r: r.audit is not None and isinstance(r.visibility, Exact | VisMaps)),
+    Rule("`audit=…`", '`use="correct"`, whose counters tell the share of wrong answers',
+         '`use="replace"`',
+         'use must be "replace" with audit',
+         lambda r: r.audit is not None and r.corrects,
+         lambda r: r.use),
+    Rule("`audit=…`", "`Bdpt`", "`Direct`, `Whitted`, `AmbientOcclusion`",
+         "integrator must not be Bdpt with audit",
+         lambda r: r.audit is not None and isinstance(r.integrator, Bdpt),
+         lambda r: r.integrator),
+    Rule("`audit=…`", '`environment="product"`', '`environment="mis"`',
+         'environment must not be "product" with audit',
+         lambda r: (r.audit is not None and r.environment == "product"
+                    and isinstance(r.visibility, ShadowMap)),
+         lambda r: r.environment),
+    Rule("`audit=AuditQueries(...)`", "`NeePlusPlus`, whose answers have weights",
+         "`AuditPixels`",
+         "audit must be vc.AuditPixels(...) with vc.NeePlusPlus(...)",
+         lambda r: isinstance(r.audit, AuditQueries) and isinstance(r.visibility, NeePlusPlus),
+         lambda r: r.audit),
 )  # fmt: skip
 
 

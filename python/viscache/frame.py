@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from viscache import tonemap
 from viscache.array_output import ArrayOutput
+from viscache.audit_result import PixelErrors, QueryErrors, result
 from viscache.files import whole_file
 from viscache.frame_html import frame_html
 from viscache.provenance import provenance as _provenance
@@ -97,6 +98,15 @@ class Frame(ArrayOutput):
     def sha256(self) -> str:
         """Hex digest of the little-endian float32 pixels of the colour layer."""
         return hashlib.sha256(np.ascontiguousarray(self.image, dtype="<f4").tobytes()).hexdigest()
+
+    @property
+    def audit(self) -> PixelErrors | QueryErrors | None:
+        """Estimates of the error, from queries that exact rays answered as well.
+
+        With `audit=` of `viscache.render`: with 95 % intervals. Other frames of the quantized cache
+        audit 256 pixels or fewer: without intervals. None if nothing was audited.
+        """
+        return result(self.counters.get("audit"))
 
     def save(self, path: str | os.PathLike[str], *, exposure: float | None = None) -> None:
         """Write a file; its suffix determines the format. The file is complete or absent.

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from viscache import tonemap
+from viscache.audit_result import audit_rows
 
 __all__ = ["frame_html", "picture"]
 
@@ -20,10 +21,11 @@ def frame_html(image: Any, timings: Mapping[str, float], counters: Mapping[str, 
     numbers = {name: (value, f" ({clock(name)})") for name, value in timings.items()}
     numbers |= {name: (value, "") for name, value in counters.items()}
     rows = {name: row for name, row in numbers.items() if _is_number(row[0])}
+    errors = audit_rows(counters.get("audit"))
     first = [name for name in FIRST if name in rows]
     first += [name for name in rows if name not in first][: len(FIRST) - len(first)]
     rest = [name for name in rows if name not in first]
-    shown = _table(rows, first)
+    shown = _table(rows, first) + _errors(errors)
     if rest:
         shown += f"<details><summary>{len(rest)} more</summary>{_table(rows, rest)}</details>"
     height, width = image.shape[:2]
@@ -49,6 +51,18 @@ def _table(rows: Mapping[str, tuple[Any, str]], names: list[str]) -> str:
         for name in names
     )
     return f"<table>{cells}</table>"
+
+
+def _errors(rows: Mapping[str, str]) -> str:
+    """The errors that an audit estimated, or nothing."""
+    if not rows:
+        return ""
+    cells = "".join(
+        f"<tr><td>{html.escape(name)}</td>"
+        f"<td style='text-align:right'>{html.escape(text)}</td></tr>"
+        for name, text in rows.items()
+    )
+    return f"<table><caption>audit, with 95 % intervals</caption>{cells}</table>"
 
 
 def _is_number(value: Any) -> bool:

@@ -86,6 +86,8 @@ class Sums:
             self.layers[name] += pixels * (hits if name in BY_HITS else 1.0)
         self.n += 1
         self.counters = _added(self.counters, frame.counters)
+        if self.n > 1:  # the audit of one pass tells nothing about their mean
+            self.counters.pop("audit", None)
         if self.counters.get("rays"):
             self.counters["ray_reduction"] = self.counters["queries"] / self.counters["rays"]
         for name, seconds in frame.timings.items():
@@ -108,6 +110,8 @@ class Sums:
             self.first_classes = other.first_classes
         self.n, self.numbers = self.n + other.n, numbers
         self.counters = _added(self.counters, other.counters)
+        if self.n > 1:
+            self.counters.pop("audit", None)
         for name, seconds in other.timings.items():
             self.timings[name] = self.timings.get(name, 0.0) + seconds
         self.warnings += [w for w in other.warnings if w not in self.warnings]

@@ -13,7 +13,7 @@ from typing import Any, Literal, cast, get_args
 from viscache import _core, sources
 from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
-from viscache.audited import error_warnings
+from viscache.audited import audit_record, error_warnings, watched_pixels
 from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
@@ -26,6 +26,7 @@ from viscache.provenance import provenance
 from viscache.scene import Env, Scene
 from viscache.scene.about import lit_coats
 from viscache.scene.cameras import find_camera, frame_size
+from viscache.settings import audit as audits
 from viscache.settings import by_name
 from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import (
@@ -69,6 +70,7 @@ def render(
     env: Env | None = None,
     keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
+    audit: audits.Audit | Literal["pixels", "queries"] | None = None,
     progress: Progress = False,
 ) -> Frame:
     """Render a frame.
@@ -112,6 +114,11 @@ def render(
     first_sample : int >= 0, a multiple of spp
         Number of the first eye sample of each pixel. With one seed, frames of first samples 0, spp,
         2·spp, ... have the same virtual lights and shared directions, and new samples of all else.
+    audit : {"pixels", "queries"}, AuditPixels or AuditQueries, optional
+        Lets exact rays answer some queries of an approximation as well, for `Frame.audit`: whole
+        pixels for its rel_l1 and nrmse, or single queries for its bias and share of wrong answers.
+        The image has the same bytes. Without, 256 pixels or fewer are audited in frames of the
+        quantized cache; that is enough for warnings, but not for intervals.
     progress : bool or callable
         True shows a bar; a callable gets (done, total).
 
@@ -166,6 +173,7 @@ def render(
         env=env,
         keep=keep,
         first_sample=first_sample,
+        audit=audit,
         progress=progress,
     )
 
@@ -186,6 +194,7 @@ def render_part(
     env: Env | None = None,
     keep: AqvcTable | AqvcRows | VoxelCounts | None = None,
     first_sample: int = 0,
+    audit: audits.Audit | Literal["pixels", "queries"] | None = None,
     progress: Progress = False,
     memory: PassMemory | None = None,
 ) -> Frame:
@@ -199,6 +208,7 @@ def render_part(
     rays = check_rays(rays)
     visibility = cast("Visibility | Written", by_name.setting("visibility", visibility, "exact"))
     check_settings(scene, integrator, rays, visibility, use, keep)
+    audit = audits.checked(audit)
     number, parts = _checked_part(part)
     if isinstance(integrator, Bdpt) and isinstance(visibility, Aqvc):
         visibility = visibility.for_frame_table()
@@ -214,6 +224,7 @@ def render_part(
         keeps_voxels=isinstance(keep, VoxelCounts),
         first_sample=_checked_first(first_sample, spp),
         parts=parts,
+        audit=audit,
     )
     check(request)
     if isinstance(integrator, AmbientOcclusion):
@@ -225,6 +236,10 @@ def render_part(
     frame = frame_settings(frame_size(size, view), spp, seed, threads)
     frame.part, frame.parts = number, parts
     frame.first_sample = int(first_sample)
+    if audit is None:
+        frame.audit_pixels = watched_pixels(request, frame.width * frame.height)
+    else:
+        audits.set_audit(frame, audit)
 
     start, cpu = time.perf_counter(), time.process_time()
     caster = scene.caster(rays, threads=frame.threads)
@@ -316,14 +331,25 @@ def render_part(
             "tile_edge_px": result["tile_edge_px"],
             **({"engine": result["engine"]} if "engine" in result else {}),
             **({"keep": keep.parameters()} if keep is not None else {}),
+            **({"audit": audits.in_words(audit)} if audit is not None else {}),
         },
         provenance={**provenance(), "threads": result["threads"]},
         warnings=_warnings(scene, integrator, visibility),
     )
+    found = result.get("audit")
+    if found is not None:
+        watch = {"name": "AuditPixels", "n": frame.audit_pixels}
+        found["settings"] = watch if audit is None else audits.in_words(audit)
+        # Exact answers need no watch
+        found = found if audit is not None or found["rays"] or frame.parts > 1 else None
     if frame.parts > 1:
+        if found is not None:
+            made.counters["audit_found"] = found
         made.parameters["part"] = [frame.part, frame.parts]
         made.counters["tile_sums"] = result.get("tile_sums", [])
     else:
+        if found is not None:
+            made.counters["audit"] = audit_record(found, made)
         made.warnings += cost_warnings(made.parameters, made.counters) + error_warnings(made)
     made.counters["sha256"] = made.sha256
     return made

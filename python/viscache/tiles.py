@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from viscache import sources, workers
-from viscache.audited import error_warnings
+from viscache.audited import audit_record, error_warnings, joined
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame, Layer
 from viscache.render import render_part
@@ -83,7 +83,8 @@ def render(
     size : (width, height), optional
         Pixels; the camera's own by default, as everywhere.
     **options
-        rays, visibility (`Exact` or `Aqvc`), spp, seed, threads, camera, env of `viscache.render`.
+        rays, visibility (`Exact` or `Aqvc`), spp, seed, threads, camera, env, audit of
+        `viscache.render`.
 
     Returns
     -------
@@ -212,7 +213,7 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
     first = parts[0].frame
     counters: dict[str, Any] = {}
     for part in parts:
-        _add(counters, part.frame.counters)
+        _add(counters, {n: c for n, c in part.frame.counters.items() if n != "audit_found"})
     numbered = [
         (part.number + i * part.parts, tile)
         for part in parts
@@ -233,8 +234,6 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
             "lost_throughput": total["lost_throughput"] / samples,
             "expected_false_hits": total["expected_false_hits"],
         }
-        if "audit" in counters:
-            counters["audit"] |= total["audit"]
     timings: dict[str, float] = {}
     for part in parts:
         for name, seconds in part.frame.timings.items():
@@ -255,6 +254,11 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
         provenance=first.provenance,
         warnings=first.warnings,
     )
+    found = [p.frame.counters["audit_found"] for p in parts if "audit_found" in p.frame.counters]
+    if found and len(parts) == parts[0].parts:
+        whole = joined(found)
+        if "audit" in parameters or whole["rays"]:
+            made.counters["audit"] = audit_record(whole, made)
     made.warnings = made.warnings + cost_warnings(parameters, counters) + error_warnings(made)
     made.counters["sha256"] = made.sha256
     return made

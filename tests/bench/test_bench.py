@@ -24,6 +24,7 @@ SMALL = (
     "progressive",
     "which-cache",
     "picks",
+    "meter",
     "shafts-elsewhere",
     "oracle",
     "memory",

@@ -15,13 +15,14 @@ from codebase.repository import sources
 #: rooms of lower floors. `viscache` stands for the package's own names (`import viscache as vc`).
 FLOORS: tuple[tuple[str, ...], ...] = (
     ("_core",),
-    ("array_output", "files", "progress", "provenance", "tonemap", "workers"),
+    ("array_output", "audit_result", "files", "progress", "provenance", "tonemap", "workers"),
     ("frame_html", "settings"),
     ("oracles",),
     ("emitted_light", "exact_cost", "frame", "scene", "variance"),
-    ("audited", "metrics", "notebook", "scenes", "temporal"),
+    ("metrics", "notebook", "scenes", "temporal"),
     ("sources",),
     ("aqvc_rows", "aqvc_table", "combinations", "vismap", "vlf", "voxel_counts"),
+    ("audited",),
     ("render",),
     ("progressive_state",),
     ("progressive",),

@@ -42,6 +42,15 @@ BROKEN: list[dict[str, Any]] = [
     {"parts": 2, "integrator": vc.Bdpt()},
     {"parts": 2, "visibility": vc.Aqvc(paper=vc.PaperForm(storage="paper_tiles"))},
     {"parts": 2, "batch": True},
+    {"audit": vc.AuditPixels()},
+    {"audit": vc.AuditPixels(), "visibility": vc.Aqvc(), "use": "correct"},
+    {"audit": vc.AuditPixels(), "visibility": vc.Aqvc(), "integrator": vc.Bdpt()},
+    {
+        "audit": vc.AuditPixels(),
+        "visibility": vc.ShadowMap(),
+        "integrator": vc.Direct(environment="product"),
+    },
+    {"audit": vc.AuditQueries(), "visibility": vc.NeePlusPlus()},
 ]
 
 

@@ -171,6 +171,9 @@ def test_render_has_the_defaults_of_the_frame_struct() -> None:
     struct = values(_core.FrameSettings())
     defaults = {n: p.default for n, p in inspect.signature(vc.render).parameters.items()}
     same = ("spp", "seed", "first_sample")
+    audit = {"audit_pixels": 0, "audit_share": 0}  # none; the classes have their own defaults
+    assert {name: struct.pop(name) for name in audit} == audit
+    assert struct.pop("audit_above") == vc.AuditQueries().above
     assert set(struct) == {"width", "height", "threads", "part", "parts", *same}
     assert (struct["part"], struct["parts"]) == (0, 1)  # all of it; `render_part` takes others
     assert [struct[name] for name in same] == [defaults[name] for name in same]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import viscache as vc
-from viscache.audited import LARGE_ERROR, estimated_error
+from viscache.audited import LARGE_ERROR
 from viscache.exact_cost import OWN_SAMPLES, SHARED_LIGHTS
 
 SIZE = (320, 200)
@@ -91,11 +92,13 @@ def test_the_audit_tells_the_error(spec: str) -> None:
         cache = vc.Aqvc(c_e=c_e, refinement="off")
         frame = vc.render(scene, integrator, visibility=cache, size=size)
         error = vc.metrics.compare(frame, exact, metrics=["rel_l1_reflected"])["rel_l1_reflected"]
-        found = estimated_error(frame)
-        assert found is not None and found.low < found.value < found.high
-        assert found.pixels == 130 and error / 2 < found.value < 2 * error
+        assert frame.audit is not None and frame.audit.pixels == 130
+        found = frame.audit.rel_l1_reflected
+        assert error / 2 < found.value < 2 * error
         said = [text for text in frame.warnings if "errs by about" in text]
-        assert bool(said) == (found.high > LARGE_ERROR)
+        high = found.value * math.exp(1.96 * found.se / found.value)
+        assert bool(said) == (high > LARGE_ERROR)
+        assert not any("interval" in text for text in said)  # 130 pixels are too few
 
 
 def test_the_audit_changes_no_byte_and_depends_on_the_frame_alone() -> None:
@@ -105,11 +108,15 @@ def test_the_audit_changes_no_byte_and_depends_on_the_frame_alone() -> None:
         vc.render(scene, whitted, visibility=cache, size=size, spp=4, threads=n) for n in (1, 2)
     ]
     audit = frames[0].counters["audit"]
-    assert audit == frames[1].counters["audit"] and audit["pixels"] == 24 and audit["error"] > 0
+    assert (
+        audit == frames[1].counters["audit"]
+        and audit["pixels"] == 24
+        and audit["rel_l1"]["value"] > 0
+    )
     assert frames[0].warnings == frames[1].warnings
     # Another seed audits other pixels; exact answers and those of the paper's form need no audit
     other = vc.render(scene, whitted, visibility=cache, size=size, spp=4, seed=1)
-    assert other.counters["audit"]["error"] != audit["error"]
+    assert other.counters["audit"]["rel_l1"] != audit["rel_l1"]
     every = vc.Aqvc(exact_groups=("point", "vpl"))
     for visibility in (vc.Exact(), every, vc.Aqvc(preset="paper")):
         frame = vc.render(scene, whitted, visibility=visibility, size=size)
@@ -117,14 +124,14 @@ def test_the_audit_changes_no_byte_and_depends_on_the_frame_alone() -> None:
 
 
 def test_audits_of_many_seeds_have_the_mean_of_the_errors() -> None:
-    """Also where blocks at the border have fewer pixels than others."""
+    """Also where strata differ in their pixels."""
     scene, direct, size = vc.scenes.room(triangles=2000), vc.Direct(), (50, 35)
     cache, audited, true = vc.Aqvc(c_e=8, refinement="off"), [], []
     for seed in range(48):
         exact = vc.render(scene, direct, size=size, seed=seed)
         frame = vc.render(scene, direct, visibility=cache, size=size, seed=seed)
-        audited.append(frame.counters["audit"]["error"])
-        true.append(float(abs(frame.image.astype(float) - exact.image).sum()))
+        audited.append(frame.counters["audit"]["rel_l1"]["value"])
+        true.append(float(abs(frame.image.astype(float) - exact.image).sum() / exact.image.sum()))
     z = (sum(audited) - sum(true)) / (np.std(np.subtract(audited, true), ddof=1) * 48**0.5)
     assert abs(z) < 3.3
     # An audit that loses a fifth of the error would be told

@@ -55,13 +55,6 @@ int AqvcSource::dealt_tile_edge() const {
     return parameters_.storage == Storage::kPaperTiles ? kPaperTile : 0;
 }
 
-std::unique_ptr<VisibilityOracle> AqvcSource::make_audit(int group, const FarEnds* lights) {
-    const bool exact = lights ? answers_exactly(parameters_, group, lights->count, shared_in_frame_)
-                              : answers_own_exactly(parameters_, group);
-    if (parameters_.form != Form::kWaves || exact) return nullptr;
-    return std::make_unique<ExactOracle>(caster_, scene_.offset_extent());
-}
-
 std::unique_ptr<QuantizedCache> AqvcSource::make_cache(FrameTable* table) const {
     const float extent = scene_.offset_extent();
     auto exact = exact_ ? exact_->make() : std::make_unique<ExactOracle>(caster_, extent);

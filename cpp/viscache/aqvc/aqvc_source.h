@@ -15,8 +15,6 @@ public:
                OracleSource* exact = nullptr);
     void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override { return make_cache(); }
-    /// In the form kWaves, for light groups that are not answered exactly.
-    std::unique_ptr<VisibilityOracle> make_audit(int group, const FarEnds* lights) override;
     int dealt_tile_edge() const override;
     void report(Counters& counters, SourceReport& out) const override;
 

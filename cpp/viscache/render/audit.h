@@ -1,76 +1,66 @@
 #pragma once
-// Audit of a frame whose oracle approximates: a few pixels are also answered by exact rays, which tells how
-// large the error of the frame is. Only the frame size and the seed choose these pixels.
+// Audits of a frame whose oracle approximates: exact rays answer some of its queries as well. What is drawn
+// depends on the frame alone, and the frame has the same bytes with and without an audit.
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "viscache/render/eye_paths.h"
 #include "viscache/render/local_samples.h"
-#include "viscache/render/shared_lights.h"
-#include "viscache/visibility/oracle_source.h"
+#include "viscache/visibility/exact.h"
 
 namespace viscache {
 
-/// Sums over the audited pixels. One pixel stands for each block of the frame; its weight w is the number of
-/// pixels of the block. With d, the sum over the channels of a pixel's absolute errors, Σ w·d estimates
-/// Σ|a − b| of the frame.
-struct AuditSums {
-    uint64_t pixels = 0;
-    uint64_t rays = 0;
-    double error = 0;                           ///< Σ w·d
-    double square = 0;                          ///< Σ (w·d)²
-    std::array<double, kLightGroups> groups{};  ///< Σ w·d of single light groups
-    void merge(const AuditSums& b);
+/// An audited pixel: answered minus exact light of each light group.
+struct AuditedPixel {
+    uint32_t number = 0;  ///< in the list of all drawn pixels
+    std::array<Rgb, kLightGroups> error{};
 };
 
-/// The audited pixels of one tile after another, on one thread.
+/// Audited queries of a light group. Contributions c are sums over channels; c of a wrong answer counts
+/// positive if the oracle saw what is hidden.
+struct AuditedQueries {
+    uint64_t exact = 0;                            ///< answered by exact rays: no need to audit them
+    uint64_t queries = 0;                          ///< all others
+    uint64_t certain = 0, certain_wrong = 0;       ///< always audited: c above the limit
+    uint64_t sampled = 0, sampled_wrong = 0;       ///< audited at random, of the others
+    double certain_error = 0;                      ///< Σ c of wrong answers
+    double sampled_error = 0, sampled_square = 0;  ///< Σ c, Σ c² of wrong answers
+};
+
+/// What an audit found in a tile.
+struct AuditRecords {
+    std::vector<AuditedPixel> pixels;
+    std::array<AuditedQueries, kLightGroups> queries{};
+    uint64_t rays = 0;
+};
+
+/// Connections of the eye points of a tile with a group of shared lights, and how the oracle answered them.
+struct AuditedBlock {
+    const FarEnds& lights;
+    const BitMatrix& wanted;
+    const BitMatrix& visible;
+    const VisibilityOracle& oracle;
+    const Contributions& contributions;
+    /// Light of the columns of a row, with weights of the columns or none, at the pixel of an eye point.
+    std::function<Rgb(size_t eye, const Word* row, std::span<const float> weights)> light;
+};
+
+/// The audit of one tile after another, on one thread.
 class TileAudit {
 public:
-    TileAudit(const FrameSettings& frame, OracleSource& source, const Control& control)
-        : frame_(frame), source_(source), control_(control) {}
-
-    void begin_tile(const Tile& tile, const EyeTile& eyes);
-    /// Compares the answers of a block. `value(eye, row)`: the light of the visible columns.
-    template <class Value>
-    void block(const FarEnds& lights, const BitMatrix& wanted, const BitMatrix& visible, Value value) {
-        VisibilityOracle* exact = oracle(lights.group, &lights);
-        if (!exact || eye_.empty()) return;
-        ask_block(*exact, lights, wanted);
-        for (size_t k = 0; k < eye_.size(); ++k)
-            if (differ(seen_.row_span(k), visible.row_span(eye_[k])))
-                add(lights.group, k, value(eye_[k], visible.row(eye_[k])) - value(eye_[k], seen_.row(k)));
-    }
-    /// Compares the answers of samples of single eye points.
-    void samples(const WeightedSamples& samples, std::span<const Word> visible);
-    void end_tile(AuditSums& out) const;
-
-private:
-    struct Pixel {
-        double weight;
-        std::array<Rgb, kLightGroups> error;
-    };
-    /// The exact oracle for a light group; nullptr if its answers need no audit.
-    VisibilityOracle* oracle(int group, const FarEnds* lights);
-    void ask_block(VisibilityOracle& exact, const FarEnds& lights, const BitMatrix& wanted);
-    static bool differ(std::span<const Word> a, std::span<const Word> b);
-    void add(int group, size_t k, Rgb error) { pixels_[pixel_of_[k]].error[size_t(group)] += error; }
-
-    struct Auditor {
-        bool asked = false;
-        std::unique_ptr<VisibilityOracle> oracle;
-    };
-    const FrameSettings& frame_;
-    OracleSource& source_;
-    const Control& control_;
-    std::array<std::array<Auditor, 2>, kLightGroups> auditors_;  ///< of shared lights, of own samples
-    bool audits_ = false;                                        ///< at least one light group is audited
-    std::vector<Pixel> pixels_;
-    std::vector<uint32_t> eye_, pixel_of_;  ///< the eye points of these pixels, and their pixels
-    std::vector<uint32_t> number_;          ///< per eye point of the tile: its number in `eye_`, or kNone
-    EyeBlock block_;                        ///< these eye points
-    Counters counters_;
-    BitMatrix wanted_, seen_;
+    virtual ~TileAudit() = default;
+    virtual void begin_tile(const Tile& tile, const EyeTile& eyes) = 0;
+    virtual void block(const AuditedBlock& block) = 0;
+    /// Samples of single eye points, and how `oracle` answered them.
+    virtual void samples(const WeightedSamples& samples, std::span<const Word> visible,
+                         const VisibilityOracle& oracle) = 0;
+    virtual void end_tile(AuditRecords& out) = 0;
 };
+
+/// The audit that the settings ask for; nullptr if none.
+std::unique_ptr<TileAudit> make_audit(const FrameSettings& frame, const RayCaster& caster, float extent,
+                                      const Control& control);
 
 }  // namespace viscache

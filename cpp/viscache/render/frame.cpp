@@ -5,6 +5,7 @@
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/local_samples.h"
 #include "viscache/render/stage_clock.h"
+#include "viscache/render/tile_contributions.h"
 #include "viscache/render/weighted_lights.h"
 #include "viscache/scene/check.h"
 
@@ -31,63 +32,20 @@ struct FrameContext {
     const AmbientShares* shares = nullptr;    ///< for shared directions
 };
 
-/// Unoccluded contributions of a group of shared lights to the eye points of a tile.
-class TileContributions : public Contributions {
-public:
-    TileContributions(const SharedLights& lights, const EyeTile& eyes, const TilePicks& picks)
-        : lights_(lights), eyes_(eyes), picks_(picks) {}
-    void at_most(uint32_t eye, std::span<const float> shares, std::span<Word* const> rows) const override {
-        const ShadingPoint& sp = eyes_.shading[eye];
-        at_most_rows(lights_, {eyes_.block.position[eye], sp.ng, sp.ns}, shares, rows, scratch_);
-    }
-    void values(uint32_t eye, std::span<Rgb> columns) const override {
-        const ShadingPoint& sp = eyes_.shading[eye];
-        if (is_black(sp)) return;
-        const EyeShade shade{eyes_.block.position[eye], sp.ng, sp.ns};
-        std::vector<Word> wanted(row_words_for(lights_.ends.count)), one(wanted.size());
-        wanted_row(lights_, shade, wanted.data());
-        for_each_bit(wanted, [&](size_t k) {
-            if (k >= columns.size()) return;
-            set_bit(one.data(), k);
-            const Rgb value = sp.kind == MaterialKind::kGlossy
-                                  ? sum_row_glossy(lights_, shade, sp, one.data())
-                                  : sum_row(lights_, shade, one.data()) * (sp.base * (1 / kPi));
-            columns[k] = eyes_.throughput[eye] * value;
-            clear_bit(one.data(), k);
-        });
-        keep_picked(picks_.of(eye), columns);
-    }
-
-private:
-    /// Weights what the eye point picked, and clears the rest.
-    static void keep_picked(std::span<const PickedLight> picked, std::span<Rgb> columns) {
-        if (picked.empty()) return;
-        std::vector<Rgb> kept(columns.size());
-        for (const PickedLight& p : picked)
-            if (p.column < columns.size()) kept[p.column] = columns[p.column] * p.weight;
-        std::copy(kept.begin(), kept.end(), columns.begin());
-    }
-
-    const SharedLights& lights_;
-    const EyeTile& eyes_;
-    const TilePicks& picks_;
-    mutable std::vector<float> scratch_;
-};
-
 /// Renders tiles on one thread. Its buffers are reused.
 class TileWorker {
 public:
     TileWorker(const FrameContext& context, OracleSource& source, const Control& control)
         : c_(context),
           oracle_(source.make()),
-          audit_(context.frame, source, control),
+          audit_(make_audit(context.frame, context.caster, context.scene.offset_extent(), control)),
           picks_(size_t(context.integrator.pick), context.frame.seed) {
         oracle_->watch(control);
         if (c_.product) product_.emplace(*c_.product);
     }
 
     void render(size_t number, const Tile& tile, FrameResult& out, Counters& counters, StageSeconds& stages,
-                ProductSeconds& product, AuditSums& audit, const Control& control) {
+                ProductSeconds& product, AuditRecords* audit, const Control& control) {
         StageClock clock;
         c_.tracer.trace(tile, eyes_, counters, control);
         clock.lap(stages.eye_paths);
@@ -96,15 +54,16 @@ public:
         variance_.clear();
         eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
-        audit_.begin_tile(tile, eyes_);
         clock.lap(stages.visibility);
+        if (audit_) audit_->begin_tile(tile, eyes_);
+        clock.lap(stages.audit);
         for (const SharedLights& lights : c_.shared) {
             add_shared(lights, counters, stages, clock, control);
         }
         add_local(counters, stages, clock, control);
         if (c_.shares) add_shares(c_.shares->first[number]);
         if (product_) add_product(tile, counters, stages, product, control);
-        audit_.end_tile(audit);
+        if (audit_) audit_->end_tile(*audit);
         clock.skip();
         write(tile, out);
         clock.lap(stages.shading);
@@ -131,10 +90,14 @@ private:
         oracle_->block(eyes_.block, lights.ends, wanted_, visible_, counters);
         oracle_->weigh(nullptr);
         WeightedLights weighted(lights);
-        audit_.block(lights.ends, wanted_, visible_, [&](size_t i, const Word* row) {
-            return eyes_.throughput[i] * reflected(weighted.with(picks_.of(i), {}), i, row);
-        });
         clock.lap(stages.visibility);
+        if (audit_)
+            audit_->block({lights.ends, wanted_, visible_, *oracle_, contributions,
+                           [&](size_t i, const Word* row, std::span<const float> weights) {
+                               const SharedLights& counted = weighted.with(picks_.of(i), weights);
+                               return eyes_.throughput[i] * reflected(counted, i, row);
+                           }});
+        clock.lap(stages.audit);
         std::vector<Rgb>& sum = sums_[size_t(lights.ends.group)];
         for (size_t i = 0; i < eyes_.size(); ++i) {
             if (i % kRowsPerCheck == 0) control.check();
@@ -222,8 +185,9 @@ private:
             answer_.assign(words_for(local_.at.size()), 0);
             oracle_->weigh_samples(local_.contribution);
             oracle_->samples(eyes_.block, local_.at, answer_, counters);
-            audit_.samples(local_, answer_);
             clock.lap(stages.visibility);
+            if (audit_) audit_->samples(local_, answer_, *oracle_);
+            clock.lap(stages.audit);
             add_seen(sum);
             clock.lap(stages.shading);
             first = last;
@@ -291,7 +255,7 @@ private:
 
     const FrameContext& c_;
     std::unique_ptr<VisibilityOracle> oracle_;
-    TileAudit audit_;
+    std::unique_ptr<TileAudit> audit_;  ///< nullptr: none
     TilePicks picks_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
@@ -406,12 +370,13 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
     std::vector<ProductSeconds> product_stages(tiles.size());
-    std::vector<AuditSums> audits(tiles.size());
+    if (frame.audit_pixels > 0 || frame.audit_share > 0) out.audit.resize(tiles.size());
     const auto render_tile = [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, source, control);
-        mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i], audits[i], control);
+        mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i],
+                     out.audit.empty() ? nullptr : &out.audit[i], control);
         source.end_item(mine->oracle(), i);
         control.done.fetch_add(1);
     };
@@ -424,12 +389,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         parallel_for(tiles.size(), out.threads, render_tile);
     if (frame.parts > 1)
         for (size_t i = 0; i < tiles.size(); ++i)
-            out.tile_sums.push_back({counted[i].lost_throughput, counted[i].expected_false_hits, audits[i]});
+            out.tile_sums.push_back({counted[i].lost_throughput, counted[i].expected_false_hits});
     for (size_t i = 0; i < tiles.size(); ++i) {
         counters.merge(counted[i]);
         out.stages.merge(stages[i]);
         out.product.merge(product_stages[i]);
-        out.audit.merge(audits[i]);
     }
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);

@@ -16,7 +16,6 @@ namespace viscache {
 /// Real sums of one tile; their order decides the last bits of the sum over a frame.
 struct TileSums {
     double lost_throughput = 0, expected_false_hits = 0;
-    AuditSums audit;
 };
 
 struct FrameResult {
@@ -33,8 +32,8 @@ struct FrameResult {
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
-    AuditSums audit;
-    SourceReport source;  ///< report of the oracle source
+    std::vector<AuditRecords> audit;  ///< of each tile; empty without an audit
+    SourceReport source;              ///< report of the oracle source
     StageSeconds stages;
     ProductSeconds product;               ///< product sampling of the environment; included in `stages`
     std::optional<Forecast> forecast;     ///< for frames with visibility maps

@@ -31,6 +31,8 @@ public:
         settings.width = int(std::ceil(frame_.width * scale));
         settings.height = int(std::ceil(frame_.height * scale));
         settings.spp = 1;
+        settings.audit_pixels = 0;
+        settings.audit_share = 0;
         const FrameResult small = render_(settings, source, control);
         for (int g = 0; g < kLightGroups; ++g)
             out_.counters.group(g).rays += small.counters.groups[size_t(g)].rays;

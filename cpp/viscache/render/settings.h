@@ -1,5 +1,6 @@
 #pragma once
 // Settings of a frame. Names and defaults equal those of the Python dataclasses; a test checks this.
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -84,6 +85,11 @@ struct FrameSettings {
     /// Renders every `parts`-th tile from number `part` on. The other pixels stay 0. Only for frames whose
     /// tiles are independent of each other: not for visibility maps, aligned rays or bidirectional paths.
     int part = 0, parts = 1;
+    /// Audits, for frames of tiles of eye points: of about so many whole pixels, or of the queries whose
+    /// contribution exceeds `audit_above` means of their eye point and of a share of the others. 0 = none.
+    size_t audit_pixels = 0;
+    double audit_share = 0;
+    float audit_above = 4;
 };
 
 }  // namespace viscache

@@ -6,12 +6,13 @@ namespace viscache {
 
 /// CPU seconds of the stages, summed over threads.
 struct StageSeconds {
-    double eye_paths = 0, contributions = 0, visibility = 0, shading = 0;
+    double eye_paths = 0, contributions = 0, visibility = 0, shading = 0, audit = 0;
     void merge(const StageSeconds& b) {
         eye_paths += b.eye_paths;
         contributions += b.contributions;
         visibility += b.visibility;
         shading += b.shading;
+        audit += b.audit;
     }
 };
 

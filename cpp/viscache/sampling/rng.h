@@ -28,7 +28,8 @@ enum class Purpose : uint32_t {
     kRoulette,
     kResidual,
     kAreaBrdf,
-    kLightPick
+    kLightPick,
+    kAudit
 };
 
 /// Bijective 64-bit mixer (variant 13 of Stafford's murmur finalisers).

@@ -51,11 +51,6 @@ public:
     virtual void prepare(FrameStart& /*frame*/, Control& /*control*/) {}
     /// The oracle of one worker thread; called from that thread.
     virtual std::unique_ptr<VisibilityOracle> make() = 0;
-    /// An exact oracle that checks answers for a few pixels; nullptr where they need no audit. `lights`: the
-    /// far ends that all eye points share; nullptr: samples of single eye points.
-    virtual std::unique_ptr<VisibilityOracle> make_audit(int /*group*/, const FarEnds* /*lights*/) {
-        return nullptr;
-    }
     /// Not 0: tiles have this edge in pixels, and tile i belongs to thread i mod threads.
     virtual int dealt_tile_edge() const { return 0; }
     /// True if its oracles correct a random share of their answers.

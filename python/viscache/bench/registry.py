@@ -15,6 +15,7 @@ from viscache.bench.correlation import correlation
 from viscache.bench.frames import frames
 from viscache.bench.loading import loading
 from viscache.bench.memory import memory
+from viscache.bench.meter import meter
 from viscache.bench.notebook_slider import notebook_slider
 from viscache.bench.oracle import oracle
 from viscache.bench.parity import parity
@@ -80,6 +81,10 @@ BENCHES: dict[str, BenchInfo] = {
     "picks": BenchInfo(
         description="error over time: exact, cached, or a few lights picked by each eye point",
         function=picks,
+    ),
+    "meter": BenchInfo(
+        description="audits of cached frames: coverage of their intervals, and their cost",
+        function=meter,
     ),
     "shafts-elsewhere": BenchInfo(
         description="visible_matrix and oracle.block by shafts against packets of rays",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import viscache as vc
+from viscache.audit_result import audit_rows
 from viscache.commands.shared import (
     add_scene,
     at_least_one,
@@ -70,6 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.npz",
         help="with --passes: go on from this file if it exists, and save to it",
     )
+    parser.add_argument(
+        "--audit",
+        metavar="pixels[:N]|queries[:SHARE]",
+        type=_audit,
+        help="estimate the error of a cache: exact rays answer some pixels or queries as well",
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=at_least_one)
     parser.add_argument("--env", metavar="FILE", help="environment light; a number: constant")
@@ -111,8 +118,19 @@ def run(arguments: argparse.Namespace) -> int:
         "seed": arguments.seed,
         "threads": arguments.threads,
     }
+    require(
+        arguments.passes is None or arguments.audit is None,
+        "--audit must be left out with --passes",
+        arguments.audit,
+    )
     if arguments.passes is None:
-        frame = vc.render(scene, chosen["integrator"], progress=sys.stderr.isatty(), **options)
+        frame = vc.render(
+            scene,
+            chosen["integrator"],
+            audit=arguments.audit,
+            progress=sys.stderr.isatty(),
+            **options,
+        )
     else:
         frame = _in_passes(vc.Progressive(scene, chosen["integrator"], **options), arguments)
     frame.save(target, exposure=arguments.exposure)
@@ -128,6 +146,7 @@ def run(arguments: argparse.Namespace) -> int:
                 if k in ("total_s", "visibility_s", "shading_s")
             },
             **{k: frame.counters[k] for k in wanted if k in frame.counters},
+            **audit_rows(frame.counters.get("audit")),
             "sha256": frame.sha256,
             "written": str(target),
         }
@@ -147,6 +166,19 @@ def _in_passes(picture: vc.Progressive, arguments: argparse.Namespace) -> vc.Fra
     finally:
         if state is not None:
             picture.save(state)
+
+
+def _audit(text: str) -> vc.AuditPixels | vc.AuditQueries:
+    """`pixels`, `pixels:4096`, `queries`, `queries:0.05`."""
+    kind, colon, number = text.partition(":")
+    try:
+        if kind == "pixels":
+            return vc.AuditPixels(n=int(number)) if colon else vc.AuditPixels()
+        if kind == "queries":
+            return vc.AuditQueries(share=float(number)) if colon else vc.AuditQueries()
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{error} in {text!r}") from error
+    raise argparse.ArgumentTypeError(f"must be pixels[:N] or queries[:SHARE], got {text!r}")
 
 
 def _environment(text: str | None) -> str | float | None:

@@ -1,0 +1,154 @@
+#include "viscache/render/query_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "viscache/sampling/rng.h"
+
+namespace viscache {
+
+namespace {
+
+double sum_of(Rgb c) { return double(c.x) + c.y + c.z; }
+
+void refuse_weights(std::span<const float> weights) {
+    if (!weights.empty())
+        throw std::invalid_argument("visibility must answer without weights for an audit of queries");
+}
+
+void add_wrong(AuditedQueries& found, bool certain, double error) {
+    if (certain) {
+        ++found.certain_wrong;
+        found.certain_error += error;
+    } else {
+        ++found.sampled_wrong;
+        found.sampled_error += error;
+        found.sampled_square += error * error;
+    }
+}
+
+}  // namespace
+
+void QueryAudit::begin_tile(const Tile&, const EyeTile& eyes) {
+    eyes_ = &eyes;
+    counters_ = {};
+    found_ = {};
+}
+
+void QueryAudit::draw(uint64_t stream, int group, size_t n, std::span<Word> bits) const {
+    const double share = frame_.audit_share;
+    if (share >= 1) {
+        for (size_t k = 0; k < n; ++k) set_bit(bits.data(), k);
+        return;
+    }
+    // Distances between drawn bits have a geometric distribution
+    Rng rng(frame_.seed, Purpose::kAudit, stream, uint64_t(group));
+    const double per_log = 1 / std::log1p(-share);
+    for (double k = -1;;) {
+        const double u = (double(rng.next_u64() >> 11) + 0.5) * 0x1p-53;
+        k += 1 + std::floor(std::log(u) * per_log);
+        if (!(k < double(n))) return;
+        set_bit(bits.data(), size_t(k));
+    }
+}
+
+void QueryAudit::block(const AuditedBlock& block) {
+    const size_t columns = block.lights.count, n = eyes_->size();
+    AuditedQueries& found = found_[size_t(block.lights.group)];
+    if (block.oracle.is_exact(block.lights)) {
+        found.exact += count_bits(block.wanted);
+        return;
+    }
+    asked_.reset(n, columns);
+    bright_.reset(n, columns);
+    seen_.reset(n, columns);
+    row_.assign(block.wanted.row_words(), 0);
+    const float limit[1] = {frame_.audit_above};
+    Word* const rows[1] = {row_.data()};
+    for (size_t i = 0; i < n; ++i) {
+        const std::span<const Word> wanted = block.wanted.row_span(i);
+        if (std::all_of(wanted.begin(), wanted.end(), [](Word w) { return w == 0; })) continue;
+        refuse_weights(block.oracle.block_weights(uint32_t(i)));
+        std::fill(row_.begin(), row_.end(), Word{0});
+        block.contributions.at_most(uint32_t(i), limit, rows);
+        const std::span<Word> bright(bright_.row(i), wanted.size()), asked(asked_.row(i), wanted.size());
+        draw(eyes_->stream[i], block.lights.group, columns, asked);
+        for (size_t w = 0; w < wanted.size(); ++w) {
+            bright[w] = wanted[w] & ~row_[w];
+            asked[w] = (wanted[w] & asked[w]) | bright[w];
+        }
+    }
+    exact_.begin_tile(eyes_->block);
+    exact_.block(eyes_->block, block.lights, asked_, seen_, counters_);
+    const uint64_t certain = count_bits(bright_);
+    found.queries += count_bits(block.wanted);
+    found.certain += certain;
+    found.sampled += count_bits(asked_) - certain;
+    for (size_t i = 0; i < n; ++i) {
+        const Word *asked = asked_.row(i), *seen = seen_.row(i), *answered = block.visible.row(i);
+        for (size_t w = 0; w < row_.size(); ++w) row_[w] = asked[w] & (answered[w] ^ seen[w]);
+        std::vector<Word> one(row_.size());
+        for_each_bit(row_, [&](size_t k) {
+            set_bit(one.data(), k);
+            const double c = sum_of(block.light(i, one.data(), {}));
+            clear_bit(one.data(), k);
+            add_wrong(found, get_bit(bright_.row(i), k), get_bit(answered, k) ? c : -c);
+        });
+    }
+}
+
+void QueryAudit::samples(const WeightedSamples& samples, std::span<const Word> visible,
+                         const VisibilityOracle& oracle) {
+    const LocalSamples& all = samples.at;
+    AuditedQueries& found = found_[size_t(all.group)];
+    if (oracle.is_exact_own(all.group)) {
+        found.exact += all.size();
+        return;
+    }
+    found.queries += all.size();
+    refuse_weights(oracle.pair_weights());
+    LocalSamples some;
+    some.semantic = all.semantic;
+    some.group = all.group;
+    some.t_max = all.t_max;
+    std::vector<size_t> number;
+    std::vector<bool> certain;
+    for (size_t row = 0; row < all.eye.size(); ++row) {
+        const size_t begin = all.begin_of(row), end = all.end[row];
+        double sum = 0;
+        for (size_t i = begin; i < end; ++i) sum += sum_of(samples.contribution[i]);
+        const double limit = frame_.audit_above * sum / double(std::max<size_t>(1, end - begin));
+        row_.assign(words_for(end - begin), 0);
+        draw(eyes_->stream[all.eye[row]], all.group, end - begin, row_);
+        for (size_t i = begin; i < end; ++i) {
+            const bool bright = sum_of(samples.contribution[i]) > limit;
+            if (!bright && !get_bit(row_.data(), i - begin)) continue;
+            number.push_back(i);
+            certain.push_back(bright);
+            (bright ? found.certain : found.sampled) += 1;
+            some.add(all.far(i), all.density[i], all.light_density[i]);
+            if (all.is_direction()) continue;
+            some.normal.push_back(all.normal[i]);
+            some.ray_end.push_back(all.ray_end[i]);
+        }
+        some.close(all.eye[row]);
+    }
+    if (number.empty()) return;
+    std::vector<Word> seen(words_for(number.size()));
+    exact_.begin_tile(eyes_->block);
+    exact_.samples(eyes_->block, some, seen, counters_);
+    for (size_t k = 0; k < number.size(); ++k) {
+        const bool answered = get_bit(visible.data(), number[k]);
+        if (answered == get_bit(seen.data(), k)) continue;
+        const double c = sum_of(samples.contribution[number[k]]);
+        add_wrong(found, certain[k], answered ? c : -c);
+    }
+}
+
+void QueryAudit::end_tile(AuditRecords& out) {
+    out.queries = found_;
+    out.rays = counters_.rays();
+}
+
+}  // namespace viscache

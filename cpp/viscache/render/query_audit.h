@@ -1,0 +1,32 @@
+#pragma once
+// An audit of single queries: exact rays answer all bright connections, and a share of the others.
+#include "viscache/render/audit.h"
+
+namespace viscache {
+
+class QueryAudit final : public TileAudit {
+public:
+    QueryAudit(const FrameSettings& frame, const RayCaster& caster, float extent, const Control& control)
+        : frame_(frame), exact_(caster, extent) {
+        exact_.watch(control);
+    }
+    void begin_tile(const Tile& tile, const EyeTile& eyes) override;
+    void block(const AuditedBlock& block) override;
+    void samples(const WeightedSamples& samples, std::span<const Word> visible,
+                 const VisibilityOracle& oracle) override;
+    void end_tile(AuditRecords& out) override;
+
+private:
+    /// Sets each of the first n bits with the frame's share as probability.
+    void draw(uint64_t stream, int group, size_t n, std::span<Word> bits) const;
+
+    const FrameSettings& frame_;
+    ExactOracle exact_;
+    const EyeTile* eyes_ = nullptr;
+    Counters counters_;
+    std::array<AuditedQueries, kLightGroups> found_;
+    BitMatrix asked_, bright_, seen_;
+    std::vector<Word> row_;
+};
+
+}  // namespace viscache
