@@ -120,3 +120,23 @@ def test_a_gain_of_what_is_not_there_is_refused(room: vc.Scene) -> None:
     ):
         with pytest.raises(ValueError, match=says):
             gain(ds, **arguments)
+
+
+def test_curves_have_a_point_per_pass_and_leave_out_what_is_below_the_noise(
+    room: vc.Scene,
+) -> None:
+    ds = vc.passes_over_time(room, WHITTED, passes=3, size=SIZE)
+    ds["nmse"][1, 2] = -1e-6
+    for x in ("cpu_s", "wall_s", "rays", "pass"):
+        (axes,) = vc.plots.error_over_time(ds, x=x).axes
+        lines = {line.get_label(): line for line in axes.get_lines()}
+        assert list(lines) == ["exact", "biased", "corrected"]
+        assert [len(line.get_xdata()) for line in lines.values()] == [3, 2, 3]
+        assert axes.get_xscale() == axes.get_yscale() == "log"
+    y = "rel_l1_reflected"
+    (axes,) = vc.plots.error_over_time(ds, y=y).axes
+    assert np.allclose(axes.get_lines()[2].get_ydata(), ds[y].sel(setting="corrected"))
+    with pytest.raises(ValueError, match="x must be one of"):
+        vc.plots.error_over_time(ds, x="seconds")
+    with pytest.raises(ValueError, match="y must be one of"):
+        vc.plots.error_over_time(ds, y="flip")
