@@ -278,7 +278,7 @@ class _Truth:
         level = float(self.mean.mean())
         relative = squares / (np.square(self.mean) + (DARK * level) ** 2)
         away = float(np.abs(picture - self.mean).sum()) / float(self.mean.sum())
-        nmse, half = float(squares.mean()) / level**2, _half_width(squares) / level**2
+        nmse, half = float(squares.mean()) / level**2, half_width(squares) / level**2
         return {
             "nmse": nmse,
             "nmse_low": nmse - half,
@@ -288,7 +288,7 @@ class _Truth:
         }
 
 
-def _half_width(values: Floats) -> float:
+def half_width(values: Floats) -> float:
     """Half of the 95 % interval of a mean over pixels, by blocks of the picture."""
     from scipy.stats import t  # type: ignore[import-untyped,unused-ignore]
 
