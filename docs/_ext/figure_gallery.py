@@ -125,7 +125,7 @@ class FigureGallery(SphinxDirective):
 
 def chosen(paper: str) -> list[tuple[str, FigureInfo]]:
     """The figures of a paper."""
-    return [(n, i) for n, i in FIGURES.items() if n.startswith(paper + "-")]
+    return [(n, i) for n, i in FIGURES.items() if n.partition("-")[0] == paper]
 
 
 def pictures(found: dict[str, Any] | None) -> list[str]:

@@ -22,6 +22,7 @@ from viscache.connections import Connections, connections
 from viscache.frame import Frame
 from viscache.oracles.correct import Correct
 from viscache.oracles.points import EyePoints, FarEnds
+from viscache.over_time import passes_over_time
 from viscache.progressive import Progressive
 from viscache.provenance import VERSION
 from viscache.query_record import record_queries
@@ -101,6 +102,7 @@ __all__ = [
     "notebook",
     "orthographic",
     "pareto",
+    "passes_over_time",
     "plots",
     "record_queries",
     "render",

@@ -22,6 +22,7 @@ MODULES = (
     "viscache.figures",
     "viscache.metrics",
     "viscache.notebook",
+    "viscache.over_time",
     "viscache.plots",
     "viscache.report",
     "viscache.scenes",

@@ -26,7 +26,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("render",),
     ("progressive_state",),
     ("progressive",),
-    ("connections", "thumbnails", "tiles", "travelling"),
+    ("connections", "over_time", "thumbnails", "tiles", "travelling"),
     ("query_record",),
     ("sweeps",),
     ("plots",),

@@ -62,6 +62,7 @@ QUICK: dict[str, tuple[int, tuple[str, ...]]] = {
     "vismap-tab3": (0, ()),
     "vismap-sweep": (2, (".png",)),
     "vismap-temporal": (2, (".png",)),
+    "trade": (4, (".png", ".csv")),
 }
 #: Rows that need scenes by other authors.
 SKIPPED = {

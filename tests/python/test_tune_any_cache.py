@@ -268,4 +268,4 @@ def test_the_command_searches_any_number(capsys: pytest.CaptureFixture[str]) -> 
     assert cli.main([*words, "--visibility", "shadow_map"]) == 2
     assert "parameter must be one of resolution, bias" in capsys.readouterr().err
     assert cli.main([*words, "--target", "rmse<=0.03"]) == 2
-    assert "or rel_l1<=NUMBER, got" in capsys.readouterr().err
+    assert "or seconds<=NUMBER, got" in capsys.readouterr().err

@@ -92,6 +92,8 @@ def _print(result: dict[str, Any], folder: str) -> None:
         print(f"{result['figure']} ended with an error: {result['error']}")
         return
     print((Path(folder) / f"{result['figure']}.md").read_text("utf-8"))
+    for note in result["notes"]:
+        print(note)
     for left in result["skipped"]:
         print(f"skipped: {left['what']}: {left['reason']}")
 

@@ -1,11 +1,11 @@
-"""`viscache tune SCENE --error 0.01`, or `--target "rel_l1<=0.01"` of the paper's metric."""
+"""`viscache tune SCENE --error 0.01`, or `--target "rel_l1<=0.01"`, "flip<=.02", "seconds<=10"."""
 
 from __future__ import annotations
 
 import argparse
 import re
 import sys
-from typing import get_args
+from typing import Any, get_args
 
 from viscache.commands.shared import (
     add_scene,
@@ -18,8 +18,11 @@ from viscache.commands.shared import (
 from viscache.settings import by_name
 from viscache.sweeps.samples import ErrorMetric
 from viscache.sweeps.tune import tune
+from viscache.sweeps.tuned import Tuned
 
 METRICS: tuple[ErrorMetric, ...] = get_args(ErrorMetric)
+#: What a target may be of.
+TARGETS = (*METRICS, "seconds")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--target",
         type=target,
         metavar='"METRIC<=0.01"',
-        help=f"the same with its metric: {' or '.join(METRICS)}",
+        help=f'the same with its metric: {", ".join(METRICS)}; or "seconds<=10" of a frame',
     )
     parser.add_argument(
         "--visibility",
@@ -44,13 +47,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=[name for name in by_name.NAMES["visibility"] if name != "exact"],
         help="the cache (default: aqvc)",
     )
-    parser.add_argument("--parameter", metavar="NAME", help="the number to search: c_e of aqvc")
+    parser.add_argument(
+        "--parameter",
+        metavar="NAME",
+        help="the number to search; of aqvc by default c_e, c_finest and bright together",
+    )
     parser.add_argument(
         "--between",
         nargs=2,
         type=by_name.literal,
         metavar=("LOW", "HIGH"),
         help="where to search; needed but for c_e",
+    )
+    parser.add_argument(
+        "--passes",
+        action="store_true",
+        help="choose passes, exact or corrected, instead of one frame (see render --passes)",
     )
     parser.add_argument("--use", choices=["replace", "correct"], help="how the cache is used")
     parser.add_argument("--integrator", default="whitted", choices=["direct", "whitted", "ao"])
@@ -70,16 +82,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object")
 
 
-def target(text: str) -> tuple[ErrorMetric, float]:
-    """Metric and number of "rel_l1<=0.01"."""
-    must = f"must be {' or '.join(f'{m}<=NUMBER' for m in METRICS)}, got {text!r}"
+def target(text: str) -> tuple[str, float]:
+    """Metric and number of "rel_l1<=0.01", or "seconds" and theirs."""
+    must = f"must be {' or '.join(f'{m}<=NUMBER' for m in TARGETS)}, got {text!r}"
     found = re.fullmatch(r"\s*(\w+)\s*<=\s*([0-9.eE+-]+)\s*", text)
     if found is None:
         raise argparse.ArgumentTypeError(must)
     try:
-        return METRICS[METRICS.index(found[1])], float(found[2])
+        return TARGETS[TARGETS.index(found[1])], float(found[2])
     except ValueError as error:
         raise argparse.ArgumentTypeError(must) from error
+
+
+def targets(name: str, value: float) -> dict[str, Any]:
+    """The arguments of `tune` for a target."""
+    if name in ("flip", "seconds"):
+        return {name: value}
+    return {"rel_l1": value, "metric": name}
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -90,15 +109,15 @@ def run(arguments: argparse.Namespace) -> int:
         "rays": by_name.make("rays", "embree"),
     }
     made = by_name.assign(chosen, arguments.set)
-    metric, error = arguments.target or (METRICS[0], arguments.error)
+    wanted = arguments.target or (METRICS[0], arguments.error)
     found = tune(
         chosen_scene(arguments),
         made["integrator"],
-        rel_l1=error,
-        metric=metric,
+        **targets(*wanted),
         visibility=made["visibility"],
         parameter=arguments.parameter,
         between=arguments.between,
+        passes=arguments.passes,
         use=arguments.use,
         size=arguments.size,
         spp=arguments.spp,
@@ -115,13 +134,14 @@ def run(arguments: argparse.Namespace) -> int:
         light_cells = {} if found.c_l is None else {"c_l": found.c_l}
         print_table(
             {
-                found.parameter: found.value,
+                **chosen_values(found),
                 **light_cells,
                 found.metric: found.error,
                 "95 % interval": f"{low:.4g} … {high:.4g}",
                 "target": found.target,
                 "reached": "yes" if found.reached else "no",
                 "queries per ray": found.ray_reduction,
+                "seconds": found.wall_s,
                 "CPU seconds": found.seconds,
                 "exact CPU seconds": found.seconds_exact,
                 "pilots": len(found.pilots),
@@ -130,3 +150,12 @@ def run(arguments: argparse.Namespace) -> int:
         if found.message:
             print(found.message)
     return 0 if found.reached else 1
+
+
+def chosen_values(found: Tuned) -> dict[str, Any]:
+    """What to render with."""
+    if found.passes is not None:
+        return {"passes": found.passes, "visibility": "exact" if found.is_exact else "corrected"}
+    if found.is_exact:
+        return {"visibility": "exact"}
+    return {found.parameter: found.value, **found.also}

@@ -38,11 +38,12 @@ class FigureInfo:
 
 #: Name to figure, in the order of the papers: figures and tables by number, then the others.
 FIGURES: dict[str, FigureInfo] = {}
-PAPERS = ("aqvc", "vlf", "vismap")
+#: The papers, and the trade of all methods, which no paper has.
+PAPERS = ("aqvc", "vlf", "vismap", "trade")
 
 
 def figure(name: str, description: str) -> Callable[[Figure], Figure]:
-    """Register a function as the figure `PAPER-NAME`; it is sized if it takes `size`."""
+    """Register a function as `PAPER-NAME` or `trade`; it is sized if it takes `size`."""
     require(name.partition("-")[0] in PAPERS, f"a figure's paper must be one of {PAPERS}", name)
     require(name not in FIGURES, "a figure's name must be its own", name)
 

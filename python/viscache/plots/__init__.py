@@ -1,5 +1,6 @@
-"""Figures of a sweep for papers. Each function returns a matplotlib Figure, without pyplot."""
+"""Figures of a sweep and of passes for papers: matplotlib Figures, without pyplot."""
 
+from viscache.plots.over_time import error_over_time
 from viscache.plots.sweeps import (
     FORMATS,
     MARKERS,
@@ -17,6 +18,7 @@ __all__ = [
     "FORMATS",
     "MARKERS",
     "colors_for",
+    "error_over_time",
     "heatmap",
     "label",
     "pairs",

@@ -43,6 +43,7 @@ LABELS: dict[str, tuple[str, str]] = {
     "rel_l1_reflected": ("relative error of light on surfaces", ""),
     "rmse": ("RMSE", "radiance"),
     "rel_mse": ("relative MSE", ""),
+    "nmse": ("MSE over squared mean", ""),
     "energy": ("energy error", ""),
     "flip": ("mean HDR-FLIP", ""),
     "ssim": ("SSIM", ""),

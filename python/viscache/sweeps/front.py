@@ -1,4 +1,4 @@
-"""Which settings of a sweep are worth their cost, with intervals."""
+"""Which settings of a sweep are worth their cost, with intervals, and their bias and variance."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from viscache.settings.checks import require
+from viscache.sweeps.bias import of_sweep
 from viscache.sweeps.swept import error_of, settings_of
 
 if TYPE_CHECKING:
@@ -30,6 +31,9 @@ class Ranked:
         Another setting has a smaller error at no more cost, or less cost at no more error.
     certain : bool
         Such a setting exists whose intervals of cost and error both lie below.
+    bias2, variance : (mean, low, high), optional
+        The two parts of the squared error of one frame, over the squared mean of the picture, with
+        95 % intervals over blocks of it. None where pictures of repeats are missing.
     """
 
     values: dict[str, Any]
@@ -37,6 +41,8 @@ class Ranked:
     error: tuple[float, float, float]
     dominated: bool
     certain: bool
+    bias2: tuple[float, float, float] | None = None
+    variance: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,11 +77,13 @@ class Front:
 
     def _rows(self) -> list[list[str]]:
         names = list(self.settings[0].values) if self.settings else []
-        rows = [[*names, self.cost, self.error, ""]]
+        split = any(s.bias2 is not None for s in self.settings)
+        rows = [[*names, self.cost, self.error, *(["bias²", "variance"] if split else []), ""]]
         for s in self.settings:
             verdict = "" if not s.dominated else "dominated" if s.certain else "dominated?"
             values = [f"{v:g}" if isinstance(v, float) else str(v) for v in s.values.values()]
-            rows.append([*values, _text(s.cost), _text(s.error), verdict])
+            parts = [_text(s.bias2), _text(s.variance)] if split else []
+            rows.append([*values, _text(s.cost), _text(s.error), *parts, verdict])
         return rows
 
     def __str__(self) -> str:
@@ -95,8 +103,17 @@ class Front:
         return f"<table><tr>{head.replace('td>', 'th>')}</tr>{body}</table>"
 
 
-def pareto(ds: xarray.Dataset, cost: str = "total_s", error: str | None = None) -> Front:
+def pareto(
+    ds: xarray.Dataset,
+    cost: str = "total_s",
+    error: str | None = None,
+    *,
+    split: bool | None = None,
+) -> Front:
     """The settings of a sweep by cost, with those that another one beats marked.
+
+    Repeats in a directory also tell bias and variance apart: bias² is the mean squared error of the
+    mean over seeds, minus the variance of that mean (`viscache.sweeps.bias`).
 
     Parameters
     ----------
@@ -105,6 +122,9 @@ def pareto(ds: xarray.Dataset, cost: str = "total_s", error: str | None = None) 
         A variable to be small: "total_s", "cpu_s", "rays", ...
     error : str, optional
         A metric to be small; the sweep's first by default.
+    split : bool, optional
+        Read the pictures of all repeats to tell bias and variance apart. By default where the sweep
+        has a directory and two repeats or more.
 
     Returns
     -------
@@ -113,7 +133,7 @@ def pareto(ds: xarray.Dataset, cost: str = "total_s", error: str | None = None) 
     Raises
     ------
     ValueError
-        There is no such variable, or no finished setting.
+        There is no such variable, no finished setting, or `split` without the pictures it needs.
 
     Examples
     --------
@@ -130,6 +150,8 @@ def pareto(ds: xarray.Dataset, cost: str = "total_s", error: str | None = None) 
     require(cost in ds, "cost must be a variable of the sweep", cost)
     found = settings_of(ds, cost, error)
     require(bool(found), "ds must have a finished setting", ds.sizes)
+    parts = {} if split is False else of_sweep(ds)
+    require(not split or bool(parts), "split needs a sweep with a directory and repeats", ds.sizes)
     found.sort(key=lambda s: (s[cost][0], s[error][0]))
     return Front(
         cost=cost,
@@ -141,6 +163,8 @@ def pareto(ds: xarray.Dataset, cost: str = "total_s", error: str | None = None) 
                 error=_interval(s[error]),
                 dominated=any(_beats(other, s, cost, error) for other in found),
                 certain=any(_surely_beats(other, s, cost, error) for other in found),
+                bias2=parts[s["index"]][0] if s["index"] in parts else None,
+                variance=parts[s["index"]][1] if s["index"] in parts else None,
             )
             for s in found
         ),
@@ -161,6 +185,8 @@ def _surely_beats(a: dict[str, Any], b: dict[str, Any], cost: str, error: str) -
     return all(sum(a[name]) < b[name][0] - b[name][1] for name in (cost, error))
 
 
-def _text(interval: tuple[float, float, float]) -> str:
+def _text(interval: tuple[float, float, float] | None) -> str:
+    if interval is None:
+        return "–"
     mean, low, _ = interval
     return f"{mean:.4g}" if low == mean else f"{mean:.4g} ± {mean - low:.2g}"

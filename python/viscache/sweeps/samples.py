@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from viscache import tiles
+from viscache.metrics import flip_map
 from viscache.render import render_part
 from viscache.scene import Scene
 from viscache.settings.checks import require
@@ -22,8 +23,8 @@ __all__ = ["ErrorMetric", "Measured", "Sample", "Setting", "ratio", "samples"]
 #: Visibility and use, as `render` takes them.
 Setting: TypeAlias = tuple[Any, Any]
 Piece: TypeAlias = dict[str, npt.NDArray[np.float64]]
-#: Errors that are quotients of sums over pixels.
-ErrorMetric: TypeAlias = Literal["rel_l1_reflected", "rel_l1"]
+#: Errors that are quotients of sums over pixels, or means of them.
+ErrorMetric: TypeAlias = Literal["rel_l1_reflected", "rel_l1", "flip"]
 
 EXACT: Setting = (Exact(), None)
 #: Pilots see this many tiles, or a 16th of the frame, and as many others check the result. A frame
@@ -38,7 +39,8 @@ BLOCKS, BLOCK_PX = 16, (16, 64)
 class Measured:
     """The errors of one setting, and what a whole frame of it costs.
 
-    `interval` is the 95 % interval of the metric that was asked for; `seconds` are of the CPU.
+    `interval` is the 95 % interval of the metric that was asked for; `seconds` are of the CPU,
+    `wall_s` of the clock.
     """
 
     errors: dict[ErrorMetric, float]
@@ -46,6 +48,7 @@ class Measured:
     ray_reduction: float
     groups: dict[str, float]
     seconds: float
+    wall_s: float
 
 
 class Sample:
@@ -55,7 +58,8 @@ class Sample:
     ----------
     render : callable
         Takes a setting, returns tiles.
-    metric : {"rel_l1_reflected", "rel_l1"}
+    metric : {"rel_l1_reflected", "rel_l1", "flip"}
+        "flip" looks at a whole frame.
     share : float
         Share of the frame's pixels that `render` renders.
     block_px : int, optional
@@ -74,16 +78,20 @@ class Sample:
         self._share, self._block_px = share, block_px
         part = render(EXACT)
         self._exact = self._pieces(part)
-        #: CPU seconds of an exact frame.
-        self.seconds_exact = self._seconds(part)
+        self._picture = _picture(part) if metric == "flip" else None
+        #: Seconds of the CPU and of the clock of an exact frame.
+        self.seconds_exact = self._seconds(part, "cpu_s")
+        self.wall_exact_s = self._seconds(part, "total_s")
         lights = [_total(self._exact, name) for name in _LAYERS.values()]
         require(min(lights) > 0, "the picture must have light on surfaces", "none")
-        self._light = _total(self._exact, _LAYERS[metric])
+        self._light = _total(self._exact, _LAYERS.get(metric, "surfaces"))
 
     @property
     def count(self) -> int:
         """Number of samples behind an interval."""
-        return len(self._exact)
+        if self._picture is None:
+            return len(self._exact)
+        return len(self._blocks(self._picture))
 
     @property
     def groups(self) -> set[str]:
@@ -98,9 +106,17 @@ class Sample:
             metric: sum(_difference(a, b, name) for a, b in pairs) / _total(self._exact, name)
             for metric, name in _LAYERS.items()
         }
-        name = _LAYERS[self._metric]
-        wrong = [_difference(a, b, name) for a, b in pairs]
-        _, interval = ratio(wrong, [float(b[name].sum()) for _, b in pairs])
+        if self._picture is None:
+            name = _LAYERS[self._metric]
+            wrong = [_difference(a, b, name) for a, b in pairs]
+            under = [float(b[name].sum()) for _, b in pairs]
+        else:
+            found = flip_map(_picture(part), self._picture)
+            require(found is not None, "the picture must have light for flip", "none")
+            blocks = self._blocks(found[0].astype(np.float64))  # type: ignore[index]
+            wrong, under = [float(b.sum()) for b in blocks], [float(b.size) for b in blocks]
+        error, interval = ratio(wrong, under)
+        errors[self._metric] = error
         groups = {
             group: sum(_difference(a, b, group) for a, b in pairs) / self._light
             for group in sorted(self.groups & set(pairs[0][0]))
@@ -111,14 +127,20 @@ class Sample:
             interval=interval,
             ray_reduction=queries / rays if rays else math.inf,
             groups=groups,
-            seconds=self._seconds(part),
+            seconds=self._seconds(part, "cpu_s"),
+            wall_s=self._seconds(part, "total_s"),
         )
 
-    def _seconds(self, part: tiles.Part) -> float:
-        """CPU seconds of a whole frame. Lights are traced once for every part."""
+    def _seconds(self, part: tiles.Part, clock: Literal["cpu_s", "total_s"]) -> float:
+        """Seconds of a whole frame. Lights are traced once for every part."""
         timings = part.frame.timings
-        once = min(timings["cpu_s"], timings["lights_s"] * part.frame.provenance["threads"])
-        return float(once + (timings["cpu_s"] - once) / self._share)
+        threads = part.frame.provenance["threads"] if clock == "cpu_s" else 1
+        once = min(timings[clock], timings["lights_s"] * threads)
+        return float(once + (timings[clock] - once) / self._share)
+
+    def _blocks(self, picture: npt.NDArray[np.float64]) -> list[npt.NDArray[np.float64]]:
+        edge = _block_px((picture.shape[1], picture.shape[0]))
+        return [b["x"] for b in _blocks({"x": picture, "color": picture}, edge)]
 
     def _pieces(self, part: tiles.Part) -> list[Piece]:
         """The picture of each tile or block, its light on surfaces, and its light groups."""
@@ -129,6 +151,15 @@ class Sample:
             piece["surfaces"] = piece["color"] - cut["emitted"]
             found += [piece] if self._block_px is None else _blocks(piece, self._block_px)
         return found
+
+
+def _picture(part: tiles.Part) -> npt.NDArray[np.float64]:
+    """All light of a whole frame."""
+    width, height = part.size
+    made = np.zeros((height, width, 3))
+    for (x0, y0, x1, y1), piece in zip(part.boxes, part.cuts, strict=True):
+        made[y0:y1, x0:x1] = piece["color"]
+    return made
 
 
 #: The picture of a piece that a metric compares.
@@ -168,7 +199,8 @@ def samples(
     given : dict
         Other arguments of `render_part`.
     in_parts : bool
-        Whether the settings can render parts of a frame. Else frames of two seeds serve.
+        Whether the settings can render parts of a frame. Else frames of two seeds serve, as they
+        do for FLIP, which looks at the surroundings of pixels.
     """
 
     def rendered(setting: Setting, of_seed: int, part: tuple[int, int]) -> tiles.Part:
@@ -191,6 +223,7 @@ def samples(
     edge = int(
         render_part(scene, integrator, (1 << 19, 1 << 20), **given).parameters["tile_edge_px"]
     )
+    in_parts = in_parts and metric != "flip"
     parts = _parts(len(tiles.tile_boxes(size, edge, 0, 1))) if in_parts else 1
     if parts < 2:
         return sampled(seed + 1, 0), sampled(seed, 0)

@@ -93,10 +93,20 @@ class Span:
         return round(value) if self.whole else value
 
 
-def search(measure: Callable[[float], Pilot], target: float, span: Span) -> list[Pilot]:
-    """Pilots towards the value whose error is the target, in the order of the search."""
-    tried = [measure(value) for value in span.beginning]
-    while len(tried) < MOST_PILOTS:
+def search(
+    measure: Callable[[float], Pilot],
+    target: float,
+    span: Span,
+    *,
+    known: Sequence[Pilot] = (),
+    most: int = MOST_PILOTS,
+) -> list[Pilot]:
+    """Pilots towards the value whose error is the target, in the order of the search.
+
+    `known` are earlier ones to begin with; `most` counts them, too.
+    """
+    tried = list(known) or [measure(value) for value in span.beginning]
+    while len(tried) < most:
         if any(abs(p.error / target - 1) <= NEAR for p in tried):
             break
         value = _next_value(tried, target, span)

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import types
 import typing
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,17 +33,24 @@ class Searched:
     span: Span
     visibility: Any
     use: Any
+    joint: bool = False
+    """No parameter was named, so others may be chosen with it."""
 
     @property
     def is_c_e(self) -> bool:
         """Whether it is C_E of the quantized cache."""
         return isinstance(self.visibility, Aqvc) and self.parameter == "c_e"
 
-    def at(self, value: float) -> Setting:
-        """The settings with this value."""
+    @property
+    def is_joint(self) -> bool:
+        """Whether `c_finest` and `bright` are chosen with C_E."""
+        return self.joint and self.is_c_e and self.visibility.paper.form == "waves"
+
+    def at(self, value: float, also: Mapping[str, float] | None = None) -> Setting:
+        """The settings with this value, and others with it."""
         if self.parameter == SHARE:
             return self.visibility, dataclasses.replace(self.use, share=value)
-        values = {self.parameter: value}
+        values = {self.parameter: value, **(also or {})}
         return by_name.replaced(self.visibility, values, "visibility"), self.use
 
 
@@ -69,7 +76,8 @@ def searched(
     else:
         low, high = _ends(between, whole)
         span = Span(low=low, high=high, whole=whole)
-    found = Searched(parameter=name, span=span, visibility=visibility, use=use)
+    joint = parameter is None and use in (None, "replace")
+    found = Searched(parameter=name, span=span, visibility=visibility, use=use, joint=joint)
     for end in (low, high):  # a value out of the parameter's own range is refused here
         found.at(end)
     return found

@@ -1,11 +1,12 @@
-"""A parameter from an error target: pilots, checked on pixels that they did not see."""
+"""Parameters from a target: pilots, checked on pixels that they did not see."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any, Protocol, TypeVar, get_args
 
 from viscache import combinations, sources
@@ -20,14 +21,19 @@ from viscache.settings.checks import is_whole, require
 from viscache.settings.integrators import AmbientOcclusion, Direct, Whitted
 from viscache.settings.rays import Embree
 from viscache.settings.spelling import spelled
-from viscache.settings.visibility import Visibility, VisMaps
+from viscache.settings.visibility import Exact, Visibility, VisMaps
+from viscache.sweeps.jointly import MOST_MORE, families, jointly
 from viscache.sweeps.light_cells import MOST_TRIALS, with_light_cells
 from viscache.sweeps.samples import ErrorMetric, Sample, samples
 from viscache.sweeps.search import MOST_PILOTS, best, search
 from viscache.sweeps.searched import Searched, searched
 from viscache.sweeps.tuned import OWN_SAMPLES, Pilot, Tuned
+from viscache.sweeps.tuned_passes import tuned_passes
 
 __all__ = ["Pilot", "Tuned", "tune"]
+
+#: Pilots aim at this share of an error, since other pixels have a little more or less.
+BELOW = 0.95
 
 T = TypeVar("T")
 
@@ -37,11 +43,14 @@ def tune(
     scene: Scene | str | os.PathLike[str],
     integrator: Any,
     *,
-    rel_l1: float = 0.01,
-    metric: ErrorMetric = "rel_l1_reflected",
+    rel_l1: float | None = None,
+    flip: float | None = None,
+    seconds: float | None = None,
+    metric: ErrorMetric | None = None,
     visibility: Visibility | Written | str | None = None,
     parameter: str | None = None,
     between: tuple[float, float] | None = None,
+    passes: bool = False,
     use: str | Correct | None = None,
     size: tuple[int, int] | None = None,
     spp: int = 1,
@@ -51,31 +60,43 @@ def tune(
     env: Any = None,
     progress: Progress = False,
 ) -> Tuned:
-    """The value of a parameter at which a cache has a wanted error against exact visibility.
+    """Settings with a wanted error against exact visibility, or the least error in some time.
 
-    Of the quantized cache this is C_E. If pixels have samples of their own (of a sky, of area
-    lights, of ambient light), C_L is chosen too: it is halved until the error that no C_E lowers is
-    at most half of the target.
+    Of the quantized cache these are C_E, `c_finest` and `bright`: of all that reach the target,
+    those with the fewest rays. If pixels have samples of their own (of a sky, of area lights, of
+    ambient light), C_L is chosen too: it is halved until the error that no C_E lowers is at most
+    half of the target. Of other caches it is one parameter.
 
     Parameters
     ----------
     scene : Scene, path or str
     integrator : Direct, Whitted or AmbientOcclusion
         Or its name. Its directions not shared.
-    rel_l1 : float
-        The wanted error, a relative L1; in (0, 1).
-    metric : {"rel_l1_reflected", "rel_l1"}
-        Over which light: that on surfaces, or all light of the picture, as in the paper. Lamps and
-        a sky in the picture make the second one smaller, but not the errors that one sees.
+    rel_l1 : float, optional
+        The wanted error, a relative L1; in (0, 1). 0.01 by default, if no other target is given.
+    flip : float, optional
+        Or the wanted mean HDR-FLIP, in (0, 1). It looks at whole frames, so large ones take longer.
+    seconds : float, optional
+        Or the seconds of the clock that a frame may take, whose error should be small. If an exact
+        frame fits, it is chosen. Times vary, so two calls may choose differently; with another
+        target the choice is always the same.
+    metric : {"rel_l1_reflected", "rel_l1"}, optional
+        Over which light: that on surfaces (the default), or all light of the picture, as in the
+        paper. Lamps and a sky in the picture make the second one smaller, but not the errors that
+        one sees.
     visibility : Aqvc, ShadowMap, NeePlusPlus, VisMaps or your own, optional
-        The cache with its other parameters; `Aqvc()` by default. A C_E per light group stays, and a
-        `c_l` that is given.
+        The cache with its other parameters; `Aqvc()` by default. A C_E per light group stays, and
+        `c_l`, `c_finest` and `bright` that are given.
     parameter : str, optional
         The number to search: a parameter of the cache, or "use.share" with `use=vc.Correct(...)`.
-        "c_e" of Aqvc by default; of other caches their only number.
+        Of other caches than Aqvc their only number by default. With "c_e", C_E alone is searched.
     between : (low, high), optional
         Where to search; needed but for C_E. The error may rise or fall with the parameter. Steps
         have equal ratios if `low` is positive. Whole numbers stay whole.
+    passes : bool
+        Choose passes of `vc.Progressive` instead of one frame: exact ones, or those of the cache
+        with corrections, whichever are cheaper, and how many. The error is then the noise of the
+        picture, not the difference to an exact one of the same samples.
     use, size, spp, seed, threads, camera, env
         Of the frame that will be rendered, as `viscache.render` takes them; the size is the
         camera's own by default.
@@ -94,15 +115,14 @@ def tune(
     Raises
     ------
     ValueError
-        A parameter out of range or one that is not there, or a picture without light.
+        Two targets, a parameter out of range or one that is not there, or a picture without light.
 
     Notes
     -----
     A 16th of a large frame's tiles, at least 24, serves for the pilots, and as many others for the
-    check; of smaller frames one half and the other. Of frames of less than eight tiles, and for
-    caches that do not work in parts of frames (docs/limits.md), the pilots see a frame of another
-    seed, and the frame itself checks the result. If an exact frame costs up to seven times the
-    frame that is found, all of it costs less than 20 times that frame.
+    check; of smaller frames one half and the other. Of frames of less than eight tiles, for FLIP,
+    and for caches that do not work in parts of frames (docs/limits.md), the pilots see a frame of
+    another seed, and the frame itself checks the result. Pilots aim a little below the target.
 
     Examples
     --------
@@ -118,46 +138,137 @@ def tune(
     >>> found.reached, found.visibility.resolution == found.value
     (True, True)
     """
-    number = isinstance(rel_l1, (int, float)) and not isinstance(rel_l1, bool)
-    require(number and 0 < rel_l1 < 1, "rel_l1 must lie in (0, 1)", rel_l1)
-    target = float(rel_l1)
+    target = _target(rel_l1=rel_l1, flip=flip, seconds=seconds)
     known_metrics = get_args(ErrorMetric)
-    require(metric in known_metrics, f"metric must be one of {known_metrics}", metric)
+    require(metric in (None, *known_metrics), f"metric must be one of {known_metrics}", metric)
+    judged: ErrorMetric = metric or "rel_l1_reflected"
+    if flip is not None:
+        require(metric in (None, "flip"), "metric must be left out with flip", metric)
+        judged = "flip"
     integrator = by_name.setting("integrator", integrator)
     known = "vc.Direct(...), vc.Whitted(...) or vc.AmbientOcclusion(...)"
     fits = isinstance(integrator, Direct | Whitted | AmbientOcclusion)
     require(fits, f"integrator must be {known}", integrator)
     cache = by_name.setting("visibility", visibility, "aqvc")
     require(is_whole(seed) and 0 <= seed < 1 << 62, "seed must be in [0, 2^62)", seed)
+    require(isinstance(passes, bool), "passes must be True or False", passes)
     lit = sources.opened(scene)
     check_settings(lit, integrator, Embree(), cache, use, None)
     if use == "correct" and not isinstance(cache, VisMaps):
         use = Correct()
+    given = {"spp": spp, "threads": threads, "camera": camera}
+    if passes:
+        alone = parameter is None and between is None and use in (None, Correct())
+        require(alone, "parameter, between and use must be left out with passes", parameter or use)
+        require(judged == "rel_l1_reflected", "passes are tuned by rel_l1_reflected", judged)
+        given |= {"size": size, "env": env, "seed": int(seed)}
+        by_time = seconds is not None
+        return tuned_passes(lit, integrator, cache, target, by_time, given, progress)
     wanted = searched(cache, use, parameter, between)
     in_parts = _works_in_parts(integrator, cache, use)
     lit = lit if env is None else lit.with_environment(env, threads=threads)
-    pixels = frame_size(size, find_camera(lit, camera))
-    given = {"size": pixels, "spp": spp, "threads": threads, "camera": camera}
+    given["size"] = frame_size(size, find_camera(lit, camera))
     make_pilot, make_check = samples(
-        lit, integrator, given, int(seed), in_parts=in_parts, metric=metric
+        lit, integrator, given, int(seed), in_parts=in_parts, metric=judged
     )
     with _steps(progress, wanted) as step:
         pilot = step(make_pilot)
+        if seconds is not None and pilot.wall_exact_s <= target:
+            return _exact(step(make_check), wanted, target, judged)
         if wanted.is_c_e and not pilot.groups.isdisjoint(OWN_SAMPLES):
-            chosen = with_light_cells(
-                lambda tried: step(lambda: pilot.measured((tried, use))).groups,
-                wanted.visibility,
-                target,
-            )
+            # A time has no error to leave half of: light cells stay as they are
+            chosen = wanted.visibility
+            if seconds is None:
+                chosen = with_light_cells(
+                    lambda tried: step(lambda: pilot.measured((tried, use))).groups,
+                    wanted.visibility,
+                    target,
+                )
             wanted = replace(wanted, visibility=chosen)
 
-        def measure(value: float) -> Pilot:
-            found = step(lambda: pilot.measured(wanted.at(value)))
-            return Pilot(value, found.errors[metric], found.ray_reduction, wanted.parameter)
+        def measure(value: float, also: Mapping[str, float] | None = None) -> Pilot:
+            found = step(lambda: pilot.measured(wanted.at(value, also)))
+            error, rays = found.errors[judged], found.ray_reduction
+            return Pilot(value, error, rays, wanted.parameter, dict(also or {}), found.wall_s)
 
-        pilots = search(measure, target, wanted.span)
+        aim = _Aim(target, seconds is not None)
+        pilots, one = aim.searched(measure, wanted)
         check = step(make_check)
-        return step(lambda: _checked(check, wanted, pilots, target, metric))
+        return step(lambda: _checked(check, wanted, pilots, one, aim, judged))
+
+
+def _target(**targets: float | None) -> float:
+    """The one target that is given."""
+    given = {name: value for name, value in targets.items() if value is not None}
+    require(len(given) <= 1, "one target must be given: rel_l1, flip or seconds", list(given))
+    name, value = next(iter(given.items()), ("rel_l1", 0.01))
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if name == "seconds":
+        require(number and 0 < value < float("inf"), "seconds must be > 0 and finite", value)
+    else:
+        require(number and 0 < value < 1, f"{name} must lie in (0, 1)", value)
+    return float(value)
+
+
+class _Aim:
+    """What a search aims at: an error with few rays, or a time with a small error."""
+
+    def __init__(self, target: float, by_time: bool) -> None:
+        self.target, self.by_time = target, by_time
+
+    def searched(
+        self, measure: Callable[..., Pilot], wanted: Searched
+    ) -> tuple[list[Pilot], Pilot]:
+        """All pilots and the best one."""
+        made: dict[int, Pilot] = {}
+        goal = self.target * (1.0 if self.by_time else BELOW)
+
+        def goals(value: float, also: Mapping[str, float] | None = None) -> Pilot:
+            pilot = measure(value, also)
+            shown = replace(pilot, error=pilot.wall_s) if self.by_time else pilot
+            made[id(shown)] = pilot
+            kept.append(shown)
+            return shown
+
+        def price(pilot: Pilot) -> float:
+            if self.by_time:
+                return made[id(pilot)].error
+            return 1 / max(pilot.ray_reduction, 1e-12)
+
+        kept: list[Pilot] = []
+        span = wanted.span
+        if self.by_time and span.rises is not None:
+            span = replace(span, rises=not span.rises)
+        tried = search(goals, goal, span)
+        if wanted.is_joint:
+            others = partial(families, wanted.visibility)
+            tried, one = jointly(goals, tried, goal, span, others, price)
+        else:
+            one = best(tried, goal, whole=span.whole)
+        return [made[id(p)] for p in tried], made[id(one)]
+
+
+def _exact(check: Sample, wanted: Searched, target: float, metric: ErrorMetric) -> Tuned:
+    """An exact frame, whose time fits."""
+    return Tuned(
+        target=target,
+        parameter=wanted.parameter,
+        value=0.0,
+        visibility=Exact(),
+        metric=metric,
+        rel_l1=0.0,
+        rel_l1_reflected=0.0,
+        flip=0.0 if metric == "flip" else None,
+        interval=(0.0, 0.0),
+        ray_reduction=1.0,
+        pilots=(),
+        samples=check.count,
+        groups={},
+        seconds=check.seconds_exact,
+        seconds_exact=check.seconds_exact,
+        wall_s=check.wall_exact_s,
+        wanted="seconds",
+    )
 
 
 class _Step(Protocol):
@@ -170,6 +281,7 @@ class _Step(Protocol):
 def _steps(progress: Progress, wanted: Searched) -> Iterator[_Step]:
     """A function that calls its argument and reports that one more rendering is done."""
     total = 3 + MOST_PILOTS + (MOST_TRIALS if wanted.is_c_e else 0)
+    total += MOST_MORE if wanted.is_joint else 0
     done = 0
     with progress_bar(progress, "rendering") as report:
 
@@ -200,26 +312,34 @@ def _works_in_parts(integrator: Any, visibility: Any, use: Any) -> bool:
 
 
 def _checked(
-    check: Sample, wanted: Searched, pilots: list[Pilot], target: float, metric: ErrorMetric
+    check: Sample,
+    wanted: Searched,
+    pilots: list[Pilot],
+    one: Pilot,
+    aim: _Aim,
+    metric: ErrorMetric,
 ) -> Tuned:
-    """The best pilot's value, measured on pixels that no pilot saw."""
-    value = best(pilots, target, whole=wanted.span.whole).value
-    visibility, use = wanted.at(value)
+    """The best pilot's values, measured on pixels that no pilot saw."""
+    visibility, use = wanted.at(one.value, one.also)
     found = check.measured((visibility, use))
     return Tuned(
-        target=target,
+        target=aim.target,
         parameter=wanted.parameter,
-        value=value,
+        value=one.value,
+        also=one.also,
         visibility=visibility,
         use=use,
         metric=metric,
         rel_l1=found.errors["rel_l1"],
         rel_l1_reflected=found.errors["rel_l1_reflected"],
+        flip=found.errors.get("flip"),
         interval=found.interval,
         ray_reduction=found.ray_reduction,
-        pilots=tuple(sorted(pilots, key=lambda p: p.value)),
+        pilots=tuple(sorted(pilots, key=lambda p: (p.value, tuple(p.also.items())))),
         samples=check.count,
         groups=found.groups,
         seconds=found.seconds,
         seconds_exact=check.seconds_exact,
+        wall_s=found.wall_s,
+        wanted="seconds" if aim.by_time else "error",
     )

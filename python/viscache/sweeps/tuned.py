@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
-from viscache.settings.visibility import Aqvc
+from viscache.oracles.correct import in_words
+from viscache.settings.visibility import Aqvc, Exact
 
 __all__ = ["OWN_SAMPLES", "TOLERANCE", "Pilot", "Tuned"]
 
 #: The error that is reached may exceed the target by this factor.
 TOLERANCE = 1.3
+#: The time that is taken may exceed the target by this factor.
+LATE = 1.1
 #: Light groups whose samples belong to one pixel each, and the parameters that count them: light
 #: cells bound their error, not C_E.
 OWN_SAMPLES = {
@@ -25,12 +28,17 @@ SYMBOLS = {"c_e": ("C_E", "C_E [px]")}
 
 @dataclass(frozen=True, slots=True)
 class Pilot:
-    """What one value gave on the pilots' pixels: the error in the metric that was asked for."""
+    """What one value gave on the pilots' pixels: the error in the metric that was asked for.
+
+    `also` has other parameters that were chosen with it; `wall_s` are seconds of a whole frame.
+    """
 
     value: float
     error: float
     ray_reduction: float
     parameter: str = "c_e"
+    also: dict[str, float] = field(default_factory=dict)
+    wall_s: float = field(default=0.0, compare=False)
 
     @property
     def c_e(self) -> float:
@@ -50,8 +58,17 @@ class Tuned:
         Its value to use; `visibility` (or `use`) has it. If C_E was searched, `c_e` is the same.
     visibility, use
         What to render with: `vc.render(..., visibility=found.visibility, use=found.use)`.
-    metric : {"rel_l1_reflected", "rel_l1"}
+    also : dict of str to float
+        Other parameters that were chosen with it: `c_finest` and `bright` of the quantized cache.
+    passes : int, optional
+        With `passes=True`: so many passes of `vc.Progressive(..., visibility=found.visibility,
+        use=found.use)`.
+    wanted : {"error", "seconds"}
+        What the target is of.
+    metric : {"rel_l1_reflected", "rel_l1", "flip"}
         The metric that should have the target; `error` is its value.
+    flip : float, optional
+        The mean HDR-FLIP, if it is the metric.
     rel_l1, rel_l1_reflected : float
         The errors on pixels that no pilot saw: over all light, and over light on surfaces.
     interval : (low, high)
@@ -67,6 +84,8 @@ class Tuned:
         metric divides by. If errors do not cancel, they add up to `error`.
     seconds, seconds_exact : float
         CPU seconds of a frame with this setting and of an exact one, measured on the same pixels.
+    wall_s : float
+        Seconds of the clock, of the same frame.
     """
 
     target: float
@@ -84,11 +103,23 @@ class Tuned:
     groups: dict[str, float]
     seconds: float
     seconds_exact: float
+    wall_s: float = 0.0
+    also: dict[str, float] = field(default_factory=dict)
+    passes: int | None = None
+    wanted: Literal["error", "seconds"] = "error"
+    flip: float | None = None
 
     @property
     def error(self) -> float:
         """The error in `metric`."""
+        if self.metric == "flip" and self.flip is not None:
+            return self.flip
         return self.rel_l1 if self.metric == "rel_l1" else self.rel_l1_reflected
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether exact visibility was chosen."""
+        return isinstance(self.visibility, Exact)
 
     @property
     def exact_is_cheaper(self) -> bool:
@@ -102,8 +133,14 @@ class Tuned:
 
     @property
     def reached(self) -> bool:
-        """Whether the error on unseen pixels is within 30 % of the target, or below it."""
-        return self.error <= self.target * TOLERANCE
+        """Whether pixels that no pilot saw confirm the target.
+
+        Their error is at most 30 % above it, and its interval contains the target or lies below.
+        Of a time: it is at most 10 % above.
+        """
+        if self.wanted == "seconds":
+            return self.wall_s <= self.target * LATE
+        return self.error <= self.target * TOLERANCE and self.interval[0] <= self.target
 
     @property
     def message(self) -> str:
@@ -115,14 +152,38 @@ class Tuned:
         return " ".join(text for text in texts if text)
 
     def _off_target(self) -> str:
+        if self.wanted == "seconds" or self.passes is not None:
+            return self._of_time()
         low, high = self.target / TOLERANCE, self.target * TOLERANCE
-        near = min(self.pilots, key=lambda p: abs(p.value - self.value))
-        if self.error > high:
+        near = min(self._mine, key=lambda p: abs(p.value - self.value))
+        if self.error > high or self.interval[0] > self.target:
             text = self._above() if near.error > high else self._not_confirmed(near)
             return text + self._limits()
         if self.error < low:
             return self._below(near) if near.error < low else self._not_confirmed(near)
         return ""
+
+    @property
+    def _mine(self) -> list[Pilot]:
+        """The pilots with the other parameters that were chosen."""
+        return [p for p in self.pilots if p.also == self.also] or list(self.pilots)
+
+    def _of_time(self) -> str:
+        if self.passes is not None:
+            if self.reached:
+                return ""
+            return (
+                f"{self.passes} passes are as many as there may be: {self.metric} {self.error:.3g}"
+                f" and {self.wall_s:.3g} s."
+            )
+        if self.is_exact:
+            return f"An exact frame takes {self.wall_s:.3g} s, which fits: it has no error."
+        if self.reached:
+            return ""
+        return (
+            f"No {self._symbol} that was tried takes {self.target:.3g} s: the frame with"
+            f" {_text(self.value)} takes {self.wall_s:.3g} s."
+        )
 
     def _not_confirmed(self, near: Pilot) -> str:
         """The pilots had the target, the other pixels have more or less."""
@@ -134,7 +195,7 @@ class Tuned:
         )
 
     def _above(self) -> str:
-        least = min(self.pilots, key=lambda p: p.error)
+        least = min(self._mine, key=lambda p: p.error)
         return (
             f"No {self._symbol} reaches {self.metric} {self.target:.3g}: the smallest error found"
             f" is {least.error:.3g}, at {_text(least.value)}."
@@ -142,7 +203,7 @@ class Tuned:
 
     def _below(self, near: Pilot) -> str:
         """All tried values have smaller errors, or the error jumps over the target."""
-        above = [p for p in self.pilots if p.error > self.target]
+        above = [p for p in self._mine if p.error > self.target]
         text = f"The error is below {self.metric} {self.target:.3g}: "
         if not above:
             return (
@@ -156,7 +217,7 @@ class Tuned:
         )
 
     def _cost(self) -> str:
-        if not self.exact_is_cheaper:
+        if not self.exact_is_cheaper or self.is_exact or self.passes is not None:
             return ""
         return (
             f"Exact visibility is cheaper here: {self.seconds_exact:.3g} s of the CPU for a frame"
@@ -190,7 +251,12 @@ class Tuned:
             "parameter": self.parameter,
             "value": self.value,
             self.parameter: self.value,
+            **self.also,
             **light_cells,
+            "visibility": repr(self.visibility),
+            "use": in_words(self.use),
+            "passes": self.passes,
+            "wanted": self.wanted,
             "metric": self.metric,
             "error": self.error,
             "rel_l1": self.rel_l1,
@@ -202,10 +268,16 @@ class Tuned:
             "groups": self.groups,
             "seconds": self.seconds,
             "seconds_exact": self.seconds_exact,
+            "wall_s": self.wall_s,
             "exact_is_cheaper": self.exact_is_cheaper,
             "message": self.message,
             "pilots": [
-                {p.parameter: p.value, "error": p.error, "ray_reduction": p.ray_reduction}
+                {
+                    p.parameter: p.value,
+                    **p.also,
+                    "error": p.error,
+                    "ray_reduction": p.ray_reduction,
+                }
                 for p in self.pilots
             ],
         }
@@ -219,23 +291,32 @@ class Tuned:
     def __repr__(self) -> str:
         low, high = self.interval
         light_cells = "" if self.c_l is None else f" c_l={self.c_l:.3g},"
+        others = "".join(f" {name}={value:.3g}," for name, value in self.also.items())
+        unit = " s" if self.wanted == "seconds" else ""
+        chosen = f"{self.parameter}={_text(self.value)}"
+        if self.passes is not None:
+            chosen = f"{self.passes} passes {'exact' if self.is_exact else 'corrected'}"
+        elif self.is_exact:
+            chosen = "exact"
         return (
-            f"Tuned({self.parameter}={_text(self.value)},{light_cells}"
-            f" {self.metric}={self.error:.3g} [{low:.3g}, {high:.3g}], target={self.target:.3g},"
-            f" ray_reduction={self.ray_reduction:.3g})"
+            f"Tuned({chosen},{others}{light_cells}"
+            f" {self.metric}={self.error:.3g} [{low:.3g}, {high:.3g}],"
+            f" target={self.target:.3g}{unit}, ray_reduction={self.ray_reduction:.3g})"
         )
 
     def __str__(self) -> str:
         return f"{self!r}\n{self.message}" if self.message else repr(self)
 
     def _repr_html_(self) -> str:
+        names = list(dict.fromkeys(name for p in self.pilots for name in p.also))
         rows = "".join(
-            f"<tr><td>{_text(p.value)}</td><td>{p.error:.3g}</td><td>{p.ray_reduction:.3g}</td>"
-            "</tr>"
+            f"<tr><td>{_text(p.value)}</td>{_cells(p, names)}<td>{p.error:.3g}</td>"
+            f"<td>{p.ray_reduction:.3g}</td></tr>"
             for p in self.pilots
         )
         name = html.escape(SYMBOLS.get(self.parameter, (self.parameter,))[-1])
-        head = f"<tr><th>{name}</th><th>{self.metric}</th><th>queries per ray</th></tr>"
+        more = "".join(f"<th>{html.escape(n)}</th>" for n in names)
+        head = f"<tr><th>{name}</th>{more}<th>{self.metric}</th><th>queries per ray</th></tr>"
         said = f"<p>{html.escape(self.message)}</p>" if self.message else ""
         return f"<table><caption>{html.escape(repr(self))}</caption>{head}{rows}</table>{said}"
 
@@ -244,6 +325,13 @@ def _c_e(found: Pilot | Tuned) -> float:
     if found.parameter != "c_e":
         raise AttributeError(f"{found.parameter} was searched, not c_e: see value")
     return found.value
+
+
+def _cells(pilot: Pilot, names: list[str]) -> str:
+    """Cells of the other parameters; empty where the cache's own stayed."""
+    return "".join(
+        f"<td>{pilot.also[n]:.3g}</td>" if n in pilot.also else "<td></td>" for n in names
+    )
 
 
 def _text(value: float) -> str:
