@@ -160,7 +160,7 @@ void MeanOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMat
         const std::vector<float>& mean = rows_[row_of_eye_[i]]->mean;
         for_each_bit(drawn_.row_span(i), [&](size_t k) {
             const float change = float(seen_.get(i, k)) - mean[k], times = inverse_[number++];
-            corrections_.push_back({uint32_t(k), weighted_ ? change * times : change});
+            corrections_.push_back({uint32_t(k), weighted_ ? change * times : change, 1 / times});
         });
         correction_begin_.push_back(uint32_t(corrections_.size()));
     }

@@ -15,7 +15,7 @@ from . import sampling
 from . import visibility
 from . import vismap
 from . import vlf
-__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcRows', 'AqvcRowsSource', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptTable', 'KeptTableSource', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'draw_audit_pixels', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'shaft_matrix', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
+__all__: list[str] = ['AlignedSource', 'AlphaMode', 'AmbientEngine', 'AqvcRows', 'AqvcRowsSource', 'AqvcSource', 'BdptSettings', 'Camera', 'CameraConnections', 'CoatKind', 'EmbreeCaster', 'EnvironmentSampling', 'ExactSource', 'FrameMaps', 'FrameSettings', 'FrameTableSource', 'FrameTaps', 'GivenAnswers', 'GivenSource', 'IntegratorSettings', 'KeptLights', 'KeptTable', 'KeptTableSource', 'KeptVoxels', 'LightChoice', 'MaterialKind', 'NeePlusPlusSettings', 'OracleSource', 'PMode', 'PacketOrder', 'PointSet', 'PythonSource', 'PythonTracer', 'RayCaster', 'ResidualSource', 'RouletteSource', 'Scene', 'SceneDescription', 'SceneError', 'ShadowMapSettings', 'ShadowMapSource', 'ShaftScene', 'ShaftSource', 'UnoccludedSource', 'VisMapSettings', 'active_isa', 'aqvc', 'ask_block', 'ask_pairs', 'best_isa', 'cache_maps', 'correlation', 'description_of', 'draw_audit_pixels', 'embree_version', 'geometry_hash', 'load_scene_file', 'look_at', 'read_image', 'render_bdpt', 'render_frame', 'sampling', 'scene_cameras', 'scene_hash', 'scene_instances', 'scene_lights', 'scene_materials', 'scene_mesh', 'scene_mesh_count', 'scene_offset_extent', 'scene_sphere', 'scene_warnings', 'shaft_matrix', 'sky_image', 'sky_radiance', 'sun_direction', 'sun_irradiance', 'trace_eye_points', 'visibility', 'vismap', 'vlf']
 class SceneError(ValueError):
     pass
 class MaterialKind(enum.Enum):
@@ -704,6 +704,12 @@ class NeePlusPlusSettings:
     def validate(self) -> None:
         ...
     @property
+    def certain(self) -> float:
+        ...
+    @certain.setter
+    def certain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def exponent(self) -> float:
         ...
     @exponent.setter
@@ -738,6 +744,39 @@ class NeePlusPlusSettings:
         ...
     @n_voxels.setter
     def n_voxels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def relearn_pixels(self) -> int:
+        ...
+    @relearn_pixels.setter
+    def relearn_pixels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class KeptVoxels:
+    """
+    See viscache.VoxelCounts.
+    """
+    def __init__(self) -> None:
+        ...
+    def commit(self) -> None:
+        ...
+    def restore(self, scene: Scene, settings: NeePlusPlusSettings, frames: typing.SupportsInt | typing.SupportsIndex, place: typing.Annotated[numpy.typing.ArrayLike, numpy.uint64], tested: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32]) -> None:
+        """
+        Sets what `state` gave, in an object without frames.
+        """
+    def roll_back(self) -> None:
+        ...
+    def state(self) -> tuple:
+        """
+        Places, tests and unblocked tests (N,) of all pairs with tests.
+        """
+    @property
+    def bytes(self) -> int:
+        ...
+    @property
+    def frames(self) -> int:
+        ...
+    @property
+    def pairs_tested(self) -> int:
         ...
 class AlphaMode(enum.Enum):
     """
@@ -815,13 +854,18 @@ class RouletteSource(OracleSource):
     """
     See viscache.NeePlusPlus.
     """
-    def __init__(self, scene: Scene, caster: RayCaster, settings: NeePlusPlusSettings, *, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True) -> None:
+    @staticmethod
+    def correct(scene: Scene, caster: RayCaster, settings: NeePlusPlusSettings, *, share: typing.SupportsFloat | typing.SupportsIndex | None = None, certain: typing.SupportsFloat | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, lasting_seed: typing.SupportsInt | typing.SupportsIndex = 0, weighted: bool = True, keep: KeptVoxels | None = None) -> RouletteSource:
+        """
+        The means of voxels as a control variate.
+        """
+    def __init__(self, scene: Scene, caster: RayCaster, settings: NeePlusPlusSettings, *, seed: typing.SupportsInt | typing.SupportsIndex, weighted: bool = True, keep: KeptVoxels | None = None) -> None:
         ...
 class ResidualSource(OracleSource):
     """
     See viscache.Correct.
     """
-    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex | None, certain: typing.SupportsFloat | typing.SupportsIndex = 32.0, seed: typing.SupportsInt | typing.SupportsIndex, lasting_seed: typing.SupportsInt | typing.SupportsIndex = 0, weighted: bool = True) -> None:
+    def __init__(self, scene: Scene, caster: RayCaster, inner: OracleSource, *, share: typing.SupportsFloat | typing.SupportsIndex | None, certain: typing.SupportsFloat | typing.SupportsIndex = 0.015625, seed: typing.SupportsInt | typing.SupportsIndex, lasting_seed: typing.SupportsInt | typing.SupportsIndex = 0, octaves: typing.Annotated[collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(8)"]], "FixedSize(8)"] = [[1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 1, 1, 1]], weighted: bool = True) -> None:
         ...
 class ShaftScene:
     """
@@ -843,6 +887,12 @@ class ShaftSource(OracleSource):
     See viscache.Exact.
     """
     def __init__(self, scene: Scene, caster: RayCaster, shafts: ShaftScene, exact: OracleSource, *, choose: bool = False, bounds: typing.SupportsFloat | typing.SupportsIndex = 1, isa: str | None = None) -> None:
+        ...
+class KeptLights:
+    """
+    The shared lights of a frame, for frames of the same scene, integrator, size and seed.
+    """
+    def __init__(self) -> None:
         ...
 class FrameTaps:
     """
@@ -945,9 +995,9 @@ def render_bdpt(scene: Scene, caster: RayCaster, camera: Camera, settings: BdptS
     """
     A frame of bidirectional paths. `source` serves one frame.
     """
-def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps | None = None, batch: vlf.AlignedBatch | None = None, field: vlf.VisibilityField | None = None, progress: typing.Any = None) -> dict:
+def render_frame(scene: Scene, caster: RayCaster, camera: Camera, integrator: IntegratorSettings, frame: FrameSettings, source: OracleSource, *, maps: FrameMaps | None = None, batch: vlf.AlignedBatch | None = None, field: vlf.VisibilityField | None = None, lights: KeptLights | None = None, progress: typing.Any = None) -> dict:
     """
-    A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field` may trace the shared directions of ambient occlusion.
+    A frame of direct light, virtual point lights or ambient occlusion. `source` serves one frame. `batch` and `field` may trace the shared directions of ambient occlusion. `lights` are kept for frames with the same shared lights.
     """
 def scene_cameras(scene: Scene) -> list[Camera]:
     ...
