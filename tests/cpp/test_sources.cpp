@@ -80,12 +80,12 @@ void roulette_learns_before_the_frame() {
 void means_of_voxels_are_exact_with_a_share_of_one() {
     Setup setup;
     const NeePlusPlusSettings settings{.n_voxels = 4, .learn_pixels = 300};
-    const auto source = [&](std::optional<double> share) {
+    const auto source = [&](double share) {
         RouletteOptions options;
         options.correct = MeanSettings{.share = share, .seed = 3};
         return RouletteSource(*setup.world, setup.caster, settings, options);
     };
-    RouletteSource all = source(1.0), one = source({}), four = source({});
+    RouletteSource all = source(1.0), one = source(0.2), four = source(0.2);
     const FrameResult exact = setup.exact(), right = setup.render(all);
     check(same_pixels(exact, right), "all queries traced");
     check_equal(reported(right, "corrections"), right.counters.queries(), "corrections");

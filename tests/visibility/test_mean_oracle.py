@@ -16,6 +16,9 @@ from visibility.test_roulette_oracle import COARSE, SIZE, SKY, paired, stack
 
 LIGHTS = vc.Whitted(n_vpls=64)
 
+#: Those of many shared lights, or of connections between paths.
+DRAWN = [INTEGRATORS[1], INTEGRATORS[3], SKY]
+
 
 @pytest.fixture(scope="module")
 def room() -> vc.Scene:
@@ -52,21 +55,26 @@ def corrected(
 
 @pytest.mark.slow
 @pytest.mark.stat
+@pytest.mark.parametrize("share", [None, 0.25])
 @pytest.mark.parametrize("integrator", [*INTEGRATORS, SKY], ids=lambda i: type(i).__name__)
 def test_frames_are_right_in_expectation_and_a_wrong_q_shows(
-    integrator: Any, room: vc.Scene
+    integrator: Any, share: float | None, room: vc.Scene
 ) -> None:
     seeds = range(32)
     exact = stack(room, integrator, vc.Exact(), seeds)
-    result = paired(corrected(room, integrator, seeds), exact)
+    ours = corrected(room, integrator, seeds, share=share)
+    if share is None and integrator not in DRAWN:
+        assert (ours == exact).all()  # samples of single eye points, and single lamps
+        return
+    result = paired(ours, exact)
     assert result.same, str(result)
-    spoilt = paired(corrected(room, integrator, seeds, weighted=False), exact)
+    spoilt = paired(corrected(room, integrator, seeds, share=share, weighted=False), exact)
     assert spoilt.p < 1e-9, str(spoilt)
 
 
 @pytest.mark.stat
-@pytest.mark.parametrize("share", [None, 0.2])
-def test_slits_of_light_in_voxels_of_shadow_keep_their_light(share: float | None) -> None:
+def test_slits_of_light_in_voxels_of_shadow_keep_their_light() -> None:
+    share = 0.2
     scene = vc.scenes.stairs(12)
     seeds = range(64)
     exact = stack(scene, vc.Direct(), vc.Exact(), seeds)
@@ -95,7 +103,7 @@ def test_any_number_of_threads_gives_the_same_bytes(integrator: Any, room: vc.Sc
         )
         for n in (1, 2, 5)
     ]
-    assert frames[0].counters["discarded"] > 0
+    assert (frames[0].counters["discarded"] > 0) is (integrator in DRAWN)
     for frame in frames[1:]:
         assert signature(frame) == signature(frames[0])
 

@@ -1,6 +1,7 @@
 #include "viscache/visibility/mean_oracle.h"
 
 #include "viscache/sampling/point_key.h"
+#include "viscache/visibility/local_samples.h"
 
 namespace viscache {
 
@@ -132,6 +133,13 @@ void MeanOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMat
                        BitMatrix& visible, Counters& counters) {
     corrections_.clear();
     correction_begin_.clear();
+    traced_all_ = is_exact(lights);
+    if (traced_all_) {
+        const uint64_t before = counters.rays();
+        exact_.block(eyes, lights, wanted, visible, counters);
+        counters.corrections += counters.rays() - before;
+        return;
+    }
     make_rows(eyes, lights);
     drawn_.reset(wanted.rows(), lights.count);
     bands_.reset(kPlanes, lights.count);
@@ -151,8 +159,7 @@ void MeanOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMat
     group.occluded += traced.group(lights.group).occluded;
     counters.corrections += traced.rays();
     for (size_t i = 0; i < wanted.rows(); ++i)
-        std::copy_n((is_exact() ? seen_ : wanted).row(i), words_for(lights.count), visible.row(i));
-    if (is_exact()) return;
+        std::copy_n(wanted.row(i), words_for(lights.count), visible.row(i));
 
     correction_begin_.push_back(0);
     size_t number = 0;
@@ -164,6 +171,15 @@ void MeanOracle::block(const EyeBlock& eyes, const FarEnds& lights, const BitMat
         });
         correction_begin_.push_back(uint32_t(corrections_.size()));
     }
+}
+
+void MeanOracle::samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                         Counters& counters) {
+    if (!is_exact_own(samples.group)) return VisibilityOracle::samples(eyes, samples, visible, counters);
+    pair_weights_.clear();
+    const uint64_t before = counters.rays();
+    exact_.samples(eyes, samples, visible, counters);
+    counters.corrections += counters.rays() - before;
 }
 
 void MeanOracle::pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,

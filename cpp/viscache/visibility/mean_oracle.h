@@ -4,7 +4,9 @@
 //
 // Kugelmann's VisCache ("prediction with correction") has the same form. q follows c·sqrt(mean·(1 − mean)),
 // where c is the unoccluded contribution: then no correction weighs much more than another. All answers have
-// weights. Roulette, the form of the paper, traces with q and counts 0 for the others.
+// weights. Without a share, samples that belong to one eye point and groups of few lights are all traced:
+// rays are a small part of their cost, and the noise of draws would be most of the error. Roulette, the form
+// of the paper, traces with q and counts 0 for the others.
 #include <array>
 #include <memory>
 #include <optional>
@@ -27,6 +29,7 @@ struct MeanSettings {
     /// detect it.
     bool weighted = true;
     static constexpr size_t kHalvings = 5;
+    static constexpr size_t kFewLights = 8;
 };
 
 class MeanOracle final : public VisibilityOracle {
@@ -42,8 +45,14 @@ public:
                Counters& counters) override;
     void pairs(const EyeBlock& eyes, std::span<const ShadowQuery> queries, std::span<Word> visible,
                Counters& counters) override;
+    void samples(const EyeBlock& eyes, const LocalSamples& samples, std::span<Word> visible,
+                 Counters& counters) override;
+    bool is_exact(const FarEnds& lights) const override {
+        return share_ ? is_exact() : lights.count <= MeanSettings::kFewLights;
+    }
+    bool is_exact_own(int) const override { return !share_ || is_exact(); }
     std::span<const float> block_weights(uint32_t eye) const override {
-        return is_exact() ? std::span<const float>{} : rows_[row_of_eye_[eye]]->mean;
+        return traced_all_ ? std::span<const float>{} : rows_[row_of_eye_[eye]]->mean;
     }
     std::span<const Correction> block_corrections(uint32_t eye) const override {
         if (correction_begin_.empty()) return {};
@@ -79,6 +88,7 @@ private:
     bool weighted_;
     const Contributions* contributions_ = nullptr;
     // For `block`
+    bool traced_all_ = false;  ///< the latest block
     std::vector<uint32_t> row_of_voxel_, row_of_eye_, far_;
     std::vector<std::unique_ptr<Row>> rows_;
     BitMatrix drawn_, seen_, bands_, planes_;
