@@ -33,6 +33,7 @@ SMALL = (
     "aligned",
     "vismap-variance",
     "sweep",
+    "tune",
     "notebook-slider",
     "parity",
 )
