@@ -6,7 +6,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -106,6 +106,9 @@ def passes_over_time(
         energy            Σ of this pass alone / Σ of the reference - 1
         ================  =========================================================================
 
+        Beside them "picture" (setting, row, column, channel), the mean of all passes, and
+        "reference" (row, column, channel), both with all light.
+
         Errors are of light on surfaces: emitted light that the camera sees is left out where
         frames have a layer of it. With two references, d² is the product of the differences to
         both, so an error far below their noise may come out negative.
@@ -150,22 +153,25 @@ def passes_over_time(
             if report is not None:
                 report(done, total)
 
+        others: list[Frame | npt.NDArray[Any]]
         if reference is None:
-            truth = _Truth(
-                *(_exact(lit, base, given, n, of_reference, step) for n in FIRST_OF_REFERENCES)
-            )
+            others = [_exact(lit, base, given, n, of_reference, step) for n in FIRST_OF_REFERENCES]
         else:
-            truth = _Truth(_light(reference))
+            others = [reference]
+        truth = _Truth(others)
         for i in range(passes):
             for run in list(runs.values())[:: 1 if i % 2 == 0 else -1]:
                 run.add_pass(truth)
                 step()
-    names = list(runs[next(iter(runs))].rows[0])
+    names = list(next(iter(runs.values())).rows[0])
+    measured = {
+        n: (("setting", "pass"), [[row[n] for row in run.rows] for run in runs.values()])
+        for n in names
+    }
+    space = ("row", "column", "channel")
+    pictures = np.stack([run.picture.frame.image for run in runs.values()])
     return xarray.Dataset(
-        {
-            n: (("setting", "pass"), [[r[n] for r in run.rows] for run in runs.values()])
-            for n in names
-        },
+        measured | {"picture": (("setting", *space), pictures), "reference": (space, truth.image)},
         coords={"setting": list(runs), "pass": np.arange(1, passes + 1)},
         attrs={
             "scene": lit.name,
@@ -256,16 +262,20 @@ def _light(picture: Any) -> Floats:
 
 def _exact(
     scene: Scene, integrator: Any, given: dict[str, Any], first: int, passes: int, step: Any
-) -> Floats:
+) -> Frame:
     picture = Progressive(scene, integrator, visibility="exact", first_pass=first, **given)
-    return _light(picture.passes(passes, progress=lambda done, total: step()))
+    return picture.passes(passes, progress=lambda done, total: step())
 
 
 class _Truth:
     """One reference, or two whose noise is independent."""
 
-    def __init__(self, one: Floats, other: Floats | None = None) -> None:
-        self.pictures = (one, one if other is None else other)
+    def __init__(self, references: Sequence[Frame | npt.NDArray[Any]]) -> None:
+        lights = [_light(reference) for reference in references]
+        self.pictures = (lights[0], lights[-1])
+        images = [np.asarray(getattr(r, "image", r), np.float64) for r in references]
+        #: All light.
+        self.image = np.asarray(np.mean(images, axis=0), np.float32)
         self.mean = (self.pictures[0] + self.pictures[1]) / 2
         require(bool(self.mean.sum() > 0), "the reference must have light on surfaces", "none")
         self.size = [self.mean.shape[1], self.mean.shape[0]]

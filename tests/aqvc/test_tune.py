@@ -85,7 +85,7 @@ def error_of(scene: vc.Scene, integrator: Any, found: Tuned, **frame: Any) -> fl
     return float(vc.metrics.compare(cached, exact, metrics=[found.metric])[found.metric])
 
 
-def test_a_small_frame_is_tuned_by_a_frame_of_another_seed_and_checked_by_itself() -> None:
+def test_a_small_frame_is_tuned_by_other_eye_samples_and_checked_by_itself() -> None:
     scene, whitted = vc.scenes.room(triangles=3000), vc.Whitted(n_vpls=32)
     found = vc.tune(scene, whitted, rel_l1=0.02, size=(96, 60), seed=5)
     assert found.samples == 24 and found.visibility.c_e == found.c_e and found.reached
@@ -124,7 +124,7 @@ def test_under_a_sky_the_message_names_the_floor_and_what_limits() -> None:
     found = vc.tune(scene, whitted, rel_l1=0.004, size=(48, 36), visibility=one)
     assert found.visibility.c_l == 1
     finest, coarser = (found.pilots[i].error for i in (0, 2))
-    assert not found.reached and finest > 0.75 * coarser > 0.004  # no C_E goes below
+    assert not found.reached and finest > 0.5 * coarser > 0.004  # no C_E goes below
     assert max(found.groups, key=found.groups.__getitem__) == "environment"
     assert "No C_E reaches rel_l1_reflected 0.004: the smallest error found is" in found.message
     assert "The group 'environment' limits it" in found.message

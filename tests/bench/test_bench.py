@@ -35,6 +35,7 @@ SMALL = (
     "aligned",
     "vismap-variance",
     "sweep",
+    "tune",
     "notebook-slider",
     "parity",
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -140,3 +141,25 @@ def test_curves_have_a_point_per_pass_and_leave_out_what_is_below_the_noise(
         vc.plots.error_over_time(ds, x="seconds")
     with pytest.raises(ValueError, match="y must be one of"):
         vc.plots.error_over_time(ds, y="flip")
+
+
+def test_a_page_has_the_curves_and_pictures_of_every_setting(
+    room: vc.Scene, tmp_path: Path
+) -> None:
+    ds = vc.passes_over_time(room, WHITTED, passes=3, size=SIZE)
+    assert ds["picture"].shape == (3, SIZE[1], SIZE[0], 3)
+    away = np.square(ds["picture"][0] - ds["reference"]).mean()
+    assert float(away) < 0.2 * float(np.square(ds["reference"]).mean())
+    page = vc.report.write_passes(ds, tmp_path / "passes.html").read_text("utf-8")
+    assert "http://" not in page.replace("http://www.w3.org", "") and "https://" not in page
+    for name in ("plot-cpu_s-nmse", "plot-pass-rel_mse"):
+        svg = page.split(f'id="{name}"')[1].split("</svg>")[0]
+        assert svg.count('class="point"') == int((ds[name.split("-")[2]] > 0).sum())
+        assert svg.count('fill="none"') == 3
+    data = json.loads(page.split('type="application/json">')[1].split("</script>")[0])
+    assert [s["text"] for s in data["settings"]] == ["exact", "biased", "corrected"]
+    assert all("difference" in s and "flip" in s for s in data["settings"])
+    with pytest.raises(ValueError, match="ds must be a dataset of"):
+        vc.report.write_passes(ds.drop_vars("picture"), tmp_path / "no.html")
+    with pytest.raises(ValueError, match="width must be >= 1"):
+        vc.report.write_passes(ds, tmp_path / "no.html", width=0)

@@ -74,6 +74,7 @@ def test_values_that_were_given_stay() -> None:
     assert families(vc.Aqvc(c_finest=3, bright=6)) == []
     beside = {"c_finest": 4.0, "bright": 4.0}
     assert families(vc.Aqvc(), beside=beside, c_e=6) == []
+    assert {"c_finest": 8.0, "bright": 0.0} in families(vc.Aqvc(), c_e=17)
     assert families(vc.Aqvc(), beside=beside, c_e=9) == [{"c_finest": 8.0, "bright": 4.0}]
 
 

@@ -25,6 +25,7 @@ from viscache.bench.rays import rays
 from viscache.bench.shafts import shafts
 from viscache.bench.shafts_elsewhere import shafts_elsewhere
 from viscache.bench.sweep import sweep
+from viscache.bench.tune import tune_scenes
 from viscache.bench.vismap_variance import vismap_variance
 from viscache.bench.vlf_ao import vlf_ao
 from viscache.bench.vlf_build import vlf_build
@@ -125,6 +126,10 @@ BENCHES: dict[str, BenchInfo] = {
     "sweep": BenchInfo(
         description="500 points of a sweep: time outside frames and metrics, kills, dask",
         function=sweep,
+    ),
+    "tune": BenchInfo(
+        description="errors of whole frames at the settings that vc.tune chose, on nine scenes",
+        function=tune_scenes,
     ),
     "notebook-slider": BenchInfo(
         description="the C_E slider of a notebook, from the move to the picture that is shown",

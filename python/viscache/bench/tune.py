@@ -41,7 +41,8 @@ CASES = (
     Case(name="living-room", scene="living-room/scene.xml"),
     Case(name="sponza-dabrovic", scene="sponza-dabrovic/scene.xml"),
     Case(name="classroom", scene="classroom/scene.xml"),
-    Case(name="veach-ajar", scene="veach-ajar/scene.xml"),
+    Case(name="sanmiguel-part", scene="sanmiguel-part/scene.xml"),
+    Case(name="veach-ajar", scene="veach-ajar/scene.pbrt"),
 )
 QUICK = (Case(name="church", scene="church?triangles=4000", rel_l1=0.04, n_vpls=32, size=(96, 60)),)
 

@@ -24,7 +24,7 @@ Also: TypeAlias = Mapping[str, float]
 
 #: Pilots of the family that is searched.
 EACH = 4
-MOST_MORE = 4 + EACH - 1
+MOST_MORE = 5 + EACH - 1
 #: `bright` of the families; smaller values trace more.
 BRIGHT = 4.0
 #: Pilots whose error is off by more do not stand for the target.
@@ -45,7 +45,7 @@ def families(base: Aqvc, *, beside: Also | None = None, c_e: float = 0.0) -> lis
     beside : mapping, optional
         The best of the first families: then those next to it.
     c_e : float
-        The C_E of the best one.
+        The C_E of the best one, or that found without them.
     """
     finest, bright = float(plain(base.c_finest)), float(plain(base.bright))
     free = isinstance(base.c_finest, NotGiven), isinstance(base.bright, NotGiven)
@@ -53,12 +53,13 @@ def families(base: Aqvc, *, beside: Also | None = None, c_e: float = 0.0) -> lis
     if beside is None:
         wanted = [(finest, traced)]
         wanted += [(finest / 2, bright), (finest / 2, traced)] if free[0] else []
+        wanted += [(2 * finest, bright)] if free[0] and c_e > 4 * finest else []
     elif beside["c_finest"] < finest:
         wanted = [(finest / 4, beside["bright"])]
     else:
         wanted = [(2 * finest, beside["bright"])] if free[0] and c_e > 2 * finest else []
-    known = [(finest, bright)]
-    return [{"c_finest": f, "bright": b} for f, b in dict.fromkeys(wanted) if (f, b) not in known]
+    of_base = (finest, bright)
+    return [{"c_finest": f, "bright": b} for f, b in dict.fromkeys(wanted) if (f, b) != of_base]
 
 
 def jointly(
@@ -68,6 +69,7 @@ def jointly(
     span: Span,
     others: Callable[..., Sequence[Also]],
     price: Callable[[Pilot], float],
+    finest: float = 4.0,
 ) -> tuple[list[Pilot], Pilot]:
     """All pilots, and the one to use.
 
@@ -78,12 +80,16 @@ def jointly(
     tried : sequence of Pilot
         Of C_E alone.
     others : callable
-        Returns the families to try; with `beside` and `c_e`, those beside the best of them.
+        Takes `c_e`, returns the families to try; with `beside`, those beside the best of them.
     price : callable
         What should be small at the target.
+    finest : float
+        `c_finest` of the pilots tried.
     """
     one = best(tried, target)
-    if abs(math.log(max(one.error, 1e-12) / target)) > math.log(NEARLY):
+    off = math.log(max(one.error, 1e-12) / target)
+    easy = off < 0 and span.same(one.value, span.high)  # coarser families may reach the target
+    if abs(off) > math.log(NEARLY) and not easy:
         return list(tried), one
     sign = -1.0 if span.rises is False else 1.0
     steep = _slope([(p.value, p.error) for p in tried], sign, STEEP)
@@ -100,8 +106,7 @@ def jointly(
         value = max(span.low, one.value * grown, 2 * also["c_finest"])
         return measure(min(span.high, value), also)
 
-    finest = max((also["c_finest"] for also in others()), default=1.0)
-    probes = [probed(also) for also in others()]
+    probes = [probed(also) for also in others(c_e=one.value)]
     if probes:
         first = min(probes, key=at_target)
         if at_target(first) < at_target(one) - LEAST_GAIN:

@@ -1,4 +1,4 @@
-"""Pixels on which `tune` measures errors: tiles of the frame, or frames of two seeds."""
+"""Pixels on which `tune` measures errors: tiles of the frame, or frames of other eye samples."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ ErrorMetric: TypeAlias = Literal["rel_l1_reflected", "rel_l1", "flip"]
 
 EXACT: Setting = (Exact(), None)
 #: Pilots see this many tiles, or a 16th of the frame, and as many others check the result. A frame
-#: of fewer tiles is halved, and one of less than `LEAST_TILES` is sampled by a frame of another
-#: seed.
+#: of fewer tiles is halved, and one of less than `LEAST_TILES` is sampled by a frame of other eye
+#: samples.
 ENOUGH_TILES, MOST_PARTS, LEAST_TILES = 24, 16, 8
+#: The pilots' eye samples begin this many frames later. Blocks of 512 are independent.
+OTHER_SAMPLES = 512
 #: Whole frames are cut into about this many blocks, whose edges are in this range.
 BLOCKS, BLOCK_PX = 16, (16, 64)
 
@@ -199,20 +201,18 @@ def samples(
     given : dict
         Other arguments of `render_part`.
     in_parts : bool
-        Whether the settings can render parts of a frame. Else frames of two seeds serve, as they
-        do for FLIP, which looks at the surroundings of pixels.
+        Whether the settings can render parts of a frame. Else two frames of the same lights and
+        different eye samples serve, as they do for FLIP, which looks at the surroundings of pixels.
     """
 
-    def rendered(setting: Setting, of_seed: int, part: tuple[int, int]) -> tiles.Part:
+    def rendered(setting: Setting, first: int, part: tuple[int, int]) -> tiles.Part:
         visibility, use = setting
-        made = render_part(
-            scene, integrator, part, visibility=visibility, use=use, seed=of_seed, **given
-        )
-        return tiles.cut(made, *part)
+        how = {"visibility": visibility, "use": use, "seed": seed, "first_sample": first}
+        return tiles.cut(render_part(scene, integrator, part, **how, **given), *part)
 
-    def sampled(of_seed: int, number: int) -> Callable[[], Sample]:
+    def sampled(first: int, number: int) -> Callable[[], Sample]:
         return lambda: Sample(
-            lambda setting: rendered(setting, of_seed, (number, parts)),
+            lambda setting: rendered(setting, first, (number, parts)),
             metric,
             share=_share(size, edge, number, parts),
             block_px=None if parts > 1 else _block_px(size),
@@ -226,10 +226,10 @@ def samples(
     in_parts = in_parts and metric != "flip"
     parts = _parts(len(tiles.tile_boxes(size, edge, 0, 1))) if in_parts else 1
     if parts < 2:
-        return sampled(seed + 1, 0), sampled(seed, 0)
+        return sampled(OTHER_SAMPLES * given["spp"], 0), sampled(0, 0)
     rng = np.random.Generator(np.random.Philox(key=[seed, 1]))
     one, other = (int(number) for number in rng.permutation(parts)[:2])
-    return sampled(seed, one), sampled(seed, other)
+    return sampled(0, one), sampled(0, other)
 
 
 def _parts(count: int) -> int:

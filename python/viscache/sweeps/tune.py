@@ -122,7 +122,8 @@ def tune(
     A 16th of a large frame's tiles, at least 24, serves for the pilots, and as many others for the
     check; of smaller frames one half and the other. Of frames of less than eight tiles, for FLIP,
     and for caches that do not work in parts of frames (docs/limits.md), the pilots see a frame of
-    another seed, and the frame itself checks the result. Pilots aim a little below the target.
+    the same lights and other eye samples, and the frame itself checks the result. Pilots aim a
+    little below the target.
 
     Examples
     --------
@@ -242,7 +243,8 @@ class _Aim:
         tried = search(goals, goal, span)
         if wanted.is_joint:
             others = partial(families, wanted.visibility)
-            tried, one = jointly(goals, tried, goal, span, others, price)
+            finest = float(wanted.visibility.c_finest)
+            tried, one = jointly(goals, tried, goal, span, others, price, finest)
         else:
             one = best(tried, goal, whole=span.whole)
         return [made[id(p)] for p in tried], made[id(one)]
