@@ -116,7 +116,7 @@ py::dict counters_of(const FrameResult& f) {
         d["greatest_ratio"] = c.greatest_ratio;
         d["pilot_rays"] = c.pilot_rays;
     }
-    if (!f.variance.empty()) d["share_by_class"] = classes_of(f);
+    if (const py::dict classes = classes_of(f); !classes.empty()) d["share_by_class"] = classes;
     if (f.forecast) {
         d["pilot_alpha"] = f.forecast->alpha;
         d["pilot_variance_ratio"] = f.forecast->variance_ratio;

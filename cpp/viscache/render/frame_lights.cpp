@@ -10,8 +10,8 @@ namespace {
 
 /// Traces and resamples the virtual point lights of the frame.
 std::vector<Vpl> make_vpls(const Scene& scene, const RayCaster& caster, const FilmCamera& film,
-                                  const IntegratorSettings& integrator, const FrameSettings& frame,
-                                  Control& control, Counters& counters) {
+                           const IntegratorSettings& integrator, const FrameSettings& frame, Control& control,
+                           Counters& counters) {
     const size_t n = size_t(integrator.n_vpls);
     const auto candidates =
         trace_vpls(scene, caster, n * size_t(integrator.vpl_candidates), integrator.vpl_max_depth, frame.seed,

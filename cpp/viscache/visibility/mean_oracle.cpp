@@ -1,5 +1,7 @@
 #include "viscache/visibility/mean_oracle.h"
 
+#include <bit>
+
 #include "viscache/sampling/point_key.h"
 #include "viscache/visibility/local_samples.h"
 
@@ -100,7 +102,12 @@ void MeanOracle::draw_by_contribution(const EyeBlock& eyes, uint32_t eye, int gr
     if (contributions_) {
         std::array<Word*, kPlanes> below;
         for (size_t b = 0; b < kPlanes; ++b) below[b] = bands_.row(b);
-        contributions_->at_most(eye, bands_below_, below);
+        // Bounds are shares of the light; contributions are told in means
+        uint64_t asked = 0;
+        for (const Word word : wanted.row_span(eye)) asked += uint64_t(std::popcount(word));
+        std::array<float, kPlanes> bounds = bands_below_;
+        for (float& bound : bounds) bound *= float(asked);
+        contributions_->at_most(eye, bounds, below);
     }
     const Row& row = *rows_[row_of_eye_[eye]];
     Word* drawn = drawn_.row(eye);

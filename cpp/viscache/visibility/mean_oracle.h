@@ -19,8 +19,9 @@ namespace viscache {
 struct MeanSettings {
     /// q in (0, 1]; empty: by contribution and mean, a power of two of at least 2^−kHalvings.
     std::optional<double> share;
-    /// Without a share: q reaches 1 at so many means of the eye point, where the mean visibility is 1/2.
-    double certain = 4;
+    /// Without a share: q reaches 1 at this share of the eye point's unoccluded light from the group, where
+    /// the mean visibility is 1/2.
+    double certain = 1.0 / 256;
     uint64_t seed = 0;
     /// The seed of all frames that go on from each other. A query with q = 2^−h is drawn in one of 2^h
     /// samples of its pixel that follow each other.

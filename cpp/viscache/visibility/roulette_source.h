@@ -27,6 +27,7 @@ public:
                    const RouletteOptions& options);
     void prepare(FrameStart& frame, Control& control) override;
     std::unique_ptr<VisibilityOracle> make() override;
+    bool corrects() const override { return options_.correct.has_value(); }
     void report(Counters& counters, SourceReport& out) const override;
 
 private:

@@ -24,7 +24,7 @@ struct NeePlusPlusSettings {
     int relearn_pixels = 256;       ///< the same of each later frame, if frames pass on their map
     double min_probability = 0.05;  ///< least tracing probability; limits weights to its inverse
     double exponent = 1;            ///< tracing probability is p^exponent: 1 as in the paper, 0 always traces
-    double certain = 4;             ///< for the control variate (MeanSettings)
+    double certain = 1.0 / 256;     ///< for the control variate (MeanSettings)
     bool symmetric = true;          ///< V(a, b) and V(b, a) share counts
     uint64_t max_bytes = 1ull << 30;
     /// Throws std::invalid_argument with a message that says what must hold.

@@ -27,7 +27,7 @@ class NeePlusPlus:
     With `use="correct"`, the mean visibility μ of two voxels is a control variate instead:
     μ + (V - μ)/q for the connections that are traced, μ for the others. q follows c·√(μ(1 - μ)),
     where c is the unoccluded contribution, down to 1/32 (Kugelmann, *VisCache*). It reaches 1 at
-    `certain` means of the eye point where μ is 1/2. Samples of single eye points, and groups of at
+    `certain` of the light that the group could bring to the eye point where μ is 1/2. Samples of single eye points, and groups of at
     most eight shared lights, are all traced. Connections of `Bdpt` have q = 2·√(μ(1 - μ)). A number
     as in `use=vc.Correct(share=…)` is the q of all connections; `vc.Correct(certain=…)` sets
     another `certain`. This too is right in expectation.
@@ -77,7 +77,7 @@ class NeePlusPlus:
     relearn_pixels: int = 256
     min_probability: float = 0.05
     exponent: float = 1.0
-    certain: float = 4.0
+    certain: float = 1 / 256
     symmetric: bool = True
     max_bytes: int = 1 << 30
 
