@@ -20,6 +20,8 @@ __all__ = ["tune_scenes"]
 
 #: The error may exceed the target, and lie below it, by this factor.
 WITHIN = 1.3
+#: The error may differ so much from that of the pixels that checked it.
+FORETOLD = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +83,11 @@ def measure(outcome: Outcome, case: Case, scene: Scene) -> None:
         for frame in frames.values()
     )
     assert error is not None
+    outcome.check(
+        f"{case.name}: error of the frame against the foretold one, relative",
+        abs(error / max(found.error, 1e-12) - 1),
+        FORETOLD,
+    )
     settings = ", ".join(f"{n} {v:.3g}" for n, v in {"c_e": found.value, **found.also}.items())
     rays = {name: frame.counters["rays"] for name, frame in frames.items()}
     outcome.figures.append(
