@@ -26,11 +26,11 @@ class NeePlusPlus:
 
     With `use="correct"`, the mean visibility μ of two voxels is a control variate instead:
     μ + (V - μ)/q for the connections that are traced, μ for the others. q follows c·√(μ(1 - μ)),
-    where c is the unoccluded contribution, down to 1/32 (Kugelmann, *VisCache*). It reaches 1 at
-    `certain` of the light that the group could bring to the eye point where μ is 1/2. Samples of single eye points, and groups of at
-    most eight shared lights, are all traced. Connections of `Bdpt` have q = 2·√(μ(1 - μ)). A number
-    as in `use=vc.Correct(share=…)` is the q of all connections; `vc.Correct(certain=…)` sets
-    another `certain`. This too is right in expectation.
+    where c is the unoccluded contribution, down to 1/32 (Kugelmann, *VisCache*). It reaches 1 where
+    c is `certain` of what the group could bring to the eye point and μ is 1/2. Samples of single
+    eye points, and groups of at most eight shared lights, are all traced. Connections of `Bdpt`
+    have q = 2·√(μ(1 - μ)). A number as in `use=vc.Correct(share=…)` is the q of all connections;
+    `vc.Correct(certain=…)` sets another `certain`. This too is right in expectation.
 
     Frames can pass on what they have learnt: `vc.render(..., keep=vc.VoxelCounts())`.
 
