@@ -89,7 +89,8 @@ def render(
     Returns
     -------
     Frame
-        Counters are the same as of a frame in one piece; timings are sums over parts.
+        Counters are the same as of a frame in one piece, but every part draws audited pixels of its
+        own. Timings are sums over parts.
 
     Raises
     ------
