@@ -33,19 +33,25 @@ void bind_eye_paths(py::module_& m) {
         "Eye points of a whole frame: position, normal, origin, throughput (N, 3), density and pixel (N,).");
     m.def(
         "draw_audit_pixels",
-        [](uint32_t width, uint32_t height, size_t n, uint64_t seed, uint64_t first_sample) {
-            const auto drawn = draw_audit_pixels(width, height, n, seed, first_sample);
-            py::array_t<uint32_t> out({py::ssize_t(drawn.size()), py::ssize_t(5)});
+        [](const FloatArray& light, size_t n, uint64_t seed, uint64_t first_sample) {
+            if (light.ndim() != 2) throw py::value_error("light must have shape (H, W)");
+            const Tile all{0, 0, int(light.shape(1)), int(light.shape(0))};
+            const auto pixels = along_curve({&all, 1});
+            std::vector<float> values;
+            for (const auto& [x, y] : pixels) values.push_back(light.at(y, x));
+            const auto drawn = draw_audit_pixels(pixels, values, n, seed, first_sample);
+            py::array_t<double> out({py::ssize_t(drawn.size()), py::ssize_t(3)});
             auto rows = out.mutable_unchecked<2>();
             for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
                 const AuditPixel& p = drawn[size_t(i)];
-                const uint32_t values[5] = {p.x, p.y, p.stratum, p.pixels, p.drawn};
-                for (py::ssize_t k = 0; k < 5; ++k) rows(i, k) = values[k];
+                const double row[3] = {double(p.x), double(p.y), p.weight};
+                for (py::ssize_t k = 0; k < 3; ++k) rows(i, k) = row[k];
             }
             return out;
         },
-        py::arg("width"), py::arg("height"), py::arg("n"), py::arg("seed"), py::arg("first_sample") = 0,
-        "Pixels of an audit (n, 5): x, y, stratum, pixels of the stratum, pixels drawn of it.");
+        py::arg("light"), py::arg("n"), py::arg("seed"), py::arg("first_sample") = 0,
+        "Pixels of an audit (n, 3): x, y, weight; two of each stratum, one after the other. `light` (H, W): "
+        "color minus emitted light, summed over channels.");
 }
 
 }  // namespace viscache::bindings

@@ -19,19 +19,17 @@ py::array_t<float> image_of(const FrameResult& f, const std::vector<T>& values) 
 
 /// What an audit found, by light group: errors of its pixels (n, 3), and the sums of each tile's queries.
 py::dict audit_dict(const FrameResult& f) {
-    std::vector<uint32_t> number;
-    uint64_t rays = 0;
-    for (const AuditRecords& tile : f.audit) {
-        rays += tile.rays;
-        for (const AuditedPixel& pixel : tile.pixels) number.push_back(pixel.number);
-    }
+    std::vector<double> weight;
+    for (const AuditedPixel& pixel : f.audited_pixels) weight.push_back(pixel.weight);
+    uint64_t rays = f.audit_rays;
+    for (const AuditRecords& tile : f.audited_queries) rays += tile.rays;
     py::dict errors, queries;
     for (size_t g = 0; g < kLightGroups; ++g) {
         if (f.groups[g].empty()) continue;
         std::vector<Rgb> error;
         py::list sums;
-        for (const AuditRecords& tile : f.audit) {
-            for (const AuditedPixel& pixel : tile.pixels) error.push_back(pixel.error[g]);
+        for (const AuditedPixel& pixel : f.audited_pixels) error.push_back(pixel.error[g]);
+        for (const AuditRecords& tile : f.audited_queries) {
             const AuditedQueries& q = tile.queries[g];
             sums.append(py::make_tuple(q.exact, q.queries, q.certain, q.certain_wrong, q.sampled,
                                        q.sampled_wrong, q.certain_error, q.sampled_error, q.sampled_square));
@@ -40,7 +38,7 @@ py::dict audit_dict(const FrameResult& f) {
         queries[kLightGroupNames[g]] = sums;
     }
     return py::dict(py::arg("rays") = rays,
-                    py::arg("number") = py::array_t<uint32_t>(py::ssize_t(number.size()), number.data()),
+                    py::arg("weight") = py::array_t<double>(py::ssize_t(weight.size()), weight.data()),
                     py::arg("errors") = errors, py::arg("queries") = queries);
 }
 
@@ -187,7 +185,7 @@ py::dict frame_dict(const FrameResult& f) {
     }
     if (f.aligned) timings["aligned_s"] = f.aligned_s;
     out["layers"] = layers;
-    if (!f.audit.empty()) {
+    if (!f.audited_pixels.empty() || !f.audited_queries.empty()) {
         out["audit"] = audit_dict(f);
         timings["audit_cpu_s"] = f.stages.audit;
     }

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from viscache import _core
 from viscache.combinations import Request
 from viscache.emitted_light import light_on_surfaces
 from viscache.settings.audit import LEAST_PIXELS
@@ -21,6 +20,7 @@ __all__ = [
     "audit_record",
     "error_warnings",
     "joined",
+    "nothing_found",
     "pixel_estimates",
     "query_estimates",
     "watched_pixels",
@@ -38,6 +38,8 @@ LEAST_FOR_WARNINGS = 100
 LEAST_WRONG = 50
 #: Nor with more of the pixels than this share, unless it is all of them.
 MOST_SHARE = 1 / 8
+#: Errors of less than this, in means of the picture, are rounding.
+ROUNDING = 1e-5
 #: Standard errors to either side of a 95 % interval.
 WIDTH_95 = 1.96
 #: Columns of the sums over the audited queries of a tile (render/audit.h).
@@ -83,41 +85,43 @@ def audit_record(found: Mapping[str, Any], frame: Any) -> dict[str, Any]:
             **query_estimates(all_, lights["color"], audit["share"]),
             "groups": {n: query_estimates(sums[n], lights[n], audit["share"]) for n in names},
         }
-    width, height = frame.parameters["size"]
-    first = frame.parameters.get("first_sample", 0)
-    drawn = _core.draw_audit_pixels(width, height, audit["n"], frame.parameters["seed"], first)
-    order = np.argsort(np.asarray(found["number"], np.int64), kind="stable")
-    errors = {n: np.asarray(found["errors"][n], np.float64).reshape(-1, 3)[order] for n in names}
-    total = sum(errors.values(), np.zeros((len(drawn), 3)))
+    weight = np.asarray(found["weight"], np.float64)
+    errors = {n: np.asarray(found["errors"][n], np.float64).reshape(-1, 3) for n in names}
+    total = sum(errors.values(), np.zeros((len(weight), 3)))
+    width, height = frame.size
+    size = width * height
     surfaces = light_on_surfaces(frame)
     reflected = None if surfaces is None else _sum(surfaces)
     rays = int(found["rays"])
     return {
         "kind": "pixels",
-        **pixel_estimates(drawn, total, lights["color"], reflected),
+        **pixel_estimates(weight, total, size, lights["color"], reflected),
         "rays": rays,
         "groups": {
-            n: {**pixel_estimates(drawn, errors[n], lights[n]), "rays": rays} for n in names
+            n: {**pixel_estimates(weight, errors[n], size, lights[n]), "rays": rays} for n in names
         },
     }
 
 
 def pixel_estimates(
-    drawn: npt.NDArray[Any], errors: Array, light: float, reflected: float | None = None
+    weight: Array, errors: Array, size: int, light: float, reflected: float | None = None
 ) -> dict[str, Any]:
     """Errors of a frame a against the exact frame b, from whole pixels.
 
-    Ratios of estimated sums. Their variance is that of the linearised ratio, from the two pixels of
-    each stratum. Few pixels make up most of the sum, so intervals are symmetric in the logarithm,
-    and Student's t has the degrees of freedom of Satterthwaite (1946). That few pixels make up
-    nearly all of the sum of squares, and most samples lack them: nrmse has no interval.
+    Ratios of estimated sums, each value by its weight. Their variance is that of the linearised
+    ratio, from the two pixels of each stratum. Few pixels make up most of the sum, so intervals are
+    symmetric in the logarithm, and Student's t has the degrees of freedom of Satterthwaite (1946).
+    Still fewer make up nearly all of the sum of squares, and most samples lack them: nrmse has no
+    interval.
 
     Parameters
     ----------
-    drawn : (n, 5)
-        The pixels of `_core.draw_audit_pixels`.
+    weight : (n,)
+        Of drawn pixels; those of one stratum follow each other in pairs. Of all pixels: 1 each.
     errors : (n, channels)
-        a - b of each.
+        a - b of each. None at all: exact rays answered everything.
+    size : int
+        Pixels of the frame.
     light, reflected : float
         Σa over the whole frame; the same without emitted light that the camera sees.
 
@@ -126,18 +130,16 @@ def pixel_estimates(
     dict
         "pixels", and the records of `Estimate` for "rel_l1", "rel_l1_reflected" and "nrmse".
     """
-    size = drawn[:, 3].astype(np.float64)
-    weight = size / drawn[:, 4]
     signed, absolute = errors.sum(axis=1), np.abs(errors).sum(axis=1)
     square = np.square(errors).sum(axis=1)
     exact = light - float((weight * signed).sum())
-    all_pixels, whole = float(weight.sum()), bool((size == drawn[:, 4]).all())
-    fits = LEAST_PIXELS <= len(drawn) <= MOST_SHARE * all_pixels
-    fits = fits and int(np.count_nonzero(absolute)) >= LEAST_WRONG
+    whole = len(weight) in (0, size)
+    fits = LEAST_PIXELS <= len(weight) <= MOST_SHARE * size
+    fits = fits and int((absolute > ROUNDING * light / size).sum()) >= LEAST_WRONG
 
     def estimate(value: float, terms: Array, fits: bool) -> dict[str, Any]:
         """`terms`: what each pixel adds to the logarithm of the value."""
-        spread, freedom = (0.0, 1.0) if whole or value == 0 else _spread(size, terms)
+        spread, freedom = (0.0, 1.0) if whole or value == 0 else _spread(weight * terms)
         made: dict[str, Any] = {"value": value, "se": value * spread, "low": None, "high": None}
         if whole:
             made |= {"low": value, "high": value}
@@ -156,12 +158,12 @@ def pixel_estimates(
         total, channels = float((weight * square).sum()), errors.shape[1]
         if not exact > 0 or not math.isfinite(total):
             return None
-        value = math.sqrt(total * all_pixels * channels) / exact
+        value = math.sqrt(total * size * channels) / exact
         return estimate(value, square / (2 * total or 1.0) + signed / exact, False)
 
     shift = None if reflected is None else reflected - light
     return {
-        "pixels": len(drawn),
+        "pixels": len(weight),
         "rel_l1": rel_l1(exact),
         "rel_l1_reflected": None if shift is None else rel_l1(exact + shift),
         "nrmse": nrmse(),
@@ -214,19 +216,24 @@ def query_estimates(sums: Mapping[str, float], light: float, share: float) -> di
     }
 
 
+def nothing_found(names: list[str]) -> dict[str, Any]:
+    """What an audit of pixels finds where exact rays answered everything."""
+    return {"rays": 0, "weight": [], "errors": {name: [] for name in names}, "queries": {}}
+
+
 def joined(parts: list[Mapping[str, Any]]) -> dict[str, Any]:
     """What the core found, of several parts of a frame."""
     return {
         "settings": parts[0]["settings"],
         "rays": sum(int(part["rays"]) for part in parts),
-        "number": np.concatenate([np.asarray(part["number"], np.int64) for part in parts]),
+        "weight": np.concatenate([np.asarray(part["weight"], np.float64) for part in parts]),
         "errors": {
             name: np.concatenate([np.reshape(part["errors"][name], (-1, 3)) for part in parts])
             for name in parts[0]["errors"]
         },
         "queries": {
-            name: [row for part in parts for row in part["queries"][name]]
-            for name in parts[0]["queries"]
+            name: [row for part in parts for row in part["queries"].get(name, [])]
+            for name in parts[0]["errors"]
         },
     }
 
@@ -266,10 +273,9 @@ def _fsums(rows: Any) -> dict[str, float]:
     return {name: math.fsum(column) for name, column in zip(SUMS, columns, strict=True)}
 
 
-def _spread(size: Array, terms: Array) -> tuple[float, float]:
-    """Standard deviation of Σ weight · term over pairs, and its degrees of freedom."""
-    pairs, n = terms.reshape(-1, 2), size.reshape(-1, 2)[:, 0]
-    variances = np.square(n * (pairs[:, 0] - pairs[:, 1])) / 4
+def _spread(terms: Array) -> tuple[float, float]:
+    """Standard deviation of a sum over pairs, and its degrees of freedom."""
+    variances = np.square(terms[::2] - terms[1::2])
     total = float(variances.sum())
     squares = float(np.square(variances).sum())
     return math.sqrt(total), max(1.0, total**2 / squares) if squares > 0 else 1.0

@@ -13,7 +13,7 @@ from typing import Any, Literal, cast, get_args
 from viscache import _core, sources
 from viscache.aqvc_rows import AqvcRows
 from viscache.aqvc_table import AqvcTable
-from viscache.audited import audit_record, error_warnings, watched_pixels
+from viscache.audited import audit_record, error_warnings, nothing_found, watched_pixels
 from viscache.combinations import Request, check
 from viscache.exact_cost import cost_warnings
 from viscache.frame import Frame
@@ -337,11 +337,11 @@ def render_part(
         warnings=_warnings(scene, integrator, visibility),
     )
     found = result.get("audit")
+    if found is None and audit is not None:
+        found = nothing_found(list(made.counters["groups"]))
     if found is not None:
         watch = {"name": "AuditPixels", "n": frame.audit_pixels}
         found["settings"] = watch if audit is None else audits.in_words(audit)
-        # Exact answers need no watch
-        found = found if audit is not None or found["rays"] or frame.parts > 1 else None
     if frame.parts > 1:
         if found is not None:
             made.counters["audit_found"] = found

@@ -89,7 +89,8 @@ def render(
     Returns
     -------
     Frame
-        Counters are the same as of a frame in one piece; timings are sums over parts.
+        Counters are the same as of a frame in one piece, but every part draws audited pixels of its
+        own. Timings are sums over parts.
 
     Raises
     ------
@@ -256,9 +257,7 @@ def _joined(parts: list[Part], layers: dict[str, Layer]) -> Frame:
     )
     found = [p.frame.counters["audit_found"] for p in parts if "audit_found" in p.frame.counters]
     if found and len(parts) == parts[0].parts:
-        whole = joined(found)
-        if "audit" in parameters or whole["rays"]:
-            made.counters["audit"] = audit_record(whole, made)
+        made.counters["audit"] = audit_record(joined(found), made)
     made.warnings = made.warnings + cost_warnings(parameters, counters) + error_warnings(made)
     made.counters["sha256"] = made.sha256
     return made

@@ -3,7 +3,6 @@
 // depends on the frame alone, and the frame has the same bytes with and without an audit.
 #include <array>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "viscache/render/eye_paths.h"
@@ -14,7 +13,7 @@ namespace viscache {
 
 /// An audited pixel: answered minus exact light of each light group.
 struct AuditedPixel {
-    uint32_t number = 0;  ///< in the list of all drawn pixels
+    double weight = 0;
     std::array<Rgb, kLightGroups> error{};
 };
 
@@ -29,9 +28,8 @@ struct AuditedQueries {
     double sampled_error = 0, sampled_square = 0;  ///< Σ c, Σ c² of wrong answers
 };
 
-/// What an audit found in a tile.
+/// What an audit of queries found in a tile.
 struct AuditRecords {
-    std::vector<AuditedPixel> pixels;
     std::array<AuditedQueries, kLightGroups> queries{};
     uint64_t rays = 0;
 };
@@ -46,21 +44,5 @@ struct AuditedBlock {
     /// Light of the columns of a row, with weights of the columns or none, at the pixel of an eye point.
     std::function<Rgb(size_t eye, const Word* row, std::span<const float> weights)> light;
 };
-
-/// The audit of one tile after another, on one thread.
-class TileAudit {
-public:
-    virtual ~TileAudit() = default;
-    virtual void begin_tile(const Tile& tile, const EyeTile& eyes) = 0;
-    virtual void block(const AuditedBlock& block) = 0;
-    /// Samples of single eye points, and how `oracle` answered them.
-    virtual void samples(const WeightedSamples& samples, std::span<const Word> visible,
-                         const VisibilityOracle& oracle) = 0;
-    virtual void end_tile(AuditRecords& out) = 0;
-};
-
-/// The audit that the settings ask for; nullptr if none.
-std::unique_ptr<TileAudit> make_audit(const FrameSettings& frame, const RayCaster& caster, float extent,
-                                      const Control& control);
 
 }  // namespace viscache

@@ -1,56 +1,50 @@
 #include "viscache/render/audit_pixels.h"
 
 #include <algorithm>
-#include <bit>
 
+#include "viscache/math/morton.h"
 #include "viscache/sampling/rng.h"
 
 namespace viscache {
 
-AuditPixel morton_pixel(uint64_t rank, uint32_t width, uint32_t height) {
-    uint32_t x0 = 0, y0 = 0;
-    // From a square around the picture down: which of its quarters has the pixel?
-    for (uint32_t half = std::bit_ceil(std::max(width, height)) / 2; half > 0; half /= 2)
-        for (uint32_t quarter = 0; quarter < 4; ++quarter) {
-            const uint32_t x = x0 + (quarter & 1) * half, y = y0 + (quarter >> 1) * half;
-            const uint64_t columns = x < width ? std::min(half, width - x) : 0;
-            const uint64_t rows = y < height ? std::min(half, height - y) : 0;
-            if (rank < columns * rows) {
-                x0 = x;
-                y0 = y;
-                break;
-            }
-            rank -= columns * rows;
-        }
-    return {x0, y0, 0, 0, 0};
+std::vector<std::pair<uint32_t, uint32_t>> along_curve(std::span<const Tile> tiles) {
+    std::vector<Tile> sorted(tiles.begin(), tiles.end());
+    std::sort(sorted.begin(), sorted.end(), [](const Tile& a, const Tile& b) {
+        return morton2_wide(uint32_t(a.x0), uint32_t(a.y0)) < morton2_wide(uint32_t(b.x0), uint32_t(b.y0));
+    });
+    std::vector<std::pair<uint32_t, uint32_t>> out;
+    for (const Tile& tile : sorted)
+        for (const auto& [x, y] : morton_pixels(tile.x1 - tile.x0, tile.y1 - tile.y0))
+            out.emplace_back(uint32_t(tile.x0) + x, uint32_t(tile.y0) + y);
+    return out;
 }
 
-std::vector<AuditPixel> draw_audit_pixels(uint32_t width, uint32_t height, size_t n, uint64_t seed,
+std::vector<AuditPixel> draw_audit_pixels(std::span<const std::pair<uint32_t, uint32_t>> pixels,
+                                          std::span<const float> light, size_t n, uint64_t seed,
                                           uint64_t first_sample) {
-    const uint64_t all = uint64_t(width) * height;
-    const bool every = n >= all;
-    const uint64_t strata = every ? 1 : std::min<uint64_t>((n + 1) / 2, all / 2);
     std::vector<AuditPixel> out;
-    for (uint64_t stratum = 0; stratum < strata; ++stratum) {
-        const uint64_t begin = all * stratum / strata, size = all * (stratum + 1) / strata - begin;
-        const auto add = [&](uint64_t rank, uint64_t drawn) {
-            AuditPixel pixel = morton_pixel(begin + rank, width, height);
-            pixel.stratum = uint32_t(stratum);
-            pixel.pixels = uint32_t(size);
-            pixel.drawn = uint32_t(drawn);
-            out.push_back(pixel);
-        };
-        if (every) {
-            for (uint64_t rank = 0; rank < size; ++rank) add(rank, size);
-            continue;
-        }
+    if (n >= pixels.size()) {
+        for (const auto& [x, y] : pixels) out.push_back({x, y, 1});
+        return out;
+    }
+    const auto known = [](float v) { return v > 0 && v < kInfinity ? double(v) : 0.0; };
+    double sum = 0;
+    for (const float v : light) sum += known(v);
+    const double mean = sum > 0 ? sum / double(pixels.size()) : 1;
+    std::vector<double> end(pixels.size());  // running sum of the sizes
+    double total = 0;
+    for (size_t i = 0; i < pixels.size(); ++i) end[i] = total += known(light[i]) + mean;
+    const size_t strata = (n + 1) / 2;
+    for (size_t stratum = 0; stratum < strata; ++stratum) {
         Rng rng(seed, Purpose::kAudit, stratum, first_sample);
-        const auto below = [&](uint64_t limit) { return (rng.next_u64() >> 32) * limit >> 32; };
-        const uint64_t first = below(size);
-        uint64_t second = below(size - 1);
-        second += second >= first;
-        add(std::min(first, second), 2);
-        add(std::max(first, second), 2);
+        for (int draw = 0; draw < 2; ++draw) {
+            const double u = double(rng.next_u64() >> 11) * 0x1p-53;
+            const double at = (double(stratum) + u) / double(strata) * total;
+            const auto found = std::upper_bound(end.begin(), end.end(), at);
+            const size_t i = std::min(size_t(found - end.begin()), pixels.size() - 1);
+            const double size = known(light[i]) + mean;
+            out.push_back({pixels[i].first, pixels[i].second, total / (2 * double(strata) * size)});
+        }
     }
     return out;
 }

@@ -1,27 +1,32 @@
 #pragma once
-// Draws the pixels of an audit: a stratified random sample along the Morton curve of a picture.
+// Draws the pixels of an audit: a stratified random sample along the Morton curve of a picture, by
+// brightness.
 //
-// A stratum is a run of the curve, so its pixels lie close together. Two pixels are drawn of each, without
-// replacement, so that their difference estimates the variance within the stratum.
-#include <cstddef>
+// Where light leaks through a wall, the picture is bright and wrong. So the probability of a pixel is its
+// light plus the mean of all. A stratum is a run of the curve with its share of the probability. Two pixels
+// are drawn of each, so that their difference estimates the variance within the stratum (Hansen, Hurwitz
+// 1943).
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
+
+#include "viscache/render/tiles.h"
 
 namespace viscache {
 
 struct AuditPixel {
     uint32_t x, y;
-    uint32_t stratum;
-    uint32_t pixels;  ///< of its stratum
-    uint32_t drawn;   ///< of these
+    double weight;  ///< Σ weight · value over the drawn pixels estimates the sum over all
 };
 
-/// Pixel number `rank` along the Morton curve of a picture.
-AuditPixel morton_pixel(uint64_t rank, uint32_t width, uint32_t height);
+/// The pixels of some tiles of a picture along its Morton curve. Edges of tiles are powers of two.
+std::vector<std::pair<uint32_t, uint32_t>> along_curve(std::span<const Tile> tiles);
 
-/// About n pixels, in the order of their strata: n rounded up to an even number, or all pixels, in one
-/// stratum, if the picture has no more. Only the arguments decide.
-std::vector<AuditPixel> draw_audit_pixels(uint32_t width, uint32_t height, size_t n, uint64_t seed,
+/// n pixels, an odd number rounded up, pairs of one stratum one after the other; or all pixels, with weights
+/// of 1, if there are no more. `light`: of each pixel, negative values count as 0.
+std::vector<AuditPixel> draw_audit_pixels(std::span<const std::pair<uint32_t, uint32_t>> pixels,
+                                          std::span<const float> light, size_t n, uint64_t seed,
                                           uint64_t first_sample);
 
 }  // namespace viscache

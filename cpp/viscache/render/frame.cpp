@@ -1,6 +1,10 @@
 #include "viscache/render/frame.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "viscache/math/wall_clock.h"
+#include "viscache/render/audit_pixels.h"
 #include "viscache/render/frame_start.h"
 #include "viscache/render/glossy_sums.h"
 #include "viscache/render/local_samples.h"
@@ -8,6 +12,7 @@
 #include "viscache/render/tile_contributions.h"
 #include "viscache/render/weighted_lights.h"
 #include "viscache/scene/check.h"
+#include "viscache/visibility/exact_source.h"
 
 namespace viscache {
 
@@ -36,11 +41,9 @@ struct FrameContext {
 class TileWorker {
 public:
     TileWorker(const FrameContext& context, OracleSource& source, const Control& control)
-        : c_(context),
-          oracle_(source.make()),
-          audit_(make_audit(context.frame, context.caster, context.scene.offset_extent(), control)),
-          picks_(size_t(context.integrator.pick), context.frame.seed) {
+        : c_(context), oracle_(source.make()), picks_(size_t(context.integrator.pick), context.frame.seed) {
         oracle_->watch(control);
+        if (c_.frame.audit_share > 0) audit_.emplace(c_.frame, c_.caster, c_.scene.offset_extent(), control);
         if (c_.product) product_.emplace(*c_.product);
     }
 
@@ -55,7 +58,7 @@ public:
         eyes_.block.tile = number;
         oracle_->begin_tile(eyes_.block);
         clock.lap(stages.visibility);
-        if (audit_) audit_->begin_tile(tile, eyes_);
+        if (audit_) audit_->begin_tile(eyes_);
         clock.lap(stages.audit);
         for (const SharedLights& lights : c_.shared) {
             add_shared(lights, counters, stages, clock, control);
@@ -63,13 +66,24 @@ public:
         add_local(counters, stages, clock, control);
         if (c_.shares) add_shares(c_.shares->first[number]);
         if (product_) add_product(tile, counters, stages, product, control);
-        if (audit_) audit_->end_tile(*audit);
+        if (audit_ && audit) audit_->end_tile(*audit);
         clock.skip();
         write(tile, out);
         clock.lap(stages.shading);
     }
 
     VisibilityOracle& oracle() { return *oracle_; }
+    /// True if exact rays answered all queries of the frame.
+    bool all_exact(const FrameResult& out) const {
+        for (int g = 0; g < kLightGroups; ++g) {
+            const auto of_group = [&](const SharedLights& s) { return s.ends.group == g; };
+            const auto lights = std::find_if(c_.shared.begin(), c_.shared.end(), of_group);
+            const bool exact =
+                lights == c_.shared.end() ? oracle_->is_exact_own(g) : oracle_->is_exact(lights->ends);
+            if (!out.groups[size_t(g)].empty() && !exact) return false;
+        }
+        return true;
+    }
     const RecordTally* tally() const { return product_ ? &product_->tally() : nullptr; }
 
 private:
@@ -255,7 +269,7 @@ private:
 
     const FrameContext& c_;
     std::unique_ptr<VisibilityOracle> oracle_;
-    std::unique_ptr<TileAudit> audit_;  ///< nullptr: none
+    std::optional<QueryAudit> audit_;
     TilePicks picks_;
     EyeTile eyes_;
     BitMatrix wanted_, visible_;
@@ -288,6 +302,62 @@ FrameResult empty_result(const FrameContext& c, bool corrects) {
     if (c.integrator.direct && c.scene.environment()) has(LightGroup::kEnvironment);
     if (c.integrator.ambient) has(LightGroup::kAmbient);
     return out;
+}
+
+/// Renders some of the pixels again by exact rays.
+void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Control& control,
+                  FrameResult& out) {
+    const double start = thread_cpu_seconds();
+    const auto pixels = along_curve(tiles);
+    const double share = double(pixels.size()) / (double(out.width) * out.height);
+    std::vector<float> light(pixels.size());
+    const auto at = [&](uint32_t x, uint32_t y) { return size_t(y) * size_t(out.width) + x; };
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        const size_t p = at(pixels[i].first, pixels[i].second);
+        const Rgb seen = out.color[p] - out.emitted[p];
+        light[i] = seen.x + seen.y + seen.z;
+    }
+    const size_t n = size_t(std::ceil(double(c.frame.audit_pixels) * share));
+    const auto drawn = draw_audit_pixels(pixels, light, n, c.frame.seed, c.frame.first_sample);
+    out.stages.audit += thread_cpu_seconds() - start;
+
+    FrameResult exact = empty_result(c);
+    std::vector<std::pair<uint32_t, uint32_t>> once;  // a pixel may be drawn twice
+    for (const AuditPixel& pixel : drawn) once.emplace_back(pixel.x, pixel.y);
+    std::sort(once.begin(), once.end());
+    once.erase(std::unique(once.begin(), once.end()), once.end());
+    ExactSource source(c.scene, c.caster);
+    std::vector<std::unique_ptr<TileWorker>> workers(size_t(out.threads));
+    constexpr size_t kRun = 64;
+    const size_t runs = (once.size() + kRun - 1) / kRun;
+    std::vector<Counters> counted(runs);
+    std::vector<double> seconds(runs);
+    parallel_for(runs, out.threads, [&](size_t run, int worker) {
+        control.check();
+        const double begin = thread_cpu_seconds();
+        auto& mine = workers[size_t(worker)];
+        if (!mine) mine = std::make_unique<TileWorker>(c, source, control);
+        StageSeconds stages;
+        ProductSeconds product;
+        for (size_t i = run * kRun; i < std::min(once.size(), (run + 1) * kRun); ++i) {
+            const int x = int(once[i].first), y = int(once[i].second);
+            mine->render(0, {x, y, x + 1, y + 1}, exact, counted[run], stages, product, nullptr, control);
+        }
+        seconds[run] = thread_cpu_seconds() - begin;
+    });
+    for (size_t run = 0; run < runs; ++run) {
+        out.audit_rays += counted[run].rays();
+        out.stages.audit += seconds[run];
+    }
+    for (const AuditPixel& pixel : drawn) {
+        AuditedPixel& found = out.audited_pixels.emplace_back();
+        found.weight = pixel.weight;
+        for (size_t g = 0; g < kLightGroups; ++g)
+            if (!out.groups[g].empty()) {
+                const size_t p = at(pixel.x, pixel.y);
+                found.error[g] = out.groups[g][p] - exact.groups[g][p];
+            }
+    }
 }
 
 /// Runs the pilot if a setting depends on it, and stores its result in the context.
@@ -370,13 +440,13 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
     std::vector<Counters> counted(tiles.size());
     std::vector<StageSeconds> stages(tiles.size());
     std::vector<ProductSeconds> product_stages(tiles.size());
-    if (frame.audit_pixels > 0 || frame.audit_share > 0) out.audit.resize(tiles.size());
+    if (frame.audit_share > 0) out.audited_queries.resize(tiles.size());
     const auto render_tile = [&](size_t i, int worker) {
         control.check();
         auto& mine = workers[size_t(worker)];
         if (!mine) mine = std::make_unique<TileWorker>(context, source, control);
         mine->render(i, tiles[i], out, counted[i], stages[i], product_stages[i],
-                     out.audit.empty() ? nullptr : &out.audit[i], control);
+                     out.audited_queries.empty() ? nullptr : &out.audited_queries[i], control);
         source.end_item(mine->oracle(), i);
         control.done.fetch_add(1);
     };
@@ -394,6 +464,11 @@ FrameResult render_frame(const Scene& scene, const RayCaster& caster, const Came
         counters.merge(counted[i]);
         out.stages.merge(stages[i]);
         out.product.merge(product_stages[i]);
+    }
+    if (frame.audit_pixels > 0 && !workers.empty()) {
+        const auto any =
+            std::find_if(workers.begin(), workers.end(), [](const auto& w) { return w != nullptr; });
+        if (any != workers.end() && !(*any)->all_exact(out)) audit_pixels(context, tiles, control, out);
     }
     if (maps && maps->source.records > 0 && product) {
         out.tally.emplace(maps->source.records);

@@ -7,6 +7,7 @@
 #include "viscache/render/audit.h"
 #include "viscache/render/environment_product.h"
 #include "viscache/render/eye_paths.h"
+#include "viscache/render/query_audit.h"
 #include "viscache/render/shared_lights.h"
 #include "viscache/render/stage_clock.h"
 #include "viscache/visibility/oracle_source.h"
@@ -32,8 +33,10 @@ struct FrameResult {
     std::vector<Rgb> albedo;
     std::vector<float> coverage;  ///< share of the samples that hit
     Counters counters;
-    std::vector<AuditRecords> audit;  ///< of each tile; empty without an audit
-    SourceReport source;              ///< report of the oracle source
+    std::vector<AuditedPixel> audited_pixels;   ///< two of each stratum, one after the other; or all
+    std::vector<AuditRecords> audited_queries;  ///< of each tile
+    uint64_t audit_rays = 0;
+    SourceReport source;  ///< report of the oracle source
     StageSeconds stages;
     ProductSeconds product;               ///< product sampling of the environment; included in `stages`
     std::optional<Forecast> forecast;     ///< for frames with visibility maps

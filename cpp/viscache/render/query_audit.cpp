@@ -30,7 +30,7 @@ void add_wrong(AuditedQueries& found, bool certain, double error) {
 
 }  // namespace
 
-void QueryAudit::begin_tile(const Tile&, const EyeTile& eyes) {
+void QueryAudit::begin_tile(const EyeTile& eyes) {
     eyes_ = &eyes;
     counters_ = {};
     found_ = {};

@@ -4,17 +4,19 @@
 
 namespace viscache {
 
-class QueryAudit final : public TileAudit {
+/// The audit of one tile after another, on one thread.
+class QueryAudit {
 public:
     QueryAudit(const FrameSettings& frame, const RayCaster& caster, float extent, const Control& control)
         : frame_(frame), exact_(caster, extent) {
         exact_.watch(control);
     }
-    void begin_tile(const Tile& tile, const EyeTile& eyes) override;
-    void block(const AuditedBlock& block) override;
+    void begin_tile(const EyeTile& eyes);
+    void block(const AuditedBlock& block);
+    /// Samples of single eye points, and how `oracle` answered them.
     void samples(const WeightedSamples& samples, std::span<const Word> visible,
-                 const VisibilityOracle& oracle) override;
-    void end_tile(AuditRecords& out) override;
+                 const VisibilityOracle& oracle);
+    void end_tile(AuditRecords& out);
 
 private:
     /// Sets each of the first n bits with the frame's share as probability.

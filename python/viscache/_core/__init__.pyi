@@ -971,9 +971,9 @@ def description_of(scene: Scene) -> SceneDescription:
     """
     A description of the scene that can be changed.
     """
-def draw_audit_pixels(width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex, n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, first_sample: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint32]:
+def draw_audit_pixels(light: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], n: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex, first_sample: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.float64]:
     """
-    Pixels of an audit (n, 5): x, y, stratum, pixels of the stratum, pixels drawn of it.
+    Pixels of an audit (n, 3): x, y, weight; two of each stratum, one after the other. `light` (H, W): color minus emitted light, summed over channels.
     """
 def embree_version() -> str:
     ...

@@ -114,10 +114,11 @@ def pixels(outcome: Outcome, case: Case, scene: Scene) -> None:
     cached = render(scene, case.integrator, visibility=case.cache, size=case.size)
     for layer in ("color", *cached.counters["groups"]):
         error, light, truth = _error(cached, exact, layer)
+        shown_light = (cached.image - cached.layers["emitted"]).sum(axis=2)
         if not truth["rel_l1"]:
             continue
         for n in case.pixels:
-            found = _coverage(case, error, light, truth, n)
+            found = _coverage(case, shown_light, error, light, truth, n)
             name = f"{case.name}, {layer}, {n} pixels: coverage of rel_l1"
             shown = {**found, "true": truth["rel_l1"]}
             coverage = found["coverage"]
@@ -141,13 +142,14 @@ def _error(cached: Frame, exact: Frame, layer: str) -> tuple[Array, float, dict[
 
 
 def _coverage(
-    case: Case, error: Array, light: float, truth: dict[str, float], n: int
+    case: Case, seen: Any, error: Array, light: float, truth: dict[str, float], n: int
 ) -> dict[str, Any]:
     """Shares of the seeds whose interval holds the truth."""
     held, shown, of_nrmse, widths = 0, 0, 0, []
     for seed in range(case.seeds):
-        drawn = _core.draw_audit_pixels(*case.size, n, seed)
-        found = pixel_estimates(drawn, error[drawn[:, 1], drawn[:, 0]], light)
+        drawn = _core.draw_audit_pixels(seen, n, seed)
+        x, y = drawn[:, :2].astype(int).T
+        found = pixel_estimates(drawn[:, 2], error[y, x], seen.size, light)
         rel_l1, nrmse = found["rel_l1"], found["nrmse"]
         spread = 1.96 * nrmse["se"] / max(nrmse["value"], 1e-30)
         of_nrmse += abs(np.log(max(nrmse["value"], 1e-30) / truth["nrmse"])) <= spread
