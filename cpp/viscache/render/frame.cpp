@@ -321,7 +321,7 @@ void audit_pixels(const FrameContext& c, std::span<const Tile> tiles, const Cont
     const auto drawn = draw_audit_pixels(pixels, light, n, c.frame.seed, c.frame.first_sample);
     out.stages.audit += thread_cpu_seconds() - start;
 
-    FrameResult exact = empty_result(c);
+    FrameResult exact = empty_result(c, false);
     std::vector<std::pair<uint32_t, uint32_t>> once;  // a pixel may be drawn twice
     for (const AuditPixel& pixel : drawn) once.emplace_back(pixel.x, pixel.y);
     std::sort(once.begin(), once.end());
