@@ -194,7 +194,9 @@ def test_tiles_give_the_bytes_of_the_frame_when_a_worker_is_killed(
     assert {n: p.tobytes() for n, p in frame.layers.items()} == {
         n: p.tobytes() for n, p in whole.layers.items()
     }
-    assert frame.counters == whole.counters
+    # Every part draws audited pixels of its own
+    told = [{n: c for n, c in f.counters.items() if n != "audit"} for f in (frame, whole)]
+    assert told[0] == told[1]
 
 
 def test_the_command_line_sweeps_on_a_scheduler(
