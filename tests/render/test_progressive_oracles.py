@@ -104,7 +104,7 @@ def test_an_interrupted_pass_leaves_nothing(
     stopped.passes(1)
     from viscache import progressive
 
-    whole = progressive.render
+    whole = progressive.render_part
 
     def interrupted(*args: Any, **options: Any) -> vc.Frame:
         def stop(done: int, total: int) -> None:
@@ -112,7 +112,7 @@ def test_an_interrupted_pass_leaves_nothing(
 
         return whole(*args, **options, progress=stop)
 
-    monkeypatch.setattr(progressive, "render", interrupted)
+    monkeypatch.setattr(progressive, "render_part", interrupted)
     with pytest.raises(KeyboardInterrupt):
         stopped.passes(1)
     monkeypatch.undo()

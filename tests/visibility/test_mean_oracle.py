@@ -158,11 +158,15 @@ def test_the_contribution_decides_beside_the_mean() -> None:
     assert errors[1] > 3 * errors[0] > 0
 
 
-def test_fewer_certain_means_draw_more() -> None:
+def test_a_smaller_certain_share_draws_more() -> None:
     scene = vc.scenes.build("room?triangles=3000")
     drawn = [
         vc.render(scene, LIGHTS, size=SIZE, visibility=vc.NeePlusPlus(certain=c), use=use)
-        for c, use in ((32.0, "correct"), (4.0, "correct"), (4.0, vc.Correct(certain=32)))
+        for c, use in (
+            (1 / 4, "correct"),
+            (1 / 32, "correct"),
+            (1 / 32, vc.Correct(certain=1 / 4)),
+        )
     ]
     rays = [frame.counters["corrections"] for frame in drawn]
     assert rays[1] > 1.5 * rays[0]
