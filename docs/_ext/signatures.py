@@ -42,7 +42,16 @@ SHORT = [
 ]
 SHOWN_ARRAY = re.compile(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[" + _INNER + r"\]\]")
 #: Settings turn themselves into those of the core: nothing for users.
-GLUE = {"core", "build", "estimate", "map_settings", "for_frame_table", "for_kept_table", "source"}
+GLUE = {
+    "corrected",
+    "core",
+    "build",
+    "estimate",
+    "map_settings",
+    "for_frame_table",
+    "for_kept_table",
+    "source",
+}
 #: A built-in scene is written as a function that returns a `Builder`; called, it returns a Scene.
 BUILDERS = ("Builder", "~viscache.scenes.builder.Builder", "viscache.scenes.builder.Builder")
 #: Things whose docstring has no sections: "N: text" is not a type.
